@@ -1,0 +1,1 @@
+"""Exact algebra over the rationals: numbers, trivariate polynomials, normal forms, nullspaces."""

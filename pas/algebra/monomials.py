@@ -1,0 +1,94 @@
+"""The one order of monomials, and fast evaluation of many polynomials at many points.
+
+Monomials x^a y^b z^c are listed by total degree, so that those of degree <= m are the first
+C(m+3, 3) of those of any higher degree; inside one degree, in descending lexicographic order.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+Exponents = tuple[int, ...]
+Floats = NDArray[np.float64]
+
+CHUNK_ENTRIES = 1 << 21
+"""Entries of the monomial matrix held at once (16 MB): larger blocks fall out of the caches."""
+
+
+@lru_cache(maxsize=None)
+def exponents(degree: int, variables: int = 3) -> tuple[Exponents, ...]:
+    """All exponent tuples of total degree <= `degree`, in the order above."""
+    return tuple(e for d in range(degree + 1) for e in homogeneous_exponents(d, variables))
+
+
+@lru_cache(maxsize=None)
+def homogeneous_exponents(degree: int, variables: int = 3) -> tuple[Exponents, ...]:
+    """All exponent tuples of total degree exactly `degree`, descending lexicographically."""
+    if variables == 1:
+        return ((degree,),)
+    return tuple(
+        (first, *rest)
+        for first in range(degree, -1, -1)
+        for rest in homogeneous_exponents(degree - first, variables - 1)
+    )
+
+
+@lru_cache(maxsize=None)
+def positions(degree: int, variables: int = 3) -> dict[Exponents, int]:
+    """Where each exponent tuple stands in `exponents`."""
+    return {e: i for i, e in enumerate(exponents(degree, variables))}
+
+
+def count(degree: int, variables: int = 3) -> int:
+    """How many monomials have total degree <= `degree` (none for a negative degree)."""
+    return comb(degree + variables, variables) if degree >= 0 else 0
+
+
+@lru_cache(maxsize=None)
+def _products(degree: int) -> tuple[tuple[slice, NDArray[np.intp], int], ...]:
+    """How each block of monomials follows from earlier columns: (columns, parents, variable)."""
+    where = positions(degree)
+    blocks: list[tuple[slice, NDArray[np.intp], int]] = []
+    for d in range(1, degree + 1):
+        start = count(d - 1)
+        parents: dict[int, list[int]] = {0: [], 1: [], 2: []}
+        for a, b, c in homogeneous_exponents(d):
+            variable = 0 if a else 1 if b else 2
+            parents[variable].append(
+                where[(a - 1, b, c) if a else (0, b - 1, c) if b else (0, 0, c - 1)]
+            )
+        for variable, indices in parents.items():
+            stop = start + len(indices)
+            blocks.append((slice(start, stop), np.array(indices), variable))
+            start = stop
+    return tuple(blocks)
+
+
+def monomial_values(points: Floats, degree: int) -> Floats:
+    """Values of all monomials of degree <= `degree` at `points` (N, 3): shape (count, N)."""
+    values = np.empty((count(degree), len(points)))
+    values[0] = 1.0
+    coordinates = np.ascontiguousarray(points.T)
+    for columns, parents, variable in _products(degree):
+        np.multiply(values[parents], coordinates[variable], out=values[columns])
+    return values
+
+
+def evaluate(points: Floats, coefficients: Floats) -> Floats:
+    """Values of many polynomials at many points.
+
+    `points` (..., 3); `coefficients` (C(n+3, 3), m), a polynomial a column; result (..., m).
+    """
+    flat = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
+    size = len(coefficients)
+    degree = next(n for n in range(size) if count(n) >= size)
+    result = np.empty((len(flat), coefficients.shape[1]))
+    step = max(1, CHUNK_ENTRIES // size)
+    for start in range(0, len(flat), step):
+        block = flat[start : start + step]
+        result[start : start + step] = monomial_values(block, degree).T @ coefficients
+    return result.reshape(*np.shape(points)[:-1], coefficients.shape[1])

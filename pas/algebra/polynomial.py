@@ -1,0 +1,217 @@
+"""Exact polynomials in x, y, z over the rationals.
+
+A thin, immutable owner of a python-flint `fmpq_mpoly` (one ring for the whole program, graded
+reverse lexicographic order with x > y > z).  Arithmetic, comparison and differentiation are
+exact; calling a polynomial on an array is the only numerical thing it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from pas.algebra.monomials import Exponents, Floats, count, evaluate, positions
+from pas.algebra.parse import parse_polynomial
+from pas.algebra.rational import rational, to_float, to_fraction
+
+VARIABLES = ("x", "y", "z")
+RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
+GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+
+
+class Polynomial:
+    """A polynomial in x, y, z with rational coefficients, exact and immutable.
+
+    `expression` is a string (`"x^2 + y**2/4 - 1/9"`; decimals are taken as written), a sympy
+    expression in x, y, z, a mapping from exponent triples to numbers, a number, or a Polynomial.
+
+    Raises `ValueError` (other variables, not polynomial, not finite) or `TypeError`.
+
+    >>> p = Polynomial("x^2 + y^2 - 1/9")
+    >>> p.degree, p.coefficients()[0, 0, 0]
+    (2, Fraction(-1, 9))
+    """
+
+    def __init__(self, expression: Any) -> None:
+        self.raw: fmpq_mpoly = _read(expression)
+
+    @classmethod
+    def from_raw(cls, raw: fmpq_mpoly) -> Polynomial:
+        """Own an `fmpq_mpoly` of the program's ring."""
+        result = cls.__new__(cls)
+        result.raw = raw
+        return result
+
+    @property
+    def degree(self) -> int:
+        """Total degree; -1 for the zero polynomial."""
+        return -1 if self.raw.is_zero() else int(self.raw.total_degree())
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this is the zero polynomial."""
+        return bool(self.raw.is_zero())
+
+    def coefficients(self) -> dict[tuple[int, int, int], Fraction]:
+        """The nonzero coefficients by exponent triple."""
+        return {e: to_fraction(c) for e, c in self.raw.to_dict().items()}
+
+    def diff(self, variable: str | int) -> Polynomial:
+        """The partial derivative with respect to "x", "y", "z" (or 0, 1, 2)."""
+        index = VARIABLES.index(variable) if variable in VARIABLES else variable
+        if index not in (0, 1, 2):
+            raise ValueError(f"the variable must be x, y or z, not {variable!r}")
+        return Polynomial.from_raw(self.raw.derivative(index))
+
+    def compose(self, x: Polynomial, y: Polynomial, z: Polynomial) -> Polynomial:
+        """Exact substitution of polynomials for the three variables."""
+        return Polynomial.from_raw(self.raw.compose(x.raw, y.raw, z.raw, ctx=RING))
+
+    def at(self, point: Any) -> Fraction:
+        """The exact value at one rational point."""
+        return to_fraction(self.raw(*(rational(entry, "coordinate") for entry in point)))
+
+    def __call__(self, points: Any) -> Any:
+        """Values at `points` (..., 3), as floats of shape (...)."""
+        return self._evaluate(points, self._columns[:, :1])[..., 0]
+
+    def gradient(self, points: Any) -> Floats:
+        """Gradients at `points` (..., 3), shape (..., 3)."""
+        return self._evaluate(points, self._columns[:, 1:])
+
+    def hessian(self, points: Any) -> Floats:
+        """Matrices of second derivatives at `points` (..., 3), shape (..., 3, 3)."""
+        columns = np.stack([self.diff(i).diff(j).dense() for i in range(3) for j in range(3)], 1)
+        return self._evaluate(points, columns).reshape(*np.shape(points)[:-1], 3, 3)
+
+    def dense(self, degree: int | None = None) -> Floats:
+        """Coefficients rounded to doubles, in the order of `monomials.exponents(degree)`."""
+        degree = max(self.degree, 0) if degree is None else degree
+        result = np.zeros(count(degree))
+        where = positions(degree)
+        for exponent, coefficient in self.raw.to_dict().items():
+            result[where[exponent]] = to_float(coefficient)
+        return result
+
+    @cached_property
+    def _columns(self) -> Floats:
+        degree = max(self.degree, 0)
+        parts = (self, *(self.diff(i) for i in range(3)))
+        return np.stack([part.dense(degree) for part in parts], axis=1)
+
+    @staticmethod
+    def _evaluate(points: Any, columns: Floats) -> Floats:
+        array = np.asarray(points, dtype=float)
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+        size = len(columns)
+        degree = next(n for n in range(size) if count(n) >= size)
+        padded = np.zeros((count(degree), columns.shape[1]))
+        padded[:size] = columns
+        return evaluate(array, padded)
+
+    def to_sympy(self) -> Any:
+        """The same polynomial as a sympy expression in the symbols x, y, z."""
+        import sympy
+
+        symbols = sympy.symbols(VARIABLES)
+        terms = {e: sympy.Rational(c.numerator, c.denominator) for e, c in self.coefficients().items()}
+        return sympy.Poly(terms or {(0, 0, 0): 0}, *symbols).as_expr()
+
+    def __add__(self, other: Any) -> Polynomial:
+        return self._combine(other, lambda a, b: a + b)
+
+    def __sub__(self, other: Any) -> Polynomial:
+        return self._combine(other, lambda a, b: a - b)
+
+    def __rsub__(self, other: Any) -> Polynomial:
+        return self._combine(other, lambda a, b: b - a)
+
+    def __mul__(self, other: Any) -> Polynomial:
+        return self._combine(other, lambda a, b: a * b)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Polynomial:
+        divisor = rational(other, "the divisor")
+        if divisor == 0:
+            raise ZeroDivisionError("a polynomial cannot be divided by zero")
+        return Polynomial.from_raw(self.raw * (1 / divisor))
+
+    def __pow__(self, exponent: int) -> Polynomial:
+        if not isinstance(exponent, int) or exponent < 0:
+            raise ValueError(f"the exponent must be a whole number >= 0, not {exponent!r}")
+        return Polynomial.from_raw(self.raw**exponent)
+
+    def __neg__(self) -> Polynomial:
+        return Polynomial.from_raw(-self.raw)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Polynomial):
+            try:
+                other = Polynomial(other)
+            except (TypeError, ValueError):
+                return NotImplemented
+        return bool(self.raw == other.raw)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.coefficients().items()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Polynomial, (self.coefficients(),)
+
+    def __str__(self) -> str:
+        return str(self.raw)
+
+    def __repr__(self) -> str:
+        return f"Polynomial({str(self)!r})"
+
+    def _combine(self, other: Any, operation: Any) -> Polynomial:
+        if not isinstance(other, Polynomial):
+            try:
+                other = Polynomial(other)
+            except TypeError:
+                return NotImplemented
+        return Polynomial.from_raw(operation(self.raw, other.raw))
+
+
+def _read(expression: Any) -> fmpq_mpoly:
+    if isinstance(expression, Polynomial):
+        return expression.raw
+    if isinstance(expression, str):
+        return parse_polynomial(expression, dict(zip(VARIABLES, GENERATORS, strict=True)))
+    if isinstance(expression, Mapping):
+        return RING.from_dict(_checked_terms(expression))
+    if hasattr(expression, "free_symbols"):
+        return _from_sympy(expression)
+    return RING.constant(rational(expression, "the polynomial"))
+
+
+def _checked_terms(terms: Mapping[Any, Any]) -> dict[Exponents, fmpq]:
+    checked: dict[Exponents, fmpq] = {}
+    for key, value in terms.items():
+        valid = isinstance(key, tuple) and len(key) == 3
+        if not valid or any(not isinstance(e, int) or e < 0 for e in key):
+            raise ValueError(f"exponents must be three whole numbers >= 0, such as (2, 0, 1), not {key!r}")
+        checked[key] = rational(value, f"the coefficient of {key}")
+    return checked
+
+
+def _from_sympy(expression: Any) -> fmpq_mpoly:
+    import sympy
+
+    strange = sorted(str(s) for s in expression.free_symbols if str(s) not in VARIABLES)
+    if strange:
+        raise ValueError(f"the variables must be x, y, z; {', '.join(strange)} is not one of them")
+    symbols = [next((s for s in expression.free_symbols if str(s) == v), sympy.Symbol(v)) for v in VARIABLES]
+    try:
+        terms = sympy.Poly(expression, *symbols).terms()
+    except sympy.PolynomialError:
+        raise ValueError(f"{expression} is not a polynomial in x, y, z") from None
+    return RING.from_dict({e: rational(c, f"the coefficient of {e}") for e, c in terms})

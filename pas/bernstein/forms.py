@@ -1,0 +1,85 @@
+"""Exact B-forms of polynomials on segments, triangles and tetrahedra, and their rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import factorial, lcm
+
+import numpy as np
+from flint import fmpq, fmpq_mpoly, fmpz, fmpz_mat
+
+from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, positions
+from pas.algebra.polynomial import GENERATORS, RING
+from pas.algebra.rational import Vector
+
+
+def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:
+    """The polynomial as a function of the barycentric coordinates b_1 .. b_d.
+
+    They are the first d variables of the ring; `b_0 = 1 - b_1 - ... - b_d`.
+    """
+    base, *others = vertices
+    coordinates = [
+        sum((g * (v[i] - base[i]) for g, v in zip(GENERATORS, others, strict=False)), RING.constant(base[i]))
+        for i in range(3)
+    ]
+    return polynomial.compose(*coordinates, ctx=RING)
+
+
+def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
+    """Exact B-coefficients, as of degree `degree`, of what `on_simplex` returned.
+
+    `x^b = sum_a (n-|b|)! a! / (n! (a-b)!) B_a`, in integers over one denominator.
+    """
+    where = positions(degree, dimension)
+    terms = restricted.to_dict()
+    denominator = lcm(*(int(c.q) for c in terms.values())) if terms else 1
+    column = fmpz_mat(len(where), 1)
+    for exponent, c in terms.items():
+        column[where[exponent[:dimension]], 0] = int(c.p) * (denominator // int(c.q))
+    scale = fmpz(denominator) * factorial(degree)
+    product = _power_to_bernstein(degree, dimension) * column
+    return [fmpq(product[i, 0], scale) for i in range(len(where))]
+
+
+@lru_cache(maxsize=None)
+def _power_to_bernstein(degree: int, dimension: int) -> fmpz_mat:
+    where = positions(degree, dimension)
+    indices = homogeneous_exponents(degree, dimension + 1)
+    matrix = fmpz_mat(len(indices), len(where))
+    for row, (_, *index) in enumerate(indices):
+        for exponent, column in where.items():
+            entry = factorial(degree - sum(exponent))
+            for a, b in zip(index, exponent, strict=True):
+                entry *= factorial(a) // factorial(a - b) if a >= b else 0
+            matrix[row, column] = entry
+    return matrix
+
+
+def face_indices(degree: int, vertices: int, kept: Sequence[int]) -> list[int]:
+    """Where the B-coefficients of a face stand among those of its simplex.
+
+    `vertices` is the number of the simplex' vertices; `kept` lists the face's, in the order in
+    which the face has them.
+    """
+    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, vertices))}
+    return [where[_spread(a, kept, vertices)] for a in homogeneous_exponents(degree, len(kept))]
+
+
+def rounded(values: Sequence[fmpq]) -> Floats:
+    """Coefficients scaled to a largest absolute value of 1 and rounded to the nearest doubles.
+
+    The scale is positive, so signs are kept, and each result errs by at most 2^-53.
+    """
+    largest = max((abs(v) for v in values), default=fmpq(0))
+    if largest == 0:
+        return np.zeros(len(values))
+    return np.array([int(q.p) / int(q.q) for q in (v / largest for v in values)])
+
+
+def _spread(index: Exponents, kept: Sequence[int], size: int) -> Exponents:
+    full = [0] * size
+    for position, entry in zip(kept, index, strict=True):
+        full[position] = entry
+    return tuple(full)

@@ -1,0 +1,1 @@
+"""From a problem to all its solutions, and from these to one proved surface."""

@@ -1,0 +1,326 @@
+"""The whole method on one screen: problem -> space -> fit -> proved surface.
+
+`blend` raises the degree until a member of the solution space passes every proof, so the degree
+it returns is the lowest at which this program found one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from flint import fmpq_mat
+
+from pas.algebra.rational import to_fraction
+from pas.blending.corner import place
+from pas.blending.space import HIGHEST_DEGREE, SolutionSpace, check_degree, check_order, solve
+from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
+from pas.fairing.constraints import Constraints, Normalization
+from pas.fairing.energy import ThinPlate
+from pas.fairing.fairing import Choice
+from pas.partition.cells import Partition
+from pas.surface.certificate import Certificate
+from pas.surface.piecewise import PiecewiseSurface
+
+DEGREES_TRIED = 4
+"""Degrees with regular members that are tried before giving up; corners needed at most three."""
+
+Progress = Callable[[str, float], None]
+"""Called at the end of each stage with its name and seconds."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One degree that was tried: the dimension of its space and what came of it."""
+
+    degree: int
+    dimension: int
+    outcome: str
+
+
+@dataclass
+class Stages:
+    """Seconds spent in each stage, told to a listener as they end."""
+
+    listener: Progress | None = None
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def stage(self, name: str, detail: str = "") -> Iterator[None]:
+        """Count the time of a block as stage `name`."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            spent = time.perf_counter() - start
+            self.seconds[name] = self.seconds.get(name, 0.0) + spent
+            if self.listener is not None:
+                self.listener(f"{name}{detail}", spent)
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """One chosen surface with everything known about it.
+
+    `space` and `coefficients` (exact, in `space.basis`) say how it was chosen and `energy` its
+    thin-plate energy in the user's units; all three are None for a blend loaded from a file whose
+    space has not been solved again.  `timings` maps stages to seconds, `attempts` lists the
+    degrees tried.
+    """
+
+    surface: PiecewiseSurface
+    dimension: int
+    coefficients: tuple[Fraction, ...]
+    energy: float
+    timings: dict[str, float]
+    attempts: tuple[Attempt, ...]
+    constraints: Constraints
+    plate: ThinPlate
+    known_space: SolutionSpace | None = None
+    choice: Choice | None = None
+    known_certificate: Certificate | None = None
+
+    @cached_property
+    def space(self) -> SolutionSpace:
+        """The solution space it was chosen from (solved again after loading from a file)."""
+        if self.known_space is not None:
+            return self.known_space
+        s = self.surface
+        return solve(s.partition, s.contacts, s.order, s.degree)
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The verdicts; proved when first asked for, where they have not been yet."""
+        return self.known_certificate or self.surface.certify() if self.known_certificate is None else self.known_certificate
+
+    def refit(self, **options: Any) -> Blend:
+        """The same problem with other points, weights or normalisation, without new proofs.
+
+        Keeps the guard rows of this blend, so it takes milliseconds: made for sliders.  `options`
+        are `inside`, `outside`, `through`, `near`, `near_weight`, `margin`, `normalize`.
+        """
+        if self.choice is None:
+            raise ValueError("a blend loaded from a file cannot be refitted; use blend.space.fit(...)")
+        fairing = self.space.fairing(self.plate)
+        changed = Constraints.of(**(_as_options(self.constraints) | options))
+        working = fairing.choose(changed, self.choice.rows)
+        choice = replace(self.choice, surface=fairing.surface(working), working=working)
+        return _finish(self.space, choice, changed, self.plate, {}, self.attempts)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the project file (`.pas.json`); returns its path."""
+        from pas.blending.project import save
+
+        return save(self, path)
+
+    def __str__(self) -> str:
+        from pas.blending.summary import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        s = self.surface
+        return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}>"
+
+
+def blend(
+    contacts: Sequence[Any],
+    order: int,
+    degree: int | None = None,
+    partition: Partition | None = None,
+    *,
+    energy: ThinPlate | None = None,
+    inside: Any = (),
+    outside: Any = (),
+    through: Any = (),
+    near: Any = (),
+    near_weight: Any = 100,
+    margin: Any = None,
+    normalize: Normalization | None = None,
+    prove: bool = True,
+    guard: bool = True,
+    progress: Progress | None = None,
+) -> Blend:
+    """Find, choose and prove the blend of three pipes or contacts.
+
+    `contacts` are pipes, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
+    `degree` it is raised until the proofs pass.  `energy` is minimised over the members
+    (`pas.ThinPlate()` by default).  Points are sequences of three exact numbers: `inside` ones
+    get f <= -margin, `outside` ones f >= margin (10^-6 by default), the surface passes `through`
+    others exactly and `near` still others by least squares with weight `near_weight`.
+    `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).
+
+    With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
+    the optimum under sampled conditions, or with `guard=False` under the points alone, and its
+    certificate is worked out when asked for.
+
+    Raises `GeometryError` (contacts that do not fit), `NoSolutionError` (no usable surface),
+    `InfeasibleError` (constraints that contradict), `NotProvedError`; `ValueError` and
+    `TypeError` for wrong arguments.
+    """
+    check_order(order)
+    constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
+    plate = _check_energy(energy)
+    _check_flags(prove, guard)
+    stages = Stages(progress)
+    with stages.stage("partition"):
+        region, turned = place(contacts, partition)
+    attempts: list[Attempt] = []
+    failure: InfeasibleError | NotProvedError | None = None
+    for space in _spaces(region, turned, order, degree, attempts, stages):
+        try:
+            return _fit(space, constraints, plate, prove, guard, attempts, stages)
+        except (InfeasibleError, NotProvedError) as error:
+            attempts.append(Attempt(space.degree, space.dimension, str(error)))
+            failure = error
+    raise _given_up(attempts, failure, order)
+
+
+def fit(
+    space: SolutionSpace,
+    *,
+    energy: ThinPlate | None = None,
+    inside: Any = (),
+    outside: Any = (),
+    through: Any = (),
+    near: Any = (),
+    near_weight: Any = 100,
+    margin: Any = None,
+    normalize: Normalization | None = None,
+    prove: bool = True,
+    guard: bool = True,
+    progress: Progress | None = None,
+) -> Blend:
+    """Choose one member of a solution space; the options are those of `blend`."""
+    if space.dimension == 0:
+        raise NoSolutionError(
+            f"the solution space of degree {space.degree} is empty", {space.degree: 0}
+        )
+    constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
+    _check_flags(prove, guard)
+    return _fit(space, constraints, _check_energy(energy), prove, guard, [], Stages(progress))
+
+
+def _spaces(
+    region: Partition,
+    contacts: Sequence[Any],
+    order: int,
+    degree: int | None,
+    attempts: list[Attempt],
+    stages: Stages,
+) -> Iterator[SolutionSpace]:
+    """Solution spaces with regular members, of rising degree; others are noted as attempts."""
+    degrees = range(1, HIGHEST_DEGREE + 1) if degree is None else [check_degree(degree)]
+    yielded = 0
+    for candidate in degrees:
+        with stages.stage("solve", f" (degree {candidate})"):
+            space = solve(region, contacts, order, candidate)
+            usable = space.regular
+        if usable:
+            yield space
+            yielded += 1
+            if yielded == DEGREES_TRIED:
+                return
+        else:
+            reason = "no solution" if space.dimension == 0 else "all members have alpha = 0 on a contact curve"
+            attempts.append(Attempt(candidate, space.dimension, reason))
+
+
+def _fit(
+    space: SolutionSpace,
+    constraints: Constraints,
+    plate: ThinPlate,
+    prove: bool,
+    guard: bool,
+    attempts: Sequence[Attempt],
+    stages: Stages,
+) -> Blend:
+    detail = f" (degree {space.degree}, dimension {space.dimension})"
+    with stages.stage("fit", detail):
+        fairing = space.fairing(plate)
+        if prove:
+            choice = fairing.choose_proved(constraints)
+        else:
+            choice = fairing.choose_guarded(constraints) if guard else fairing.choose_plain(constraints)
+    outcome = Attempt(space.degree, space.dimension, "proved" if prove else "fitted")
+    if not prove:
+        return _finish(space, choice, constraints, plate, stages.seconds, (*attempts, outcome))
+    with stages.stage("prove"):
+        certificate = choice.surface.certify()
+    result = _finish(space, choice, constraints, plate, stages.seconds, (*attempts, outcome), certificate)
+    if not certificate.proved:
+        failed = next(v for v in certificate.verdicts if not v.proved)
+        raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
+    return result
+
+
+def _finish(
+    space: SolutionSpace,
+    choice: Choice,
+    constraints: Constraints,
+    plate: ThinPlate,
+    timings: dict[str, float],
+    attempts: Sequence[Attempt],
+    certificate: Certificate | None = None,
+) -> Blend:
+    fairing = space.fairing(plate)
+    coefficients: fmpq_mat = choice.working * fairing.basis.transform
+    return Blend(
+        surface=choice.surface,
+        dimension=space.dimension,
+        coefficients=tuple(to_fraction(c) for c in coefficients.entries()),
+        energy=fairing.energy_of(choice.working),
+        timings=timings,
+        attempts=tuple(attempts),
+        constraints=constraints,
+        plate=plate,
+        known_space=space,
+        choice=choice,
+        known_certificate=certificate,
+    )
+
+
+def _given_up(
+    attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedError | None, order: int
+) -> Exception:
+    tried = "; ".join(f"degree {a.degree}: dimension {a.dimension}" for a in attempts)
+    if failure is None:
+        return NoSolutionError(
+            f"no usable surface meets the contacts with GC^{order} ({tried}); a higher degree may have one",
+            {a.degree: a.dimension for a in attempts},
+        )
+    text = f"{failure} (tried {tried})"
+    if isinstance(failure, NotProvedError):
+        return NotProvedError(text, failure.blend)
+    return InfeasibleError(text, failure.conflict)
+
+
+def _constraints(
+    inside: Any, outside: Any, through: Any, near: Any, near_weight: Any, margin: Any, normalize: Any
+) -> Constraints:
+    options = {"inside": inside, "outside": outside, "through": through, "near": near}
+    if margin is not None:
+        options["margin"] = margin
+    return Constraints.of(**options, near_weight=near_weight, normalize=normalize)
+
+
+def _as_options(constraints: Constraints) -> dict[str, Any]:
+    names = ("inside", "outside", "through", "near", "near_weight", "margin", "normalize")
+    return {name: getattr(constraints, name) for name in names}
+
+
+def _check_energy(energy: Any) -> ThinPlate:
+    if energy is not None and not isinstance(energy, ThinPlate):
+        raise TypeError(f"energy must be a pas.ThinPlate or None, not {energy!r}")
+    return energy or ThinPlate()
+
+
+def _check_flags(prove: bool, guard: bool) -> None:
+    if prove and not guard:
+        raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")

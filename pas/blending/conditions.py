@@ -1,0 +1,172 @@
+"""All piecewise polynomials that satisfy the contact and smoothness conditions, by linear algebra.
+
+Two patches that share a face in the plane `pi = 0` meet with C^k iff `pi^(k+1)` divides their
+difference; a patch g meets a contact (f, h) with GC^k iff g lies in `<f, h^(k+1)>` (Garrity and
+Warren 1991).  Both are linear, and the unknowns are chosen so that most conditions hold by
+construction:
+
+- the cells are joined by a spanning tree of their adjacency, rooted at a cell with a contact;
+- the root's patch is a combination of `m - NF(m)` over the monomials m that are not standard
+  modulo `<f, h^(k+1)>` (all of the ideal in degree <= n);
+- across each face of the tree, child = parent + alpha * pi^(k+1) with alpha free, of degree
+  n-k-1.
+
+The faces outside the tree and the other contacts give the equations: remainders modulo
+`pi^(k+1)` and normal forms are zero.  The map from unknowns to patches is injective, so the
+dimension of the nullspace is that of the space of surfaces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.monomials import Exponents, count, exponents, positions
+from pas.algebra.normal_form import NormalForm
+from pas.algebra.nullspace import nullspace
+from pas.algebra.polynomial import Polynomial
+from pas.partition.cells import InteriorFace, Partition
+from pas.surface.contact import Contact
+
+Column = dict[Exponents, fmpq]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What a piecewise surface must satisfy.
+
+    `contacts[i]` is met by the patch of each cell in `carriers[i]`, and cells meet with
+    C^`order`.
+    """
+
+    partition: Partition
+    contacts: tuple[Contact, ...]
+    carriers: tuple[tuple[int, ...], ...]
+    order: int
+
+    def solve(self, degree: int) -> tuple[fmpq_mat, ...]:
+        """A basis of all solutions of degree <= `degree`.
+
+        Returns for each cell a matrix (dimension, C(degree+3, 3)): the patches of the basis
+        members, with the monomials in the order of `pas.algebra.monomials`.
+        """
+        patches, unknowns = self._parametrised(degree)
+        rows: list[dict[int, fmpq]] = []
+        tree = {id(face) for face, _, _ in self._tree()}
+        for face in self.partition.interior_faces:
+            if id(face) not in tree:
+                form = NormalForm([face.plane.raw ** (self.order + 1)])
+                rows += _remainders(form, degree, patches[face.second], patches[face.first])
+        for number, cells in enumerate(self.carriers):
+            for cell in cells:
+                if cell != self._root or number != self._root_contact:
+                    rows += _remainders(self.contact_form(number), degree, patches[cell])
+        basis = nullspace(rows, unknowns)
+        return tuple(_combine(basis, patch, degree) for patch in patches)
+
+    def contact_form(self, number: int) -> NormalForm:
+        """Normal forms modulo `<f, h^(k+1)>` of a contact."""
+        contact = self.contacts[number]
+        return NormalForm([contact.surface.raw, contact.clip.raw ** (self.order + 1)])
+
+    @property
+    def _root_contact(self) -> int | None:
+        return next((i for i, cells in enumerate(self.carriers) if cells), None)
+
+    @property
+    def _root(self) -> int:
+        number = self._root_contact
+        return 0 if number is None else self.carriers[number][0]
+
+    def _tree(self) -> list[tuple[InteriorFace, int, int]]:
+        """Faces of a breadth-first spanning tree from the root: (face, parent, child)."""
+        reached, queue, tree = {self._root}, [self._root], []
+        while queue:
+            parent = queue.pop(0)
+            for face in self.partition.interior_faces:
+                if parent in (face.first, face.second):
+                    child = face.second if parent == face.first else face.first
+                    if child not in reached:
+                        reached.add(child)
+                        queue.append(child)
+                        tree.append((face, parent, child))
+        return tree
+
+    def _parametrised(self, degree: int) -> tuple[list[dict[int, Column]], int]:
+        """Each cell's patch as {unknown: polynomial}, and the number of unknowns."""
+        root = self._root_columns(degree)
+        patches: list[dict[int, Column]] = [{} for _ in self.partition.cells]
+        patches[self._root] = dict(enumerate(root))
+        unknowns = len(root)
+        for face, parent, child in self._tree():
+            factor = (face.plane.raw ** (self.order + 1)).to_dict()
+            step = {
+                unknowns + i: {_plus(shift, e): c for e, c in factor.items()}
+                for i, shift in enumerate(exponents(degree - self.order - 1))
+            }
+            patches[child] = patches[parent] | step
+            unknowns += len(step)
+        return patches, unknowns
+
+    def _root_columns(self, degree: int) -> list[Column]:
+        number = self._root_contact
+        if number is None:
+            return [{e: fmpq(1)} for e in exponents(degree)]
+        form = self.contact_form(number)
+        images = form.images(degree)
+        standard = set(form.standard(degree))
+        return [
+            {e: fmpq(1)} | {m: -c for m, c in images[e].items()}
+            for e in exponents(degree)
+            if e not in standard
+        ]
+
+
+def carriers(partition: Partition, clip: Polynomial) -> tuple[int, ...]:
+    """The cells with an outer face in the plane `clip = 0`."""
+    return tuple(
+        face.cell
+        for face in partition.outer_faces
+        if all(clip.at(point) == 0 for point in partition.corners(face.vertices))
+    )
+
+
+def _plus(a: Exponents, b: Exponents) -> Exponents:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _remainders(
+    form: NormalForm,
+    degree: int,
+    patch: Mapping[int, Column],
+    minus: Mapping[int, Column] | None = None,
+) -> list[dict[int, fmpq]]:
+    """Rows saying that the normal form of `patch` (less `minus`) is zero."""
+    images = form.images(degree)
+    rows: dict[Exponents, dict[int, fmpq]] = {}
+    shared = minus or {}
+    for signed, other, sign in ((patch, shared, 1), (shared, patch, -1)):
+        for unknown, column in signed.items():
+            if unknown in other:
+                continue
+            for monomial, coefficient in column.items():
+                for target, value in images[monomial].items():
+                    row = rows.setdefault(target, {})
+                    row[unknown] = row.get(unknown, 0) + sign * coefficient * value
+    return [{u: v for u, v in row.items() if v != 0} for row in rows.values()]
+
+
+def _combine(basis: fmpq_mat, patch: Mapping[int, Column], degree: int) -> fmpq_mat:
+    where = positions(degree)
+    columns = fmpq_mat(basis.ncols(), count(degree))
+    for unknown, column in patch.items():
+        for monomial, value in column.items():
+            columns[unknown, where[monomial]] = value
+    return basis * columns
+
+
+def members(patches: Sequence[fmpq_mat]) -> int:
+    """The dimension of the space that `patches` span."""
+    return int(patches[0].nrows())

@@ -1,0 +1,158 @@
+"""From three pipes (or contacts) to the six-tetrahedra corner, or one sentence why not.
+
+Served are three contacts whose clip planes are mutually perpendicular and whose surfaces have a
+common centre (where all gradients vanish: the common point of three pipes' axes), in any
+position, orientation and scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from math import sqrt
+from typing import Any
+
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.rational import Vector, cross, dot, plain, to_float
+from pas.errors import GeometryError
+from pas.partition.cells import Partition
+from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.surface.contact import Contact, Pipe, as_contact
+from pas.surface.joins import Join, joins
+from pas.surface.proofs import check_join
+
+Corner = tuple[Partition, tuple[Contact, ...]]
+
+
+def place(items: Sequence[Any], partition: Partition | None = None) -> Corner:
+    """The partition for the given pipes or contacts, and the contacts turned towards its centre.
+
+    Raises `GeometryError` (with the offending pipe or contact) where they do not fit.
+    """
+    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
+    pipes = [item if isinstance(item, Pipe) else None for item in items]
+    if partition is None:
+        partition = six_tetrahedra(contacts, pipes)
+    turned = tuple(_turned(c, partition.center) for c in contacts)
+    for number, join in enumerate(joins(partition, turned)):
+        pipe = pipes[number]
+        if pipe is not None:
+            _check_circle(number + 1, pipe, join)
+        check_join(number + 1, join)
+    return partition, turned
+
+
+def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = ()) -> SixTetrahedra:
+    """The six-tetrahedra corner whose clip planes are those of three contacts.
+
+    `pipes` gives the pipes that the contacts came from, for better error messages.
+    """
+    if len(contacts) != 3:
+        raise GeometryError(
+            f"the six-tetrahedra corner joins exactly three pipes, not {len(contacts)}; "
+            "other numbers need a partition of their own, which is not served yet"
+        )
+    normals = [_normal(i + 1, c) for i, c in enumerate(contacts)]
+    for (i, a), (j, b) in combinations(enumerate(normals, start=1), 2):
+        if all(c == 0 for c in cross(a, b)):
+            raise GeometryError(f"pipes {i} and {j} are parallel; a corner needs three perpendicular directions")
+        if dot(a, b) != 0:
+            cosine = to_float(dot(a, b)) / sqrt(to_float(dot(a, a) * dot(b, b)))
+            raise GeometryError(
+                f"the axes of pipes {i} and {j} are not perpendicular (cosine {cosine:.3g}); "
+                "skew pipes are not served yet"
+            )
+    center = _center(contacts, pipes)
+    legs = []
+    for number, (contact, normal) in enumerate(zip(contacts, normals, strict=True), start=1):
+        height = contact.clip.raw(*center)
+        if height == 0:
+            raise GeometryError(
+                f"the clip plane of pipe {number} passes through the centre "
+                f"({_words(center)}); it must leave room for the blend"
+            )
+        legs.append(tuple(-height / dot(normal, normal) * n for n in normal))
+    return SixTetrahedra(center, legs)
+
+
+def _normal(number: int, contact: Contact) -> Vector:
+    if contact.clip.degree != 1:
+        raise GeometryError(
+            f"the clip {contact.clip} of contact {number} is not a plane; other clips are not served yet"
+        )
+    x, y, z = (contact.clip.diff(i).raw(0, 0, 0) for i in range(3))
+    return x, y, z
+
+
+def _center(contacts: Sequence[Contact], pipes: Sequence[Pipe | None]) -> Vector:
+    """The point at which the gradients of all surfaces vanish."""
+    rows = []
+    for number, contact in enumerate(contacts, start=1):
+        if contact.surface.degree != 2:
+            raise GeometryError(
+                f"surface {number} is of degree {contact.surface.degree}, so the corner's centre is not "
+                "known; give the partition, such as pas.SixTetrahedra(center, legs)"
+            )
+        for i in range(3):
+            slope = contact.surface.diff(i)
+            rows.append([slope.diff(j).raw(0, 0, 0) for j in range(3)] + [-slope.raw(0, 0, 0)])
+    reduced, rank = fmpq_mat(len(rows), 4, [v for row in rows for v in row]).rref()
+    leads = [next(j for j in range(4) if reduced[i, j] != 0) for i in range(rank)]
+    if 3 in leads:
+        raise GeometryError(_apart(pipes) or "the three surfaces have no common centre")
+    if rank < 3:
+        raise GeometryError("the three surfaces have more than one common centre; give the partition")
+    return reduced[0, 3], reduced[1, 3], reduced[2, 3]
+
+
+def _apart(pipes: Sequence[Pipe | None]) -> str:
+    """Which two axes miss one another, and by how much."""
+    for (i, a), (j, b) in combinations([(i, p) for i, p in enumerate(pipes, start=1) if p], 2):
+        common = cross(a.axis, b.axis)
+        offset = [q - p for p, q in zip(a.point, b.point, strict=True)]
+        gap = to_float(dot(common, offset)) / sqrt(to_float(dot(common, common)))
+        if gap != 0:
+            return (
+                f"the axes of pipes {i} and {j} miss each other by {abs(gap):.6g}; "
+                "all three must pass through a common point"
+            )
+    return "the axes of the three pipes do not pass through a common point" if any(pipes) else ""
+
+
+def _turned(contact: Contact, center: Vector) -> Contact:
+    """The contact with its clip negative at the centre."""
+    return contact if contact.clip.raw(*center) < 0 else Contact(contact.surface, -contact.clip)
+
+
+def _check_circle(number: int, pipe: Pipe, join: Join) -> None:
+    """That a pipe's circle fits the clip face, or by how much it does not."""
+    foot = _foot(pipe, join)
+    largest = min(_distance(foot, a, b) for a, b in join.rim())
+    radius = to_float(pipe.radius)
+    if radius >= largest:
+        raise GeometryError(
+            f"pipe {number}: its circle of radius {plain(pipe.radius)} does not fit its face of the partition "
+            f"(it sticks out by {radius - largest:.4g}); the radius must be below {largest:.6g}, "
+            "or the clips must be further out"
+        )
+
+
+def _foot(pipe: Pipe, join: Join) -> Vector:
+    clip = join.contact.clip
+    slope = sum((clip.diff(i).raw(0, 0, 0) * a for i, a in enumerate(pipe.axis)), fmpq(0))
+    t = -clip.raw(*pipe.point) / slope
+    x, y, z = (p + t * a for p, a in zip(pipe.point, pipe.axis, strict=True))
+    return x, y, z
+
+
+def _distance(point: Vector, a: Vector, b: Vector) -> float:
+    along = [q - p for p, q in zip(a, b, strict=True)]
+    normal = cross(along, [q - p for p, q in zip(a, point, strict=True)])
+    return sqrt(to_float(dot(normal, normal) / dot(along, along)))
+
+
+def _words(point: Vector) -> str:
+    return ", ".join(plain(c) for c in point)
+
+

@@ -1,0 +1,71 @@
+"""What can go wrong: one small tree of exceptions that carry their data.
+
+Misuse of the API (a wrong type, a radius of zero, an unknown file suffix) raises the builtin
+`TypeError` or `ValueError`, naming the argument and what would be right.  Everything below is
+about geometry, mathematics or files and descends from `PasError`.  On the command line the
+classes under `InputError` end with exit code 2, the others with 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+class PasError(Exception):
+    """Root of every error that mathematics or a file causes."""
+
+
+class InputError(PasError):
+    """What the user asked for cannot be meant: geometry that cannot be, or a bad file."""
+
+
+class GeometryError(InputError):
+    """The given surfaces, clips or cells do not fit together."""
+
+
+class ProblemFileError(InputError):
+    """A problem file (TOML) that cannot be read; `line` is 1-based where it is known."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+class ProjectFileError(InputError):
+    """A project file (`.pas.json`) that is truncated, edited, foreign or of a newer version."""
+
+
+class NoSolutionError(PasError):
+    """No usable surface in the degrees tried.
+
+    `dimensions` maps each degree tried to the dimension of its solution space.
+    """
+
+    def __init__(self, message: str, dimensions: Mapping[int, int]) -> None:
+        super().__init__(message)
+        self.dimensions = dict(dimensions)
+
+
+class InfeasibleError(PasError):
+    """No member of a solution space satisfies the constraints.
+
+    `conflict` lists the user's constraints that cannot hold together (irreducible: without any
+    one of them the others can hold), empty where the conflict is not among the user's own.
+    """
+
+    def __init__(self, message: str, conflict: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.conflict = tuple(conflict)
+
+
+class NotProvedError(PasError):
+    """A surface was found, but not one that passes every proof; `blend` is the best one found."""
+
+    def __init__(self, message: str, blend: Any = None) -> None:
+        super().__init__(message)
+        self.blend = blend
+
+
+class MissingLibraryError(PasError):
+    """A system library or optional package is absent; the message says how to install it."""

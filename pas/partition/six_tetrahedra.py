@@ -1,0 +1,57 @@
+"""The six-tetrahedra corner: the classical partition for three perpendicular pipes.
+
+With legs l1, l2, l3 from the centre to the three clip planes, Z1 = l1 + l2 + l3, Z2 = -Z1 and
+the hexagon V1 = l1 - l3, V2 = l2 - l3, V3 = l2 - l1, V4 = l3 - l1, V5 = l3 - l2, V6 = l1 - l2,
+the cells are T_i = Z1 Z2 V_{i-1} V_i.  T1, T3, T5 have a face in the clip planes of the first,
+second and third leg; T2, T4, T6 are transitions.  The three planes through the axis Z1 Z2
+carry two interior faces each.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pas.algebra.rational import Vector, cross, dot, vector
+from pas.errors import GeometryError
+from pas.partition.cells import Partition
+
+VERTEX_SIGNS = (
+    (1, 1, 1),
+    (-1, -1, -1),
+    (1, 0, -1),
+    (0, 1, -1),
+    (-1, 1, 0),
+    (-1, 0, 1),
+    (0, -1, 1),
+    (1, -1, 0),
+)
+"""Z1, Z2, V1, ..., V6 as combinations of the three legs."""
+
+CELLS = tuple((0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6))
+"""T_i = Z1 Z2 V_{i-1} V_i as vertex indices."""
+
+
+class SixTetrahedra(Partition):
+    """Six tetrahedra around `center`; `legs` are the three vectors to the clip planes.
+
+    Each of `center` and the legs is three exact numbers.  The legs must be linearly independent
+    and, for the corner of pipes, mutually perpendicular.
+    """
+
+    name = "six tetrahedra"
+
+    def __init__(self, center: Any = (0, 0, 0), legs: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> None:
+        origin = vector(center, "center")
+        if len(legs) != 3:
+            raise ValueError(f"legs must be three vectors, not {len(legs)}")
+        self.legs = tuple(vector(leg, f"legs[{i}]") for i, leg in enumerate(legs))
+        if dot(self.legs[0], cross(self.legs[1], self.legs[2])) == 0:
+            raise GeometryError("the three legs of the corner lie in one plane")
+        super().__init__([self._vertex(origin, signs) for signs in VERTEX_SIGNS], CELLS, origin)
+
+    def _vertex(self, origin: Vector, signs: tuple[int, int, int]) -> Vector:
+        x, y, z = (
+            o + sum(s * leg[axis] for s, leg in zip(signs, self.legs, strict=True))
+            for axis, o in enumerate(origin)
+        )
+        return x, y, z

@@ -1,0 +1,1 @@
+"""Piecewise algebraic surfaces: contacts, values, rays, and the proofs of what is promised."""

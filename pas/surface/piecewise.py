@@ -1,0 +1,171 @@
+"""Piecewise algebraic surfaces: one exact polynomial in each cell of a partition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_fraction, vector
+from pas.bernstein.forms import b_form, on_simplex
+from pas.partition.cells import OuterFace, Partition
+from pas.surface.certificate import Certificate
+from pas.surface.contact import Contact
+from pas.surface.joins import Join, joins
+from pas.surface.proofs import certify
+from pas.surface.rays import first_hits
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of a surface: a tetrahedron and the polynomial in it, exact."""
+
+    vertices: tuple[tuple[Fraction, Fraction, Fraction], ...]
+    polynomial: Polynomial
+    degree: int
+
+    @cached_property
+    def b_coefficients(self) -> dict[tuple[int, int, int, int], Fraction]:
+        """The Bernstein-Bezier form on the cell's tetrahedron, by multi-index, exact."""
+        corners = [vector(v) for v in self.vertices]
+        values = b_form(on_simplex(self.polynomial.raw, corners), self.degree, 3)
+        indices = homogeneous_exponents(self.degree, 4)
+        return {(a, b, c, d): to_fraction(v) for (a, b, c, d), v in zip(indices, values, strict=True)}
+
+
+class PiecewiseSurface:
+    """The zero set of a piecewise polynomial, C^`order` across cells, meeting its contacts.
+
+    `patches` are the polynomials in the partition's local coordinates, one for each cell.
+    Negative values are inside.  Nothing is taken on trust: what holds is what `certify` proves.
+    """
+
+    def __init__(
+        self,
+        partition: Partition,
+        contacts: Sequence[Contact],
+        order: int,
+        patches: Sequence[Polynomial],
+        degree: int | None = None,
+    ) -> None:
+        if len(patches) != len(partition.cells):
+            raise ValueError(f"there must be a patch for each of the {len(partition.cells)} cells, not {len(patches)}")
+        self.partition = partition
+        self.contacts = tuple(contacts)
+        self.order = order
+        self.patches = tuple(patches)
+        self.degree = max(max(p.degree for p in patches), 0) if degree is None else degree
+
+    @classmethod
+    def from_polynomials(
+        cls, partition: Partition, contacts: Sequence[Contact], order: int, polynomials: Sequence[Any]
+    ) -> PiecewiseSurface:
+        """A surface from the polynomials of its cells in the user's coordinates."""
+        patches = [partition.frame.localise(Polynomial(p)) for p in polynomials]
+        return cls(partition, contacts, order, patches)
+
+    @property
+    def local(self) -> Partition:
+        """The partition in local coordinates, in which `patches` are given."""
+        return self.partition.local
+
+    @cached_property
+    def joins(self) -> tuple[Join, ...]:
+        """The contacts in local coordinates, with their places on the partition."""
+        frame = self.partition.frame
+        moved = [Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in self.contacts]
+        return joins(self.local, moved)
+
+    @cached_property
+    def walls(self) -> tuple[OuterFace, ...]:
+        """The outer faces in no clip plane."""
+        clipped = {face.vertices for join in self.joins for face in join.faces}
+        return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
+
+    @cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells with their exact vertices and polynomials, in the user's coordinates."""
+        return tuple(
+            Cell(
+                tuple(tuple(to_fraction(x) for x in v) for v in self.partition.corners(cell)),  # type: ignore[misc]
+                self.partition.frame.globalise(patch),
+                self.degree,
+            )
+            for cell, patch in zip(self.partition.cells, self.patches, strict=True)
+        )
+
+    def __call__(self, points: Any) -> Floats:
+        """Values at `points` (..., 3), shape (...); NaN outside the region."""
+        return self.jets(points)[..., 0]
+
+    def gradient(self, points: Any) -> Floats:
+        """Gradients at `points` (..., 3), shape (..., 3); NaN outside the region."""
+        return self.jets(points)[..., 1:]
+
+    def jets(self, points: Any) -> Floats:
+        """Values and gradients at `points` (..., 3), shape (..., 4); NaN outside the region."""
+        array = np.asarray(points, dtype=float)
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+        local = self.partition.frame.local_points(array).reshape(-1, 3)
+        result = self.local_jets(local, self.local.locate(local))
+        result[:, 1:] /= float(to_fraction(self.partition.frame.scale))
+        return result.reshape(*array.shape[:-1], 4)
+
+    def local_jets(self, points: Floats, cells: np.ndarray) -> Floats:
+        """Values and gradients (N, 4) of the patches of given cells at local points (N, 3)."""
+        result = np.full((len(points), 4), np.nan)
+        for cell in range(len(self.patches)):
+            rows = np.flatnonzero(cells == cell)
+            if len(rows):
+                result[rows] = evaluate(points[rows], self.columns[cell])
+        return result
+
+    @cached_property
+    def columns(self) -> Floats:
+        """Coefficients of each patch and its three derivatives, (cells, C(n+3, 3), 4)."""
+        return np.array(
+            [
+                np.stack([p.dense(self.degree) for p in (patch, *(patch.diff(i) for i in range(3)))], axis=1)
+                for patch in self.patches
+            ]
+        )
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""
+        return np.asarray(self(points) <= 0)
+
+    def intersect_rays(self, origins: Any, directions: Any) -> Floats:
+        """Where rays first meet the surface inside the region.
+
+        `origins` and `directions` broadcast to (..., 3); returns the parameters t >= 0 of the
+        points `origin + t * direction`, shape (...), NaN for rays that miss.
+        """
+        a, d = np.broadcast_arrays(np.asarray(origins, dtype=float), np.asarray(directions, dtype=float))
+        if a.ndim == 0 or a.shape[-1] != 3:
+            raise ValueError(f"origins and directions must have shape (..., 3), not {a.shape}")
+        scale = float(to_fraction(self.partition.frame.scale))
+        t = first_hits(
+            self.local,
+            list(self.columns[:, :, 0]),
+            self.partition.frame.local_points(a).reshape(-1, 3),
+            d.reshape(-1, 3) / scale,
+        )
+        return t.reshape(a.shape[:-1])
+
+    def certify(self) -> Certificate:
+        """Prove the contacts, the smoothness, the single sheet and the enclosure."""
+        return certify(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"PiecewiseSurface({self.partition.name}, {len(self.patches)} cells, "
+            f"degree {self.degree}, order {self.order})"
+        )
+
