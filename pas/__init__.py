@@ -1,0 +1,97 @@
+"""pas: a modeler of piecewise algebraic surfaces.
+
+    import pas
+
+    pipes = [pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1),
+             pas.Pipe(axis=(0, 1, 0), radius="1/4", clip=1),
+             pas.Pipe(axis=(0, 0, 1), radius="2/5", clip=1)]
+    blend = pas.blend(pipes, order=2)
+
+The way of the data: problem (contacts, order) -> partition -> solution space -> fit -> surface and
+certificate -> mesh -> file.  Names are loaded when first used, so the import is fast.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from pas._version import __version__
+
+if TYPE_CHECKING:
+    from pas.algebra.polynomial import Polynomial as Polynomial
+    from pas.bernstein.signs import Status as Status
+    from pas.blending.blend import Blend as Blend
+    from pas.blending.blend import blend as blend
+    from pas.blending.project import load as load
+    from pas.blending.space import SolutionSpace as SolutionSpace
+    from pas.blending.space import solutions as solutions
+    from pas.errors import GeometryError as GeometryError
+    from pas.errors import InfeasibleError as InfeasibleError
+    from pas.errors import InputError as InputError
+    from pas.errors import MissingLibraryError as MissingLibraryError
+    from pas.errors import NoSolutionError as NoSolutionError
+    from pas.errors import NotProvedError as NotProvedError
+    from pas.errors import PasError as PasError
+    from pas.errors import ProblemFileError as ProblemFileError
+    from pas.errors import ProjectFileError as ProjectFileError
+    from pas.exchange.problem import read_problem as read_problem
+    from pas.fairing.constraints import MeanAlpha as MeanAlpha
+    from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
+    from pas.fairing.constraints import ValueAt as ValueAt
+    from pas.fairing.energy import Box as Box
+    from pas.fairing.energy import ThinPlate as ThinPlate
+    from pas.mesh.triangulate import MeshError as MeshError
+    from pas.partition.cells import Partition as Partition
+    from pas.partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
+    from pas.render.picture import Style as Style
+    from pas.render.picture import draw as draw
+    from pas.surface.certificate import Certificate as Certificate
+    from pas.surface.certificate import Verdict as Verdict
+    from pas.surface.contact import Contact as Contact
+    from pas.surface.contact import Pipe as Pipe
+    from pas.surface.piecewise import PiecewiseSurface as PiecewiseSurface
+
+_HOMES = {
+    "pas.algebra.polynomial": ("Polynomial",),
+    "pas.bernstein.signs": ("Status",),
+    "pas.blending.blend": ("Blend", "blend"),
+    "pas.blending.project": ("load",),
+    "pas.blending.space": ("SolutionSpace", "solutions"),
+    "pas.errors": (
+        "GeometryError",
+        "InfeasibleError",
+        "InputError",
+        "MissingLibraryError",
+        "NoSolutionError",
+        "NotProvedError",
+        "PasError",
+        "ProblemFileError",
+        "ProjectFileError",
+    ),
+    "pas.exchange.problem": ("read_problem",),
+    "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "ValueAt"),
+    "pas.fairing.energy": ("Box", "ThinPlate"),
+    "pas.mesh.triangulate": ("MeshError",),
+    "pas.partition.cells": ("Partition",),
+    "pas.partition.six_tetrahedra": ("SixTetrahedra",),
+    "pas.render.picture": ("Style", "draw"),
+    "pas.surface.certificate": ("Certificate", "Verdict"),
+    "pas.surface.contact": ("Contact", "Pipe"),
+    "pas.surface.piecewise": ("PiecewiseSurface",),
+}
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = ["__version__", *sorted(_HOME_OF)]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'pas' has no attribute {name!r}")
+    value = getattr(import_module(_HOME_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -30,7 +30,10 @@ def parse_polynomial(text: str, names: Mapping[str, fmpq_mpoly]) -> fmpq_mpoly:
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ValueError(f"cannot read the polynomial {text!r}: {_place(error)}") from None
     one = next(iter(names.values())) ** 0
-    return _Reader(text, source, names, one).read(tree.body)
+    try:
+        return _Reader(text, source, names, one).read(tree.body)
+    except RecursionError as error:
+        raise ValueError(f"cannot read the polynomial {text!r}: {_place(error)}") from None
 
 
 def _place(error: BaseException) -> str:
@@ -46,6 +49,8 @@ class _Reader:
         self.text, self.source, self.names, self.one = text, source, names, one
 
     def read(self, node: ast.expr) -> fmpq_mpoly:
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+            return self._sum(node)
         if isinstance(node, ast.BinOp):
             return self._binary(node)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
@@ -61,12 +66,17 @@ class _Reader:
             return self.one * fmpq(literal.numerator, literal.denominator)
         raise self._error(f"{self._segment(node)!r} is not a polynomial expression in x, y, z")
 
+    def _sum(self, node: ast.expr) -> fmpq_mpoly:
+        """A sum of many terms, which the parser nests to the left, without deep recursion."""
+        total = self.one * 0
+        while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+            term = self.read(node.right)
+            total = total + term if isinstance(node.op, ast.Add) else total - term
+            node = node.left
+        return total + self.read(node)
+
     def _binary(self, node: ast.BinOp) -> fmpq_mpoly:
         left, right = self.read(node.left), self.read(node.right)
-        if isinstance(node.op, ast.Add):
-            return left + right
-        if isinstance(node.op, ast.Sub):
-            return left - right
         if isinstance(node.op, ast.Mult):
             return left * right
         if isinstance(node.op, ast.Div):

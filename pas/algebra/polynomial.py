@@ -59,7 +59,7 @@ class Polynomial:
 
     def coefficients(self) -> dict[tuple[int, int, int], Fraction]:
         """The nonzero coefficients by exponent triple."""
-        return {e: to_fraction(c) for e, c in self.raw.to_dict().items()}
+        return {(int(i), int(j), int(k)): to_fraction(c) for (i, j, k), c in self.raw.to_dict().items()}
 
     def diff(self, variable: str | int) -> Polynomial:
         """The partial derivative with respect to "x", "y", "z" (or 0, 1, 2)."""

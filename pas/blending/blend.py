@@ -68,10 +68,9 @@ class Stages:
 class Blend:
     """One chosen surface with everything known about it.
 
-    `space` and `coefficients` (exact, in `space.basis`) say how it was chosen and `energy` its
-    thin-plate energy in the user's units; all three are None for a blend loaded from a file whose
-    space has not been solved again.  `timings` maps stages to seconds, `attempts` lists the
-    degrees tried.
+    `space` and `coefficients` (exact, in `space.basis`) say how it was chosen, `dimension` out of
+    how many, and `energy` is its thin-plate energy in the user's units.  `timings` maps stages to
+    seconds, `attempts` lists the degrees tried.
     """
 
     surface: PiecewiseSurface
@@ -97,7 +96,9 @@ class Blend:
     @cached_property
     def certificate(self) -> Certificate:
         """The verdicts; proved when first asked for, where they have not been yet."""
-        return self.known_certificate or self.surface.certify() if self.known_certificate is None else self.known_certificate
+        if self.known_certificate is not None:
+            return self.known_certificate
+        return self.surface.certify()
 
     def refit(self, **options: Any) -> Blend:
         """The same problem with other points, weights or normalisation, without new proofs.
@@ -145,6 +146,7 @@ def blend(
     normalize: Normalization | None = None,
     prove: bool = True,
     guard: bool = True,
+    basis: Sequence[Sequence[Any]] | None = None,
     progress: Progress | None = None,
 ) -> Blend:
     """Find, choose and prove the blend of three pipes or contacts.
@@ -154,7 +156,8 @@ def blend(
     (`pas.ThinPlate()` by default).  Points are sequences of three exact numbers: `inside` ones
     get f <= -margin, `outside` ones f >= margin (10^-6 by default), the surface passes `through`
     others exactly and `near` still others by least squares with weight `near_weight`.
-    `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).
+    `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each one
+    polynomial a cell) restricts a given `degree` to the span of these members.
 
     With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
     the optimum under sampled conditions, or with `guard=False` under the points alone, and its
@@ -168,12 +171,16 @@ def blend(
     constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
     plate = _check_energy(energy)
     _check_flags(prove, guard)
+    if basis is not None and degree is None:
+        raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(progress)
     with stages.stage("partition"):
         region, turned = place(contacts, partition)
     attempts: list[Attempt] = []
     failure: InfeasibleError | NotProvedError | None = None
     for space in _spaces(region, turned, order, degree, attempts, stages):
+        if basis is not None:
+            space = space.change_basis([space.coordinates(member) for member in basis])
         try:
             return _fit(space, constraints, plate, prove, guard, attempts, stages)
         except (InfeasibleError, NotProvedError) as error:

@@ -104,17 +104,17 @@ class Partition:
         return tuple(self.vertices[i] for i in indices)
 
     def barycentric(self, points: Floats) -> Floats:
-        """Barycentric coordinates of `points` (N, 3) in every cell: (cells, N, 4)."""
-        return np.einsum("cij,nj->cni", self._barycentric_maps[:, :, :3], points) + (
-            self._barycentric_maps[:, None, :, 3]
-        )
+        """Barycentric coordinates of `points` (N, 3) in every cell: (cells, 4, N)."""
+        maps = self._barycentric_maps
+        product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
+        return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 
     def locate(self, points: Floats, tolerance: float = 1e-12) -> np.ndarray:
         """The index of the cell that holds each of `points` (N, 3), -1 outside the region.
 
         A point further than `tolerance` (barycentric) outside every cell counts as outside.
         """
-        depth = self.barycentric(points).min(axis=2)
+        depth = self.barycentric(points).min(axis=1)
         best = depth.argmax(axis=0)
         return np.where(depth.max(axis=0) >= -tolerance, best, -1)
 

@@ -14,6 +14,8 @@ from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
+from pas.mesh.field import TriangleMesh
+from pas.mesh.triangulate import triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
@@ -137,6 +139,40 @@ class PiecewiseSurface:
             ]
         )
 
+    def hessian(self, points: Any) -> Floats:
+        """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
+        array = np.asarray(points, dtype=float)
+        local = self.partition.frame.local_points(array).reshape(-1, 3)
+        cells = self.local.locate(local)
+        result = np.full((len(local), 9), np.nan)
+        for number, columns in enumerate(self._second_columns):
+            rows = np.flatnonzero(cells == number)
+            if len(rows):
+                result[rows] = evaluate(local[rows], columns)
+        scale = float(to_fraction(self.partition.frame.scale))
+        return result.reshape(*array.shape[:-1], 3, 3) / scale**2
+
+    def curvatures(self, points: Any) -> Floats:
+        """Mean and Gauss curvature at surface points (..., 3): shape (..., 2).
+
+        The mean curvature is positive where the surface bends like a ball that is inside
+        (Goldman 2005: `(|g|^2 tr H - g^T H g) / (2 |g|^3)` and `g^T adj(H) g / |g|^4`).
+        """
+        g, h = self.gradient(points), self.hessian(points)
+        length = np.linalg.norm(g, axis=-1)
+        quadratic = np.einsum("...i,...ij,...j", g, h, g)
+        mean = (length**2 * np.trace(h, axis1=-2, axis2=-1) - quadratic) / (2 * length**3)
+        adjugate = np.stack([np.cross(h[..., 1, :], h[..., 2, :]), np.cross(h[..., 2, :], h[..., 0, :]), np.cross(h[..., 0, :], h[..., 1, :])], axis=-2)
+        gauss = np.einsum("...i,...ij,...j", g, adjugate, g) / length**4
+        return np.stack([mean, gauss], axis=-1)
+
+    @cached_property
+    def _second_columns(self) -> list[Floats]:
+        return [
+            np.stack([p.diff(i).diff(j).dense(self.degree) for i in range(3) for j in range(3)], axis=1)
+            for p in self.patches
+        ]
+
     def contains(self, points: Any) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""
         return np.asarray(self(points) <= 0)
@@ -163,9 +199,56 @@ class PiecewiseSurface:
         """Prove the contacts, the smoothness, the single sheet and the enclosure."""
         return certify(self)
 
+    def triangulate(self, tolerance: float = 1e-3) -> TriangleMesh:
+        """A triangle mesh as plain arrays; see `mesh`."""
+        if not tolerance > 0 or not np.isfinite(tolerance):
+            raise ValueError(f"tolerance must be a positive number, not {tolerance}")
+        frame = self.partition.frame
+        mesh = triangulate(_LocalField(self), tolerance / float(to_fraction(frame.scale)))
+        return TriangleMesh(frame.global_points(mesh.points), mesh.triangles, mesh.normals)
+
+    def mesh(self, tolerance: float = 1e-3) -> Any:
+        """A `pyvista.PolyData` of triangles within `tolerance` (the model's units) of the surface.
+
+        Vertices lie on the surface, boundary vertices on the contact curves; point normals point
+        outwards.  Raises `MeshError` where there is no surface or the tolerance is too small.
+        """
+        import pyvista
+
+        mesh = self.triangulate(tolerance)
+        data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles)
+        data.point_data.active_normals = mesh.normals
+        return data
+
     def __repr__(self) -> str:
         return (
             f"PiecewiseSurface({self.partition.name}, {len(self.patches)} cells, "
             f"degree {self.degree}, order {self.order})"
         )
 
+
+class _LocalField:
+    """The surface in local coordinates, as the mesher wants it."""
+
+    def __init__(self, surface: PiecewiseSurface) -> None:
+        self.surface = surface
+        self.vertices = surface.local.points
+        self.cells = np.array(surface.local.cells)
+        self.walls = _unit_planes(surface.local)
+
+    def locate(self, points: Floats) -> np.ndarray:
+        """The cell that holds, or is nearest to, each of points (N, 3)."""
+        return self.surface.local.locate(points, tolerance=np.inf)
+
+    def jets(self, points: Floats, cells: np.ndarray) -> Floats:
+        """Values and gradients (N, 4) of given cells' patches at points (N, 3)."""
+        return self.surface.local_jets(points, cells)
+
+
+def _unit_planes(partition: Partition) -> Floats:
+    planes = []
+    for face in partition.outer_faces:
+        constant, *slope = (face.plane.dense(1)[i] for i in range(4))
+        length = np.linalg.norm(slope)
+        planes.append([*(np.array(slope) / length), -constant / length])
+    return np.unique(np.round(planes, 14), axis=0)

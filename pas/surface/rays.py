@@ -30,7 +30,7 @@ def first_hits(partition: Partition, columns: Sequence[Floats], origins: Floats,
     at = partition.barycentric(origins)
     slopes = partition.barycentric(origins + directions) - at
     for cell, column in enumerate(columns):
-        enter, leave = _span(at[cell], slopes[cell])
+        enter, leave = _span(at[cell].T, slopes[cell].T)
         rows = np.flatnonzero((leave > enter) & (enter < result))
         if len(rows):
             t = _first_root(column, origins[rows], directions[rows], enter[rows], leave[rows])

@@ -1,0 +1,56 @@
+# Every target sets up what it needs: a virtual environment in .venv and the package in it.
+
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: help setup opengl demo test test-all lint examples bench clean
+
+help:
+	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
+	@echo "make test      the tests that CI runs"
+	@echo "make test-all  these and the slow ones"
+	@echo "make lint      style and types"
+	@echo "make examples  all examples with their pictures"
+	@echo "make bench     benchmarks"
+
+setup: $(VENV)/.ready opengl
+
+$(VENV)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[develop]'
+	touch $@
+
+# Pictures need the system's OpenGL; root installs it, others are told how.
+opengl:
+	@$(PYTHON) -c "import ctypes; [ctypes.CDLL(n) for n in ('libGL.so.1', 'libEGL.so.1', 'libXrender.so.1')]" 2>/dev/null || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing OpenGL for pictures (libgl1 libegl1 libxrender1)"; \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libgl1 libegl1 libxrender1 >/dev/null; \
+	else \
+		echo "pictures need OpenGL: apt-get install libgl1 libegl1 libxrender1"; \
+	fi
+
+demo: setup
+	$(BIN)/pas blend examples/corners/three_pipes.toml -o out
+
+test: setup
+	$(BIN)/python -m pytest
+
+test-all: setup
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+lint: setup
+	$(BIN)/ruff check pas tests examples benchmarks
+	$(BIN)/ruff format --check pas tests examples benchmarks
+	$(BIN)/mypy
+
+examples: setup
+	$(BIN)/python examples/corners/corners.py
+
+bench: setup
+	$(BIN)/python benchmarks/corner.py
+
+clean:
+	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

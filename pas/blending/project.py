@@ -1,0 +1,78 @@
+"""Blends as project files (`.pas.json`): the whole problem, the exact solution, the verdicts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pas._version import __version__
+from pas.algebra.rational import rational, to_fraction
+from pas.blending.blend import Attempt, Blend
+from pas.errors import PasError, ProjectFileError
+from pas.exchange.container import read, write
+from pas.exchange.records import (
+    constraints_record,
+    energy_record,
+    read_constraints,
+    read_energy,
+    read_surface,
+    surface_record,
+)
+from pas.surface.certificate import Certificate
+
+SUFFIX = ".pas.json"
+
+
+def save(blend: Blend, path: str | Path) -> Path:
+    """Write a blend, proving it first where that has not been done; returns the path.
+
+    Raises `ValueError` unless the name ends in `.pas.json`.
+    """
+    if not str(path).endswith(SUFFIX):
+        raise ValueError(f"a project file's name must end in {SUFFIX}, not {Path(path).name!r}")
+    content = {
+        "problem": {"constraints": constraints_record(blend.constraints), "energy": energy_record(blend.plate)},
+        "surface": surface_record(blend.surface),
+        "solution": {
+            "dimension": blend.dimension,
+            "coefficients": [str(c) for c in blend.coefficients],
+            "energy": blend.energy,
+            "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
+            "seconds": blend.timings,
+        },
+        "certificate": blend.certificate.to_record(),
+    }
+    return write(path, content, f"pas {__version__}")
+
+
+def load(path: str | Path, *, edited: bool = False) -> Blend:
+    """Read a blend back: exactly the same surface, with the verdicts as they were written.
+
+    With `edited`, a file whose checksum does not match is read all the same, without its
+    verdicts: they are proved anew when asked for.
+
+    Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
+    """
+    content = read(path, edited=edited)
+    try:
+        return _from_content(content, with_verdicts=not edited)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, PasError) as error:
+        raise ProjectFileError(
+            f"{Path(path).name}: the content cannot be understood ({type(error).__name__}: {error}); "
+            "write it again with `pas blend`"
+        ) from None
+
+
+def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:
+    solution = content["solution"]
+    return Blend(
+        surface=read_surface(content["surface"]),
+        dimension=int(solution["dimension"]),
+        coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
+        energy=float(solution["energy"]),
+        timings={str(k): float(v) for k, v in solution["seconds"].items()},
+        attempts=tuple(Attempt(*a) for a in solution["attempts"]),
+        constraints=read_constraints(content["problem"]["constraints"]),
+        plate=read_energy(content["problem"]["energy"]),
+        known_certificate=Certificate.from_record(content["certificate"]) if with_verdicts else None,
+    )

@@ -1,0 +1,33 @@
+"""The summary of a blend, as `print(blend)` and the command line show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pas.blending.blend import Blend
+
+
+def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
+    """A table of what was asked, what was found and what was proved; `extra` adds lines."""
+    surface = blend.surface
+    rows = [(f"contact {i}", str(contact)) for i, contact in enumerate(surface.contacts, start=1)]
+    rows += [
+        ("partition", f"{surface.partition.name} ({len(surface.patches)} cells)"),
+        ("order", f"GC^{surface.order} at the contacts, C^{surface.order} between cells"),
+        ("degree", f"{surface.degree}{_tried(blend)}"),
+        ("dimension", f"{blend.dimension}"),
+        ("energy", f"{blend.energy:.6g}"),
+    ]
+    rows += (extra or {}).items()
+    rows += [(f"seconds: {name}", f"{spent:.3f}") for name, spent in blend.timings.items()]
+    width = max(len(name) for name, _ in rows)
+    lines = [f"{name:<{width}}  {value}" for name, value in rows]
+    certificate = blend.certificate
+    proved = sum(v.proved for v in certificate.verdicts)
+    lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
+    return "\n".join(lines)
+
+
+def _tried(blend: Blend) -> str:
+    failed = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts[:-1]]
+    return f"; tried before: {', '.join(failed)}" if failed else ""

@@ -1,0 +1,225 @@
+"""The command line `pas`.
+
+Exit codes: 0 done (for `check`: all proved), 1 what could not be done or proved, 2 what the user
+got wrong.  Errors go to stderr as one sentence; `--debug` shows the traceback.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pas._version import __version__
+from pas.errors import InputError, MissingLibraryError, PasError
+
+if TYPE_CHECKING:
+    from pas.blending.blend import Blend
+    from pas.mesh.field import TriangleMesh
+
+DONE, FAILED, WRONG = 0, 1, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if options.command is None:
+        parser.print_help()
+        return WRONG
+    try:
+        return int(options.run(options))
+    except KeyboardInterrupt:
+        print("pas: interrupted; nothing was left half-written", file=sys.stderr)
+        return FAILED
+    except (InputError, ValueError, TypeError, FileNotFoundError, PermissionError, IsADirectoryError) as error:
+        return _fail(options, error, WRONG)
+    except (PasError, OSError) as error:
+        return _fail(options, error, FAILED)
+
+
+def _fail(options: argparse.Namespace, error: Exception, code: int) -> int:
+    if options.debug:
+        traceback.print_exc()
+    text = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) and error.strerror else str(error)
+    print(f"pas: {' '.join(text.split())}", file=sys.stderr)
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="pas",
+        description="Smooth transitions between algebraic surfaces, with a proof.",
+        epilog="`pas COMMAND --help` tells more of a command.",
+    )
+    parser.add_argument("--version", action="version", version=f"pas {__version__}")
+    parser.set_defaults(command=None, debug=False)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+    _blend_parser(commands)
+    _check_parser(commands)
+    _mesh_parser(commands)
+    _render_parser(commands)
+    return parser
+
+
+def _command(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, text: str, more: str = "") -> argparse.ArgumentParser:  # fmt: skip
+    parser = commands.add_parser(
+        name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def _blend_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _command(
+        commands,
+        "blend",
+        "find, prove, mesh and draw the blend of a problem file",
+        "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
+        "A problem file is TOML:\n\n"
+        "  order = 2            # the k of GC^k\n\n"
+        "  [[pipes]]            # three of them, perpendicular, through one point\n"
+        '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
+        "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
+        "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
+    )
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
+    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
+    parser.add_argument("--degree", type=int, metavar="N", help="this degree only, instead of the lowest proved")
+    _tolerance(parser, "the file's, or 0.001")
+    parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
+    parser.set_defaults(command="blend", run=_blend)
+
+
+def _check_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _command(commands, "check", "prove everything again from a project file alone")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument("--edited", action="store_true", help="accept a file changed by hand, and prove what it says now")
+    parser.set_defaults(command="check", run=_check)
+
+
+def _mesh_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _command(commands, "mesh", "write the surface of a project file as a triangle mesh")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file")
+    _tolerance(parser, "0.001")
+    parser.set_defaults(command="mesh", run=_mesh)
+
+
+def _render_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = _command(commands, "render", "draw the surface of a project file")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
+    style = parser.add_mutually_exclusive_group()
+    style.add_argument("--zebra", action="store_true", help="isophotes, which show the order of continuity")
+    style.add_argument("--curvature", action="store_true", help="colours by mean curvature")
+    parser.set_defaults(command="render", run=_render)
+
+
+def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument(
+        "--tolerance", type=float, metavar="T", help=f"largest distance of the mesh from the surface (default: {default})"
+    )
+
+
+def _blend(options: argparse.Namespace) -> int:
+    from pas.blending.blend import blend
+    from pas.blending.summary import summary
+    from pas.exchange.meshes import write_mesh
+    from pas.exchange.problem import read_problem
+
+    problem = read_problem(options.problem)
+    folder = Path(options.output)
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"{folder} is not a folder; -o names the folder to write to")
+    tolerance = _checked_tolerance(problem.tolerance if options.tolerance is None else options.tolerance)
+    result = blend(
+        problem.contacts,
+        problem.order if options.order is None else options.order,
+        problem.degree if options.degree is None else options.degree,
+        problem.partition,
+        energy=problem.energy,
+        normalize=problem.normalize,
+        prove=problem.prove,
+        guard=problem.guard,
+        basis=problem.basis,
+        progress=_progress,
+        **problem.points,
+    )
+    start = time.perf_counter()
+    mesh = result.surface.triangulate(tolerance)
+    result.timings["mesh"] = time.perf_counter() - start
+    _progress(f"mesh ({len(mesh.triangles)} triangles)", result.timings["mesh"])
+    folder.mkdir(parents=True, exist_ok=True)
+    base = folder / problem.name
+    written = [result.save(f"{base}.pas.json"), write_mesh(mesh, f"{base}.stl")]
+    notes = "" if options.no_picture else _draw(result, mesh, base, written)
+    print(summary(result, {"mesh": f"{len(mesh.triangles)} triangles, within {tolerance:g} of the surface"}))
+    print("\nwritten:", *written, sep="\n  ")
+    if notes:
+        print(f"pas: no picture: {notes}", file=sys.stderr)
+        return FAILED
+    return DONE if result.certificate.proved or not problem.prove else FAILED
+
+
+def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) -> str:
+    """Draw the picture; returns why there is none where OpenGL is missing."""
+    from pas.render.picture import draw
+
+    start = time.perf_counter()
+    try:
+        written.append(draw(result.surface, f"{base}.png", mesh=mesh))
+    except MissingLibraryError as error:
+        return str(error)
+    result.timings["picture"] = time.perf_counter() - start
+    _progress("picture", result.timings["picture"])
+    return ""
+
+
+def _check(options: argparse.Namespace) -> int:
+    from pas.blending.project import load
+
+    surface = load(options.project, edited=options.edited).surface
+    start = time.perf_counter()
+    certificate = surface.certify()
+    print(certificate)
+    verdict = "all proved" if certificate.proved else "not all proved"
+    print(f"\n{verdict}, in {time.perf_counter() - start:.2f} s")
+    return DONE if certificate.proved else FAILED
+
+
+def _mesh(options: argparse.Namespace) -> int:
+    from pas.blending.project import load
+    from pas.exchange.meshes import check_mesh_suffix, write_mesh
+
+    check_mesh_suffix(options.output)
+    tolerance = _checked_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    mesh = load(options.project).surface.triangulate(tolerance)
+    path = write_mesh(mesh, options.output)
+    print(f"{path}: {len(mesh.triangles)} triangles, within {tolerance:g} of the surface")
+    return DONE
+
+
+def _render(options: argparse.Namespace) -> int:
+    from pas.blending.project import load
+    from pas.render.picture import Style, draw
+
+    style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
+    print(draw(load(options.project).surface, options.output, style=style))
+    return DONE
+
+
+def _checked_tolerance(tolerance: float) -> float:
+    if not 0 < tolerance < float("inf"):
+        raise ValueError(f"the tolerance must be a positive number, not {tolerance}")
+    return tolerance
+
+
+def _progress(stage: str, seconds: float) -> None:
+    print(f"{stage:<48} {seconds:7.2f} s", file=sys.stderr, flush=True)

@@ -1,0 +1,1 @@
+"""Files: problem files in, project files and meshes out; nothing is left half-written."""

@@ -1,0 +1,127 @@
+"""JSON-ready records of exact objects, and back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, plain, vector
+from pas.fairing.constraints import Constraints, MeanAlpha, Normalization, SumOfCoefficients, ValueAt
+from pas.fairing.energy import Box, ThinPlate
+from pas.partition.cells import Partition
+from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.surface.contact import Contact
+from pas.surface.piecewise import PiecewiseSurface
+
+
+def polynomial_record(polynomial: Polynomial) -> list[list[Any]]:
+    """Terms [i, j, k, "p/q"] of x^i y^j z^k."""
+    return [[*e, str(c)] for e, c in polynomial.coefficients().items()]
+
+
+def read_polynomial(record: Any) -> Polynomial:
+    """The polynomial of `polynomial_record`."""
+    return Polynomial({(i, j, k): c for i, j, k, c in record})
+
+
+def point_record(point: Vector) -> list[str]:
+    """Three exact numbers as strings."""
+    return [plain(c) for c in point]
+
+
+def partition_record(partition: Partition) -> dict[str, Any]:
+    """The kind and exact data of a partition."""
+    record: dict[str, Any] = {"kind": partition.name, "center": point_record(partition.center)}
+    if isinstance(partition, SixTetrahedra):
+        record["legs"] = [point_record(leg) for leg in partition.legs]
+    else:
+        record["vertices"] = [point_record(v) for v in partition.vertices]
+        record["cells"] = [list(cell) for cell in partition.cells]
+    return record
+
+
+def read_partition(record: dict[str, Any]) -> Partition:
+    """The partition of `partition_record`."""
+    if record["kind"] == SixTetrahedra.name:
+        return SixTetrahedra(record["center"], record["legs"])
+    vertices = [vector(v) for v in record["vertices"]]
+    return Partition(vertices, [tuple(cell) for cell in record["cells"]], vector(record["center"]))
+
+
+def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
+    """Everything that defines a surface, exact."""
+    return {
+        "partition": partition_record(surface.partition),
+        "contacts": [
+            {"surface": str(c.surface), "clip": str(c.clip)} for c in surface.contacts
+        ],
+        "order": surface.order,
+        "degree": surface.degree,
+        "patches": [polynomial_record(cell.polynomial) for cell in surface.cells],
+    }
+
+
+def read_surface(record: dict[str, Any]) -> PiecewiseSurface:
+    """The surface of `surface_record`, exactly."""
+    partition = read_partition(record["partition"])
+    contacts = [Contact(c["surface"], c["clip"]) for c in record["contacts"]]
+    patches = [partition.frame.localise(read_polynomial(p)) for p in record["patches"]]
+    return PiecewiseSurface(partition, contacts, record["order"], patches, record["degree"])
+
+
+def constraints_record(constraints: Constraints) -> dict[str, Any]:
+    """The points and the normalisation."""
+    record: dict[str, Any] = {
+        kind: [point_record(p) for p in getattr(constraints, kind)]
+        for kind in ("inside", "outside", "through", "near")
+    }
+    record["near_weight"] = plain(constraints.near_weight)
+    record["margin"] = plain(constraints.margin)
+    record["normalize"] = normalization_record(constraints.normalize)
+    return record
+
+
+def read_constraints(record: dict[str, Any]) -> Constraints:
+    """The constraints of `constraints_record`."""
+    return Constraints.of(**(record | {"normalize": read_normalization(record["normalize"])}))
+
+
+def normalization_record(normalization: Normalization) -> dict[str, Any]:
+    """The kind of normalisation and its data."""
+    if isinstance(normalization, ValueAt):
+        return {
+            "kind": "value-at",
+            "point": point_record(normalization.point),
+            "value": plain(normalization.value),
+        }
+    return {"kind": "mean-alpha" if isinstance(normalization, MeanAlpha) else "sum-of-coefficients"}
+
+
+def read_normalization(record: dict[str, Any]) -> Normalization:
+    """The normalisation of `normalization_record`."""
+    kind = record["kind"]
+    if kind == "value-at":
+        return ValueAt(record["point"], record.get("value", -1))
+    return {"mean-alpha": MeanAlpha, "sum-of-coefficients": SumOfCoefficients}[kind]()
+
+
+def energy_record(energy: ThinPlate) -> dict[str, Any]:
+    """The energy and its domain."""
+    if energy.domain is None:
+        return {"kind": "thin-plate"}
+    box = energy.domain
+    return {
+        "kind": "thin-plate",
+        "cell": energy.cell,
+        "lower": point_record(box.lower),
+        "upper": point_record(box.upper),
+    }
+
+
+def read_energy(record: dict[str, Any]) -> ThinPlate:
+    """The energy of `energy_record`."""
+    if "lower" not in record:
+        return ThinPlate()
+    return ThinPlate(Box(record["lower"], record["upper"]), record.get("cell", 0))
+
+

@@ -1,0 +1,1 @@
+"""Triangle meshes of implicit surfaces given on tetrahedral cells."""

@@ -1,0 +1,117 @@
+"""What the mesher needs to know of a surface, and what it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.intp]
+
+
+class CellField(Protocol):
+    """A function with gradients on a region made of tetrahedra.
+
+    `vertices` (V, 3), `cells` (C, 4) vertex numbers, `walls` (W, 4) the oriented unit planes
+    (normal, offset) of the region's flat boundary pieces.
+    """
+
+    @property
+    def vertices(self) -> Floats:
+        """The points of the tetrahedra (V, 3)."""
+
+    @property
+    def cells(self) -> Integers:
+        """The tetrahedra as vertex numbers (C, 4)."""
+
+    @property
+    def walls(self) -> Floats:
+        """Planes (W, 4) that bound the region: `n . x = d` with unit n, as (n, d)."""
+
+    def locate(self, points: Floats) -> Integers:
+        """The cell that holds, or is nearest to, each of points (N, 3)."""
+
+    def jets(self, points: Floats, cells: Integers) -> Floats:
+        """Values and gradients (N, 4) of given cells' functions at points (N, 3)."""
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """Points (N, 3), triangles (T, 3) and unit normals (N, 3), pointing to where f > 0."""
+
+    points: Floats
+    triangles: Integers
+    normals: Floats
+
+    @cached_property
+    def edges(self) -> tuple[Integers, Integers]:
+        """The distinct edges (E, 2), and how many triangles each belongs to (E,)."""
+        return edge_table(self.triangles)
+
+    @cached_property
+    def boundary(self) -> Integers:
+        """The vertices on the mesh's boundary."""
+        edges, times = self.edges
+        return np.unique(edges[times == 1])
+
+    @property
+    def euler_characteristic(self) -> int:
+        """Vertices - edges + triangles."""
+        return len(np.unique(self.triangles)) - len(self.edges[0]) + len(self.triangles)
+
+    @property
+    def is_manifold(self) -> bool:
+        """Whether every edge has one or two triangles and every vertex one fan of them."""
+        if len(self.triangles) == 0 or self.edges[1].max() > 2:
+            return False
+        return bool((_fans(self.triangles) == 1).all())
+
+    @property
+    def smallest_angles(self) -> Floats:
+        """The smallest angle of each triangle, in degrees (T,)."""
+        p = self.points[self.triangles]
+        angles = []
+        for i in range(3):
+            a, b = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
+            cosine = (a * b).sum(1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-300)
+            angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+        return np.min(angles, axis=0)
+
+
+def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
+    """The distinct edges (E, 2) of triangles (T, 3) and their numbers of triangles."""
+    size = int(triangles.max(initial=0)) + 1
+    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    keys, times = np.unique(pairs[:, 0] * size + pairs[:, 1], return_counts=True)
+    return np.stack([keys // size, keys % size], axis=1), times
+
+
+def _fans(triangles: Integers) -> Integers:
+    """How many edge-connected fans of triangles meet at each used vertex."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    corners = len(triangles) * 3
+    owner = triangles.ravel()
+    ids = np.arange(corners).reshape(-1, 3)
+    size = int(triangles.max()) + 1
+    sides, ends = [], []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        low = np.minimum(triangles[:, i], triangles[:, j])
+        high = np.maximum(triangles[:, i], triangles[:, j])
+        sides.append(low * size + high)
+        ends.append(np.where((triangles[:, i] < triangles[:, j])[:, None], ids[:, [i, j]], ids[:, [j, i]]))
+    keys, pairs = np.concatenate(sides), np.concatenate(ends)
+    order = np.argsort(keys, kind="stable")
+    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+    first, second = pairs[order[same]], pairs[order[same + 1]]
+    rows, columns = first.ravel(), second.ravel()
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(corners, corners))
+    components, label = connected_components(graph, directed=False)
+    vertex_of = np.empty(components, dtype=np.intp)
+    vertex_of[label] = owner
+    return np.unique(vertex_of, return_counts=True)[1]

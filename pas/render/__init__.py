@@ -1,0 +1,1 @@
+"""Pictures of surfaces: shaded, with isophotes (zebra stripes), or coloured by curvature."""

@@ -1,0 +1,58 @@
+"""The surfaces that a blend continues, as meshes beyond their clips, for pictures.
+
+A surface that does not change along its clip's normal (a pipe) is extruded from the mesh's
+boundary curve, so that it joins without a gap; any other is left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.mesh.field import Integers, TriangleMesh, edge_table
+from pas.surface.piecewise import PiecewiseSurface
+
+RINGS = 24
+"""Rings of triangles along an extruded neighbour: enough for stripes to be straight."""
+
+
+def neighbours(surface: PiecewiseSurface, mesh: TriangleMesh, length: float) -> list[TriangleMesh]:
+    """Each cylindrical contact surface, extruded by `length` (model units) from the blend's mesh."""
+    edges, times = edge_table(mesh.triangles)
+    rim = edges[times == 1]
+    result = []
+    for contact in surface.contacts:
+        on = np.abs(contact.clip(mesh.points[rim])).max(axis=1) < 1e-9 * (1 + np.abs(mesh.points).max())
+        if on.any() and _is_cylinder(contact.surface, contact.clip):
+            direction = contact.clip.gradient(mesh.points[rim[on][0, 0]])
+            direction = direction / np.linalg.norm(direction)
+            result.append(_extruded(contact.surface, mesh.points, rim[on], direction * length))
+    return result
+
+
+def _is_cylinder(surface: Polynomial, clip: Polynomial) -> bool:
+    """Whether the surface is constant along the normal of a plane clip, exactly."""
+    if clip.degree != 1:
+        return False
+    slope = [clip.diff(i).raw for i in range(3)]
+    change = sum((surface.diff(i).raw * s for i, s in enumerate(slope)), GENERATORS[0] * 0)
+    return bool(change.is_zero())
+
+
+def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats) -> TriangleMesh:
+    vertices, inverse = np.unique(rim, return_inverse=True)
+    ring, count = inverse.reshape(-1, 2), len(vertices)
+    steps = np.linspace(0.0, 1.0, RINGS + 1)
+    grid = (points[vertices] + steps[:, None, None] * shift).reshape(-1, 3)
+    triangles = []
+    for row in range(RINGS):
+        a, b = ring[:, 0] + row * count, ring[:, 1] + row * count
+        triangles += [np.stack([a, b, b + count], axis=1), np.stack([a, b + count, a + count], axis=1)]
+    normals = surface.gradient(grid)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    faces = np.concatenate(triangles)
+    p = grid[faces]
+    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[faces[:, 0]]).sum(axis=1) < 0
+    faces[turned] = faces[turned][:, [0, 2, 1]]
+    return TriangleMesh(grid, faces, normals)
