@@ -86,7 +86,8 @@ class Polynomial:
 
     def hessian(self, points: Any) -> Floats:
         """Matrices of second derivatives at `points` (..., 3), shape (..., 3, 3)."""
-        columns = np.stack([self.diff(i).diff(j).dense() for i in range(3) for j in range(3)], 1)
+        degree = max(self.degree, 0)
+        columns = np.stack([self.diff(i).diff(j).dense(degree) for i in range(3) for j in range(3)], 1)
         return self._evaluate(points, columns).reshape(*np.shape(points)[:-1], 3, 3)
 
     def dense(self, degree: int | None = None) -> Floats:

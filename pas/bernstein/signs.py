@@ -91,12 +91,14 @@ def prove_positive(
     where_zero: Floats | None = None,
     halvings: int = 48,
     largest_batch: int = 20_000,
+    exhaustive: bool = False,
 ) -> SignResult:
     """Prove that `value > 0` on simplices, or only where another polynomial vanishes.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
     `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  Gives up, UNDECIDED,
-    after `halvings` rounds or when more than `largest_batch` simplices are open.
+    after `halvings` rounds or when more than `largest_batch` simplices are open.  Ends at the
+    first counterexamples, or goes on to find others with `exhaustive`.
     """
     batch = _Simplices(where_zero, value, corners, np.arange(len(value)))
     vertices = corners.shape[1]
@@ -107,9 +109,12 @@ def prove_positive(
         bound = 2 * (1 + halved * (max(degrees) + 2)) * UNIT_ROUNDOFF
         batch = batch.select(~_settled(batch, bound))
         witnesses = _violations(batch, bound)
-        found.add(_witness_points(batch.select(witnesses)), batch.source[witnesses])
+        if witnesses.any():
+            found.add(_witness_points(batch.select(witnesses)), batch.source[witnesses])
         batch = batch.select(~witnesses)
         if not len(batch) or halved == halvings or len(batch) > largest_batch:
+            break
+        if found.points and not exhaustive:
             break
         batch = _halve(batch, degrees)
         halved += 1

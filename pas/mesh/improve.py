@@ -81,15 +81,16 @@ def folded(points: Floats, triangles: Integers, normals: Floats) -> np.ndarray:
 
 
 def smooth(points: Floats, triangles: Integers, normals: Floats, boundary: Boundary) -> Floats:
-    """Each vertex moved tangentially towards the area-weighted mean of its triangles' centres."""
-    p = points[triangles]
-    centres = p.mean(axis=1)
-    areas = np.linalg.norm(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
+    """Each vertex moved tangentially to the mean of its triangles' centres.
+
+    Unweighted, so that small triangles stay where they are needed (weights by area would drive
+    all to one size).
+    """
     corners = triangles.ravel()
-    weight = np.bincount(corners, np.repeat(areas, 3), minlength=len(points))
-    weighted = np.repeat(centres * areas[:, None], 3, axis=0)
+    weight = np.bincount(corners, minlength=len(points))
+    weighted = np.repeat(points[triangles].mean(axis=1), 3, axis=0)
     total = np.stack([np.bincount(corners, w, minlength=len(points)) for w in weighted.T], axis=1)
-    move = total / np.maximum(weight, 1e-300)[:, None] - points
+    move = total / np.maximum(weight, 1)[:, None] - points
     move -= (move * normals).sum(axis=1, keepdims=True) * normals
     along = points[boundary.neighbours].mean(axis=1) - points[boundary.vertices]
     move[boundary.vertices] = np.where(boundary.movable[:, None], along / 2, 0.0)

@@ -1,9 +1,12 @@
 """From a field on cells to a triangle mesh within a tolerance.
 
+A coarse mesh from a lattice is refined where it is further from the surface than the tolerance,
+so triangles are small where the surface bends and large where it is flat.
+
 Guarantees, each checked on the result: vertices on the surface (|f| / |grad f| below 1e-9 of
-the size), boundary vertices on the walls, a manifold mesh, and a measured deviation below the
-tolerance.  Not guaranteed: that features below the lattice's size are seen; for surfaces proved
-to be of one sheet there are none.
+the size), boundary vertices on the walls, a manifold mesh without folds, and a measured
+deviation below the tolerance.  Not guaranteed: that features below the first lattice's size are
+seen; on surfaces proved to be of one sheet there are no separate ones.
 """
 
 from __future__ import annotations
@@ -15,16 +18,24 @@ from pas.mesh.contour import march
 from pas.mesh.field import CellField, Floats, Integers, TriangleMesh
 from pas.mesh.improve import boundary_of, flip, folded, project, smooth
 from pas.mesh.lattice import lattice
+from pas.mesh.refine import split
 
-SNAPS = (0.3, 0.2, 0.1, 0.0)
-"""Shares of an edge within which crossings merge, tried in turn until the mesh is manifold."""
+LATTICES = (14, 20, 28, 40)
+"""Subdivisions of a cell's edge for the first mesh, tried until it is manifold without folds."""
 
-SMOOTHINGS = 5
-COARSEST, FINEST = 6, 160
-"""Subdivisions of a cell's edge: fewer miss the shape, more exhaust memory."""
+SNAPS = (0.3, 0.15)
+"""Shares of an edge within which crossings merge, tried in turn on each lattice."""
 
-SAFETY = 0.8
-"""Aim below the tolerance, since the deviation falls with the square of the size only about."""
+FIRST_SMOOTHINGS, LATER_SMOOTHINGS = 5, 2
+REFINEMENTS = 16
+AIM = 0.8
+"""Edges are split down to this share of the tolerance, since smoothing gives some of it back."""
+
+LARGEST = 4_000_000
+"""Triangles; more would not fit into the memory of a small machine."""
+
+INNER = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
+"""Barycentric coordinates of the points inside a triangle where its deviation is measured."""
 
 
 class MeshError(PasError):
@@ -34,68 +45,95 @@ class MeshError(PasError):
 def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
     """A mesh whose distance from the surface is at most `tolerance`, measured.
 
-    Raises `MeshError` where there is no surface, or the tolerance needs too fine a lattice.
+    Raises `MeshError` where there is no surface, or the tolerance needs too many triangles.
     """
-    subdivisions = COARSEST * 2
-    while True:
-        mesh = _attempt(field, subdivisions)
-        reached = deviation(field, mesh)
-        if reached <= tolerance:
+    mesh = _first(field)
+    for _ in range(REFINEMENTS):
+        if deviation(field, mesh) <= tolerance:
             return mesh
-        wanted = int(np.ceil(subdivisions * np.sqrt(reached / (SAFETY * tolerance))))
-        if subdivisions >= FINEST:
-            raise MeshError(
-                f"the tolerance {tolerance:g} needs a finer lattice than {FINEST} subdivisions of a cell; "
-                f"{reached:.2g} was reached"
-            )
-        subdivisions = min(FINEST, max(wanted, subdivisions + 2))
+        edges, far = _far_edges(field, mesh, AIM * tolerance)
+        if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
+            break
+        mesh = _refined(field, mesh, far)
+    raise MeshError(
+        f"the tolerance {tolerance:g} was not reached with {len(mesh.triangles)} triangles "
+        f"({deviation(field, mesh):.2g} was); the surface may have a singular point"
+    )
 
 
 def deviation(field: CellField, mesh: TriangleMesh) -> float:
     """The largest distance |f| / |grad f| of the mesh's edges and triangles from the surface.
 
-    Measured at edge midpoints and at seven points inside each triangle; on the boundary the
-    distance is taken in the wall's plane.
+    Measured at edge midpoints and at points inside each triangle; on the boundary in the wall's
+    plane.
     """
-    p = mesh.points[mesh.triangles]
-    weights = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 1], [2, 1, 2], [1, 2, 2]], dtype=float)
-    weights /= weights.sum(axis=1, keepdims=True)
-    inner = np.einsum("wk,tkx->wtx", weights, p).reshape(-1, 3)
     edges, times = mesh.edges
-    middle = mesh.points[edges].mean(axis=1)
-    largest = max(_distances(field, inner).max(), _distances(field, middle[times == 2]).max(initial=0.0))
-    rim = edges[times == 1]
+    return float(max(_edge_distances(field, mesh, edges, times).max(), _inner_distances(field, mesh).max()))
+
+
+def _far_edges(field: CellField, mesh: TriangleMesh, tolerance: float) -> tuple[Integers, Integers]:
+    """All edges, and those to split: too far themselves, or the longest of a triangle that is."""
+    edges, times = mesh.edges
+    far = edges[_edge_distances(field, mesh, edges, times) > tolerance]
+    triangles = mesh.triangles[_inner_distances(field, mesh) > tolerance]
+    p = mesh.points[triangles]
+    lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
+    longest = lengths.argmax(axis=1)[:, None]
+    pairs = np.concatenate(
+        [np.take_along_axis(triangles, longest, axis=1), np.take_along_axis(triangles, (longest + 1) % 3, axis=1)], axis=1
+    )
+    return edges, np.unique(np.sort(np.concatenate([far, pairs]), axis=1), axis=0)
+
+
+def _edge_distances(field: CellField, mesh: TriangleMesh, edges: Integers, times: Integers) -> Floats:
+    middles = mesh.points[edges].mean(axis=1)
+    normals = np.zeros_like(middles)
+    rim = np.flatnonzero(times == 1)
     if len(rim):
         walls = field.walls
-        middle = mesh.points[rim].mean(axis=1)
-        nearest = np.abs(middle @ walls[:, :3].T - walls[:, 3]).argmin(axis=1)
-        largest = max(largest, _distances(field, middle, walls[nearest, :3]).max())
-    return float(largest)
+        nearest = np.abs(middles[rim] @ walls[:, :3].T - walls[:, 3]).argmin(axis=1)
+        normals[rim] = walls[nearest, :3]
+    return _distances(field, middles, normals)
 
 
-def _distances(field: CellField, points: Floats, normals: Floats | None = None) -> Floats:
+def _inner_distances(field: CellField, mesh: TriangleMesh) -> Floats:
+    points = np.einsum("wk,tkx->twx", INNER, mesh.points[mesh.triangles])
+    distances = _distances(field, points.reshape(-1, 3), None)
+    return distances.reshape(-1, len(INNER)).max(axis=1)
+
+
+def _distances(field: CellField, points: Floats, normals: Floats | None) -> Floats:
     jets = field.jets(points, field.locate(points))
     gradient = jets[:, 1:]
     if normals is not None:
         gradient = gradient - (gradient * normals).sum(axis=1, keepdims=True) * normals
-    return np.abs(jets[:, 0]) / np.maximum(np.linalg.norm(gradient, axis=1), 1e-300)
+    return np.abs(jets[:, 0]) / np.maximum(np.sqrt((gradient * gradient).sum(axis=1)), 1e-300)
 
 
-def _attempt(field: CellField, subdivisions: int) -> TriangleMesh:
-    grid = lattice(field, subdivisions)
+def _first(field: CellField) -> TriangleMesh:
+    """The mesh of the coarsest lattice that gives a manifold without folds, else of the finest."""
+    for subdivisions in LATTICES:
+        grid = lattice(field, subdivisions)
+        if not len(grid.tetrahedra):
+            continue
+        for snap in SNAPS:
+            mesh = _improved(field, *march(grid, snap), FIRST_SMOOTHINGS)
+            if mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.normals).any():
+                return mesh
     if not len(grid.tetrahedra):
         raise MeshError("there is no surface in the region: the function does not change sign")
-    for snap in SNAPS:
-        mesh = _improved(field, *march(grid, snap))
-        if mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.normals).any():
-            break
-    return mesh
+    return _improved(field, *march(grid, 0.0), FIRST_SMOOTHINGS)
 
 
-def _improved(field: CellField, points: Floats, triangles: Integers) -> TriangleMesh:
+def _refined(field: CellField, mesh: TriangleMesh, edges: Integers) -> TriangleMesh:
+    points, triangles = split(mesh.points, mesh.triangles, edges)
+    return _improved(field, points, triangles, LATER_SMOOTHINGS)
+
+
+def _improved(field: CellField, points: Floats, triangles: Integers, smoothings: int) -> TriangleMesh:
     boundary = boundary_of(points, triangles, field)
     points = project(points, field, boundary)
-    for _ in range(SMOOTHINGS):
+    for _ in range(smoothings):
         normals = _normals(field, points)
         triangles = flip(points, triangles, normals)
         points = project(smooth(points, triangles, normals, boundary), field, boundary)

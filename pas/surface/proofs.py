@@ -140,12 +140,12 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
 
 def violations(surface: PiecewiseSurface) -> Violations:
     """Where the inequalities of the proofs fail or stay open: points for new constraints."""
-    sheet = sheet_signs(surface, halvings=24, largest_batch=3000)
-    walls = wall_signs(surface, halvings=16, largest_batch=1500)
+    sheet = sheet_signs(surface, halvings=24, largest_batch=3000, exhaustive=True)
+    walls = wall_signs(surface, halvings=16, largest_batch=1500, exhaustive=True)
     wall_cells = np.array([face.cell for face in surface.walls])
     contacts: list[tuple[int, Floats]] = []
     for number, join in enumerate(surface.joins):
-        result = _alpha_positive(surface, join, on_curve=False, halvings=16, largest_batch=1500)
+        result = _alpha_positive(surface, join, on_curve=False, halvings=16, largest_batch=1500, exhaustive=True)
         contacts += [(number, points) for _, points in _by_source(result)]
     return Violations(
         _by_source(sheet), [(int(wall_cells[s]), points) for s, points in _by_source(walls)], contacts

@@ -1,0 +1,47 @@
+"""Splitting edges of a triangle mesh at their midpoints, without hanging vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.mesh.field import Floats, Integers
+
+
+def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats, Integers]:
+    """The mesh with a vertex in the middle of each of `edges` (E, 2), distinct vertex pairs.
+
+    Triangles with one, two or three split edges become two, three or four, with the same
+    orientation.
+    """
+    size = len(points)
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    order = np.argsort(low * size + high)
+    keys = (low * size + high)[order]
+    middles = points[edges].mean(axis=1)[order]
+    marks = np.stack([_lookup(keys, triangles[:, i], triangles[:, (i + 1) % 3], size) for i in range(3)], axis=1)
+    count = (marks >= 0).sum(axis=1)
+    pieces = [triangles[count == 0]]
+    # turned so that the one split edge is the first, or the one unsplit edge the last
+    for number in (1, 2, 3):
+        rows = count == number
+        first = {1: marks[rows] >= 0, 2: marks[rows] < 0, 3: np.ones((rows.sum(), 3), dtype=bool)}[number].argmax(axis=1)
+        turn = (first[:, None] + np.arange(3) + (1 if number == 2 else 0)) % 3
+        a, b, c = np.take_along_axis(triangles[rows], turn, axis=1).T
+        p, q, r = (np.take_along_axis(marks[rows], turn, axis=1) + size).T
+        if number == 1:
+            corners = [(a, p, c), (p, b, c)]
+        elif number == 2:
+            corners = [(p, b, q), (a, p, q), (a, q, c)]
+        else:
+            corners = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
+        pieces += [np.stack(corner, axis=1) for corner in corners]
+    return np.concatenate([points, middles]), np.concatenate(pieces)
+
+
+def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:
+    """Where the edges (a, b) stand among the sorted keys, -1 for those that are not there."""
+    if not len(keys):
+        return np.full(len(a), -1)
+    wanted = np.minimum(a, b) * size + np.maximum(a, b)
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where(keys[at] == wanted, at, -1)

@@ -1,0 +1,35 @@
+"""Problems and solved blends that several tests share."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import pas
+
+DATA = Path(__file__).parent / "data"
+ROOT = Path(__file__).parent.parent
+AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+EQUAL = ("1/3", "1/3", "1/3")
+UNEQUAL = ("1/3", "1/4", "2/5")
+
+
+def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) -> list[pas.Pipe]:
+    """Three pipes along the axes."""
+    return [pas.Pipe(axis=a, radius=r, clip=h) for a, r, h in zip(AXES, radii, clips, strict=True)]
+
+
+@lru_cache(maxsize=None)
+def solved(radii: tuple[str, ...], order: int, degree: int | None = None) -> pas.Blend:
+    """A blend of unit corners, solved once for all tests."""
+    return pas.blend(pipes(radii), order, degree)
+
+
+@pytest.fixture(scope="session")
+def facts() -> dict[str, Any]:
+    """The verified numbers of the published corner."""
+    return json.loads((DATA / "corner.json").read_text())

@@ -1,0 +1,165 @@
+"""Bernstein forms: exact identities for every degree, and proofs of sign that can fail."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import factorial, prod
+
+import numpy as np
+import pytest
+from flint import fmpq
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pas import Polynomial, Status
+from pas.algebra.monomials import count, evaluate, exponents, homogeneous_exponents, monomial_values
+from pas.algebra.rational import to_floats, to_fraction, vector
+from pas.bernstein.forms import b_form, face_indices, on_simplex, rounded
+from pas.bernstein.gram import gram
+from pas.bernstein.signs import prove_positive
+from pas.bernstein.subdivision import edges, halving
+
+TETRAHEDRON = [vector(v) for v in ((0, 0, 0), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
+fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
+
+
+def dense(degree: int, seed: int) -> Polynomial:
+    """A polynomial with every monomial up to a degree."""
+    rng = np.random.default_rng(seed)
+    return Polynomial({e: Fraction(int(rng.integers(-9, 10)), int(rng.integers(1, 8))) for e in exponents(degree)})
+
+
+def bernstein_value(coefficients, degree, barycentric):
+    """The form's value, straight from the definition, exact."""
+    total = Fraction(0)
+    for index, c in zip(homogeneous_exponents(degree, len(barycentric)), coefficients, strict=True):
+        weight = Fraction(factorial(degree), prod(factorial(i) for i in index))
+        total += to_fraction(c) * weight * prod(b**i for b, i in zip(barycentric, index, strict=True))
+    return total
+
+
+@pytest.mark.parametrize("degree", range(8))
+@pytest.mark.parametrize("corners", [2, 3, 4])
+def test_form_is_the_polynomial(degree, corners):
+    p = dense(degree, degree)
+    simplex = TETRAHEDRON[:corners]
+    form = b_form(on_simplex(p.raw, simplex), degree, corners - 1)
+    weights = [Fraction(w, 10) for w in (1, 3, 4, 2)][:corners]
+    weights[0] += 1 - sum(weights)
+    point = [sum(w * to_fraction(v[i]) for w, v in zip(weights, simplex, strict=True)) for i in range(3)]
+    assert bernstein_value(form, degree, weights) == p.at(point)
+
+
+def test_degree_elevation_keeps_values():
+    p = dense(3, 1)
+    for degree in (3, 4, 6):
+        form = b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)
+        assert bernstein_value(form, degree, [Fraction(1, 4)] * 4) == p.at(
+            [sum(to_fraction(v[i]) for v in TETRAHEDRON) / 4 for i in range(3)]
+        )
+
+
+@pytest.mark.parametrize("degree", range(1, 7))
+def test_faces_of_a_form(degree):
+    p = dense(degree, 7)
+    form = b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)
+    for kept in ((0, 1, 2), (1, 3), (3, 0, 2)):
+        face = b_form(on_simplex(p.raw, [TETRAHEDRON[i] for i in kept]), degree, len(kept) - 1)
+        assert [form[i] for i in face_indices(degree, 4, kept)] == face
+
+
+@pytest.mark.parametrize("degree", range(7))
+@pytest.mark.parametrize("edge", range(6))
+def test_halving_is_the_form_on_the_halves(degree, edge):
+    p = dense(degree, 3)
+    i, j = edges(4)[edge]
+    form = np.array(to_floats(b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)))
+    middle = tuple((a + b) / 2 for a, b in zip(TETRAHEDRON[i], TETRAHEDRON[j], strict=True))
+    for matrix, moved in zip(halving(degree, 4, edge), (j, i), strict=True):
+        half = list(TETRAHEDRON)
+        half[moved] = middle
+        expected = to_floats(b_form(on_simplex(p.raw, half), degree, 3))
+        assert matrix @ form == pytest.approx(expected, abs=1e-12 * (1 + np.abs(form).max()))
+
+
+@pytest.mark.parametrize("degree", range(6))
+def test_gram_is_the_integral(degree):
+    # the integral of x^a y^b z^c over the unit simplex is a! b! c! / (a+b+c+3)!
+    unit = [vector(v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    p, q = dense(degree, 5), dense(degree, 6)
+    exact = sum(
+        c * Fraction(prod(factorial(int(i)) for i in e), factorial(sum(e) + 3)) for e, c in (p * q).coefficients().items()
+    )
+    weights = gram(degree, 3)
+    a, b = (b_form(on_simplex(r.raw, unit), degree, 3) for r in (p, q))
+    total = sum((x * weights[i, j] * y for i, x in enumerate(a) for j, y in enumerate(b)), fmpq(0))
+    assert to_fraction(total) / 6 == exact
+
+
+def test_monomials_are_graded_and_evaluated():
+    assert exponents(2)[: count(1)] == exponents(1)
+    points = np.random.default_rng(0).uniform(-2, 2, (50, 3))
+    values = monomial_values(points, 5)
+    for row, e in zip(values, exponents(5), strict=True):
+        assert row == pytest.approx(np.prod(points ** np.array(e), axis=1))
+    assert evaluate(points, np.eye(count(3))).shape == (50, count(3))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(fractions, min_size=10, max_size=10))
+def test_rounding_keeps_signs_and_errs_by_half_an_ulp(values):
+    exact = [fmpq(v.numerator, v.denominator) for v in values]
+    result = rounded(exact)
+    largest = max(abs(v) for v in values)
+    for v, r in zip(values, result, strict=True):
+        assert largest == 0 or abs(Fraction(float(r)) - v / largest) <= Fraction(1, 2**53)
+
+
+def signs(p: str, zero: str | None = None, **limits):
+    """Branch and bound on one tetrahedron."""
+    forms = []
+    for text in (p, zero):
+        if text is not None:
+            q = Polynomial(text)
+            forms.append(rounded(b_form(on_simplex(q.raw, CUBE), max(q.degree, 0), 3))[None])
+    corners = np.array([[to_floats(v) for v in CUBE]])
+    return prove_positive(forms[0], corners, where_zero=forms[1] if zero is not None else None, **limits)
+
+
+CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))]
+
+
+@pytest.mark.parametrize(
+    ("value", "zero", "status"),
+    [
+        ("1", None, Status.PROVED),
+        ("x^2 + y^2 + z^2 + 1/1000", None, Status.PROVED),
+        ("(x-y)^4 + (y-z+1/7)^2 + (z - 1/3)^2 + 1/10000", None, Status.PROVED),
+        ("x^2 + y^2 + z^2 - 1/1000", None, Status.REFUTED),
+        ("x", None, Status.REFUTED),
+        ("(x - 1/3)^2 + (y - 1/3)^2", None, Status.UNDECIDED),
+        ("x^2 + y^2 + z^2", "x^2 + y^2 + z^2 - 1", Status.PROVED),
+        ("z + 1001/1000", "x^2 + y^2 + z^2 - 1", Status.PROVED),
+        ("z + 49/50", "x^2 + y^2 + z^2 - 1", Status.REFUTED),
+        ("-1", "x^2 + y^2 + z^2 + 1/100", Status.PROVED),
+        ("0", "x - 1", Status.UNDECIDED),
+    ],
+)
+def test_verdicts(value, zero, status):
+    result = signs(value, zero)
+    assert result.status is status
+    if status is Status.REFUTED:
+        point = result.counterexamples[0]
+        assert Polynomial(value)(point) < 1e-9
+        if zero is not None:
+            assert abs(Polynomial(zero)(point)) < 0.5
+    if status is Status.UNDECIDED:
+        assert len(result.undecided)
+
+
+def test_rounding_is_accounted_for():
+    # a margin below the error bound must not pass as a proof, nor one of the other sign as refuted
+    for sign in (1, -1):
+        value = np.full((1, 4), sign * 2.0**-53)
+        result = prove_positive(value, np.eye(4)[None, :, :3], halvings=3)
+        assert result.status is Status.UNDECIDED

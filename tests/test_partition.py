@@ -1,0 +1,82 @@
+"""Partitions and frames: exact geometry."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import pas
+from pas.algebra.rational import to_fraction, vector
+from pas.partition.frame import Frame
+
+
+def test_six_tetrahedra_of_the_published_corner(facts):
+    corner = pas.SixTetrahedra(legs=[("3/5", 0, 0), (0, "3/5", 0), (0, 0, "3/5")])
+    assert len(corner.cells) == len(corner.interior_faces) == 6
+    assert len(corner.outer_faces) == 12
+    h1 = h2 = h3 = Fraction(3, 5)
+    names = {"h1": h1, "h2": h2, "h3": h3}
+    published = set()
+    for text in facts["pi"]:
+        for name, value in names.items():
+            text = text.replace(name, f"({value})")
+        plane = pas.Polynomial(text)
+        published.add(plane / plane.coefficients()[1, 0, 0])
+    ours = {f.plane / f.plane.coefficients()[1, 0, 0] for f in corner.interior_faces}
+    assert ours == published
+    for number, face in ((0, "x - 3/5"), (2, "y - 3/5"), (4, "z - 3/5")):
+        clip = pas.Polynomial(face)
+        carried = [f.cell for f in corner.outer_faces if all(clip.at(p) == 0 for p in corner.corners(f.vertices))]
+        assert carried == [number]
+
+
+def test_outer_planes_point_outwards_and_interior_ones_pass_through_the_centre():
+    corner = pas.SixTetrahedra((1, 2, "1/3"), [(3, 4, 0), (-4, 3, 0), (0, 0, "-2/7")])
+    for face in corner.outer_faces:
+        assert face.plane.at(corner.center) < 0
+    for face in corner.interior_faces:
+        assert face.plane.at(corner.center) == 0
+
+
+def test_volume_and_location():
+    corner = pas.SixTetrahedra()
+    p = corner.points[np.array(corner.cells)]
+    assert np.abs(np.linalg.det(p[:, 1:] - p[:, :1])).sum() / 6 == pytest.approx(6.0)
+    rng = np.random.default_rng(0)
+    weights = rng.dirichlet(np.ones(4), (6, 100))
+    for number in range(6):
+        assert (corner.locate(weights[number] @ p[number]) == number).all()
+    assert (corner.locate(np.array([[3.0, 0, 0], [-1.01, -1, -1]])) == -1).all()
+
+
+def test_frame_is_exact_and_undone():
+    frame = Frame.around(vector((1000, "1/3", -7)), [vector((1003, 0, -7))])
+    assert to_fraction(frame.scale) == 2
+    p = pas.Polynomial("x^2*y - z^3/5 + 1")
+    assert frame.globalise(frame.localise(p)) == p
+    point = vector(("1001", "2/3", "-13/2"))
+    assert frame.localise(p).at(frame.local_point(point)) == p.at(point)
+    points = np.array([[1001.0, 2 / 3, -6.5]])
+    assert frame.global_points(frame.local_points(points)) == pytest.approx(points)
+
+
+@pytest.mark.parametrize(
+    ("legs", "words"),
+    [
+        ([(1, 0, 0), (0, 1, 0), (1, 1, 0)], "in one plane"),
+        ([(1, 0, 0), (0, 0, 0), (0, 0, 1)], "in one plane"),
+    ],
+)
+def test_flat_corners_are_refused(legs, words):
+    with pytest.raises(pas.GeometryError, match=words):
+        pas.SixTetrahedra(legs=legs)
+
+
+def test_partitions_not_around_their_centre_are_refused():
+    v = [vector(p) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1))]
+    with pytest.raises(pas.GeometryError, match="centre"):
+        pas.Partition(v, [(0, 1, 2, 3), (1, 2, 3, 4)], v[0])
+    with pytest.raises(pas.GeometryError, match="flat"):
+        pas.Partition([*v[:3], vector((1, 1, 0))], [(0, 1, 2, 3)], v[0])
