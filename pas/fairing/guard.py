@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.rational import to_float
 from pas.fairing.basis import WorkingBasis
 from pas.surface.joins import Join
 from pas.surface.piecewise import PiecewiseSurface
@@ -27,12 +28,13 @@ CUTS_PER_CELL = 40
 
 @dataclass(frozen=True)
 class Margins:
-    """How clearly the inequalities shall hold, relative to a unit of size.
+    """How clearly the inequalities shall hold.
 
-    `sheet`: `grad f . x >= sheet * r * |x|` and `wall`: `f >= wall * r`, with r the smallest
-    distance of a contact's tangent planes from the centre (a pipe's radius) and f of unit mean
-    gradient on the contact curves; `alpha >= alpha` with mean 1.  `everywhere` asks the sheet
-    condition at lattice points of all cells, not only where a proof failed.
+    `sheet`: `grad f . (x - O) >= sheet * r * |x - O| / R` and `wall`: `f >= wall * r`, with r the
+    smallest distance of a contact's tangent planes from the centre O (a pipe's radius), R the
+    radius of the region and f of unit mean gradient on the contact curves; `alpha >= alpha` with mean 1.
+    `everywhere` asks the sheet condition at lattice points of all cells, not only where a proof
+    failed.
     """
 
     sheet: float
@@ -42,9 +44,9 @@ class Margins:
 
 
 LADDER = (
-    Margins(sheet=0.06, wall=0.03, alpha=0.05, everywhere=True),
-    Margins(sheet=0.006, wall=0.003, alpha=0.005, everywhere=True),
-    Margins(sheet=0.006, wall=0.003, alpha=0.005, everywhere=False),
+    Margins(sheet=0.1, wall=0.03, alpha=0.05, everywhere=True),
+    Margins(sheet=0.01, wall=0.003, alpha=0.005, everywhere=True),
+    Margins(sheet=0.01, wall=0.003, alpha=0.005, everywhere=False),
 )
 """Tried in turn: clear margins make the fairer shape, slim ones exist in lower degrees."""
 
@@ -93,18 +95,21 @@ class AlphaOnFace:
 
 
 class Guard:
-    """The guard rows of one solution space."""
+    """The guard rows of one solution space: points are local, values in the user's units."""
 
     def __init__(self, basis: WorkingBasis, surface: PiecewiseSurface) -> None:
+        scale = to_float(surface.partition.frame.scale)
         self.basis, self.surface = basis, surface
         self.curves = [join.curve() for join in surface.joins]
         self.alphas = [
-            AlphaOnFace(basis, join, face, float(_lengths(join.contact.surface.gradient(curve)).mean()))
+            AlphaOnFace(basis, join, face, float(_lengths(join.contact.surface.gradient(curve)).mean()) / scale)
             for join, curve in zip(surface.joins, self.curves, strict=True)
             for face in range(len(join.faces))
         ]
         self.clip_faces = [number for number, join in enumerate(surface.joins) for _ in join.faces]
-        self.reach = min(self._reach(j, c) for j, c in zip(surface.joins, self.curves, strict=True))
+        self.local_reach = min(self._reach(j, c) for j, c in zip(surface.joins, self.curves, strict=True))
+        self.reach = self.local_reach * scale
+        self.radius = float(_lengths(surface.local.points).max())
 
     def mean_alpha(self) -> Floats:
         """The mean of alpha over all contact curves, as a row (m,)."""
@@ -128,7 +133,7 @@ class Guard:
         if margins.everywhere:
             for number, cell in enumerate(local.cells):
                 points = _lattice_weights(SHEET_LATTICE, 4) @ local.points[list(cell)]
-                rows += self._sheet(number, points[_lengths(points) > self.reach / 2], margins)
+                rows += self._sheet(number, points[_lengths(points) > self.local_reach / 2], margins)
         return rows
 
     def cuts(self, violations: Violations, margins: Margins, unknowns: Floats) -> Rows:
@@ -145,7 +150,7 @@ class Guard:
         return rows
 
     def _sheet(self, cell: int, points: Floats, margins: Margins) -> Rows:
-        at_least = margins.sheet * self.reach * _lengths(points)
+        at_least = margins.sheet * self.reach * _lengths(points) / self.radius
         return Rows(self.basis.radial(cell, points), at_least)
 
     def _walls(self, cell: int, points: Floats, margins: Margins) -> Rows:

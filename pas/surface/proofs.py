@@ -90,7 +90,7 @@ def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
 
 def face_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
     """Exact C^k across one interior face."""
-    face, k = surface.partition.interior_faces[number], surface.order
+    face, k = surface.local.interior_faces[number], surface.order
     claim = f"face {face.first + 1}|{face.second + 1} C^{k}"
     difference = surface.patches[face.second].raw - surface.patches[face.first].raw
     plane, power = face.plane.raw, 0
@@ -207,9 +207,11 @@ def check_join(number: int, join: Join) -> None:
     """
     inside = _curve_in_face(join)
     if inside.status is not Status.PROVED:
+        turned = all(join.contact.surface.raw(*a) < 0 for a, _ in join.rim())
+        hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
         raise GeometryError(
             f"contact {number}: its curve is not closed inside its face of the partition; the surface "
-            f"{join.contact.surface} must be positive on the face's edges, and is not at {_place(inside)}"
+            f"{join.contact.surface} must be positive on the face's edges, and is not at {_place(inside)}{hint}"
         )
     if join.inside_point() is None:
         raise GeometryError(
