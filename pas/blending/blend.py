@@ -19,7 +19,7 @@ from flint import fmpq_mat
 
 from pas.algebra.rational import to_fraction
 from pas.blending.corner import place
-from pas.blending.space import HIGHEST_DEGREE, SolutionSpace, check_degree, check_order, solve
+from pas.blending.space import HIGHEST_DEGREE, Member, SolutionSpace, check_degree, check_order, solve
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.constraints import Constraints, Normalization
 from pas.fairing.energy import ThinPlate
@@ -69,8 +69,8 @@ class Blend:
     """One chosen surface with everything known about it.
 
     `space` and `coefficients` (exact, in `space.basis`) say how it was chosen, `dimension` out of
-    how many, and `energy` is its thin-plate energy in the user's units.  `timings` maps stages to
-    seconds, `attempts` lists the degrees tried.
+    how many, and `energy` is its thin-plate energy in the user's units.  `basis` is the space's
+    where the user gave it.  `timings` maps stages to seconds, `attempts` lists the degrees tried.
     """
 
     surface: PiecewiseSurface
@@ -81,6 +81,7 @@ class Blend:
     attempts: tuple[Attempt, ...]
     constraints: Constraints
     plate: ThinPlate
+    basis: tuple[Member, ...] | None = None
     known_space: SolutionSpace | None = None
     choice: Choice | None = None
     known_certificate: Certificate | None = None
@@ -91,7 +92,8 @@ class Blend:
         if self.known_space is not None:
             return self.known_space
         s = self.surface
-        return solve(s.partition, s.contacts, s.order, s.degree)
+        space = solve(s.partition, s.contacts, s.order, s.degree)
+        return space if self.basis is None else space.restricted(self.basis)
 
     @cached_property
     def certificate(self) -> Certificate:
@@ -180,7 +182,7 @@ def blend(
     failure: InfeasibleError | NotProvedError | None = None
     for space in _spaces(region, turned, order, degree, attempts, stages):
         if basis is not None:
-            space = space.change_basis([space.coordinates(member) for member in basis])
+            space = space.restricted(basis)
         try:
             return _fit(space, constraints, plate, prove, guard, attempts, stages)
         except (InfeasibleError, NotProvedError) as error:
@@ -289,6 +291,7 @@ def _finish(
         attempts=tuple(attempts),
         constraints=constraints,
         plate=plate,
+        basis=space.given_basis,
         known_space=space,
         choice=choice,
         known_certificate=certificate,

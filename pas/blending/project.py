@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from pas._version import __version__
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
 from pas.blending.blend import Attempt, Blend
 from pas.errors import PasError, ProjectFileError
@@ -13,8 +14,10 @@ from pas.exchange.container import read, write
 from pas.exchange.records import (
     constraints_record,
     energy_record,
+    polynomial_record,
     read_constraints,
     read_energy,
+    read_polynomial,
     read_surface,
     surface_record,
 )
@@ -35,6 +38,7 @@ def save(blend: Blend, path: str | Path) -> Path:
         "surface": surface_record(blend.surface),
         "solution": {
             "dimension": blend.dimension,
+            "basis": None if blend.basis is None else [[polynomial_record(p) for p in m] for m in blend.basis],
             "coefficients": [str(c) for c in blend.coefficients],
             "energy": blend.energy,
             "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
@@ -67,6 +71,7 @@ def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:
     solution = content["solution"]
     return Blend(
         surface=read_surface(content["surface"]),
+        basis=_read_basis(solution["basis"]),
         dimension=int(solution["dimension"]),
         coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
         energy=float(solution["energy"]),
@@ -76,3 +81,7 @@ def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:
         plate=read_energy(content["problem"]["energy"]),
         known_certificate=Certificate.from_record(content["certificate"]) if with_verdicts else None,
     )
+
+
+def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:
+    return None if record is None else tuple(tuple(read_polynomial(p) for p in m) for m in record)

@@ -36,7 +36,8 @@ class SolutionSpace:
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `partition`, `contacts`, `order` and `degree` are the problem's; `patches[c]` holds the exact
-    coefficients of the basis on cell c, in local coordinates, one member a row.
+    coefficients of the basis on cell c, in local coordinates, one member a row.  `given_basis`
+    is None for the reduced basis, which follows from the problem.
     """
 
     def __init__(
@@ -46,9 +47,11 @@ class SolutionSpace:
         order: int,
         degree: int,
         patches: Sequence[fmpq_mat],
+        given_basis: tuple[Member, ...] | None = None,
     ) -> None:
         self.partition, self.contacts, self.order, self.degree = partition, tuple(contacts), order, degree
         self.patches = tuple(patches)
+        self.given_basis = given_basis
 
     @property
     def dimension(self) -> int:
@@ -102,9 +105,13 @@ class SolutionSpace:
         change = fmpq_mat(rows)
         if change.ncols() != self.dimension or change.rank() < len(rows):
             raise ValueError(f"members must be linearly independent rows of {self.dimension} coefficients")
-        return SolutionSpace(
-            self.partition, self.contacts, self.order, self.degree, [change * m for m in self.patches]
-        )
+        patches = [change * m for m in self.patches]
+        plain = SolutionSpace(self.partition, self.contacts, self.order, self.degree, patches)
+        return SolutionSpace(self.partition, self.contacts, self.order, self.degree, patches, plain.basis)
+
+    def restricted(self, members: Sequence[Sequence[Any]]) -> SolutionSpace:
+        """The span of members given as polynomials, one for each cell, with these as its basis."""
+        return self.change_basis([self.coordinates(member) for member in members])
 
     def energy_matrix(self, energy: ThinPlate | None = None) -> list[list[Fraction]]:
         """The exact matrix K of the basis for an energy: `E = 1/2 a^T K a` for coefficients a."""

@@ -22,13 +22,20 @@ def neighbours(surface: PiecewiseSurface, mesh: TriangleMesh, length: float) -> 
     edges, times = edge_table(mesh.triangles)
     rim = edges[times == 1]
     result = []
+    near = 1e-7 * (1 + np.abs(mesh.points).max())
     for contact in surface.contacts:
-        on = np.abs(contact.clip(mesh.points[rim])).max(axis=1) < 1e-9 * (1 + np.abs(mesh.points).max())
+        on = np.maximum(_distance(contact.clip, mesh.points), _distance(contact.surface, mesh.points))[rim].max(axis=1) < near
         if on.any() and _is_cylinder(contact.surface, contact.clip):
             direction = contact.clip.gradient(mesh.points[rim[on][0, 0]])
             direction = direction / np.linalg.norm(direction)
             result.append(_extruded(contact.surface, mesh.points, rim[on], direction * length))
     return result
+
+
+def _distance(polynomial: Polynomial, points: Floats) -> Floats:
+    """First-order distances of points (N, 3) from the zero set of a polynomial."""
+    slope = np.linalg.norm(polynomial.gradient(points), axis=1)
+    return np.abs(polynomial(points)) / np.maximum(slope, 1e-300)
 
 
 def _is_cylinder(surface: Polynomial, clip: Polynomial) -> bool:

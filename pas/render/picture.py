@@ -17,7 +17,7 @@ from pas.surface.piecewise import PiecewiseSurface
 
 SIZE = (1200, 900)
 BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
-STRIPES = 40
+STRIPES = 28
 """Dark and bright bands over the range of the isophotes."""
 
 VIEW = (0.62, -0.62, 0.48)
@@ -59,7 +59,7 @@ def draw(
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.set_background("white", top="#dfe8f0")
     _add(plotter, pyvista, surface, mesh, others, style)
-    _look(plotter, surface, mesh)
+    _look(plotter, surface)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()
@@ -100,17 +100,14 @@ def _add(
     plotter.enable_anti_aliasing("ssaa")
 
 
-def _look(plotter: Any, surface: PiecewiseSurface, mesh: TriangleMesh) -> None:
+def _look(plotter: Any, surface: PiecewiseSurface) -> None:
     frame = _frame(surface)
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    middle = (low + high) / 2
-    distance = 2.9 * float(np.linalg.norm(high - low))
-    plotter.camera.position = tuple(middle + distance * np.array(VIEW) @ frame)
-    plotter.camera.focal_point = tuple(middle)
+    plotter.camera.focal_point = (0.0, 0.0, 0.0)
+    plotter.camera.position = tuple(np.array(VIEW) @ frame)
     plotter.camera.up = tuple(frame[2])
-    plotter.camera.view_angle = 30
+    plotter.camera.view_angle = 24
     plotter.reset_camera()
-    plotter.camera.zoom(1.25)
+    plotter.camera.zoom(1.12)
 
 
 def _isophotes(normals: Floats, frame: Floats) -> Floats:

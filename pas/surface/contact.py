@@ -112,7 +112,10 @@ def as_contact(item: Any, name: str = "contact") -> Contact:
 
 
 def _equation(expression: Any, name: str) -> Polynomial:
-    polynomial = Polynomial(expression)
+    try:
+        polynomial = Polynomial(expression)
+    except (ValueError, TypeError) as error:
+        raise type(error)(f"{name}: {error}") from None
     if polynomial.degree < 1:
         raise ValueError(f"the {name} of a contact must be a polynomial that is not constant, not {polynomial}")
     return polynomial

@@ -1,0 +1,59 @@
+"""All corners of this folder: blended, proved or refuted, and drawn.
+
+    python examples/corners/corners.py [-o DIR]
+
+reads every problem file beside it, writes a picture with isophotes for each into DIR (default:
+the folder `pictures` beside it) and prints a table of the verdicts.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pas
+
+HERE = Path(__file__).parent
+PROBLEMS = sorted(p for p in HERE.glob("*.toml") if p.stem != "three_pipes")
+
+
+def solve(path: Path) -> pas.Blend:
+    """The blend of one problem file."""
+    problem = pas.read_problem(path)
+    return pas.blend(
+        problem.contacts,
+        problem.order,
+        problem.degree,
+        energy=problem.energy,
+        normalize=problem.normalize,
+        basis=problem.basis,
+        prove=problem.prove,
+        guard=problem.guard,
+        **problem.points,
+    )
+
+
+def verdicts(certificate: pas.Certificate) -> str:
+    """What is not proved, in short."""
+    failed = [f"{v.claim} {v.status.value}" for v in certificate.verdicts if not v.proved]
+    return "all proved" if not failed else ", ".join(failed)
+
+
+def main() -> None:
+    """Solve and draw them all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", "--output", type=Path, default=HERE / "pictures")
+    folder = parser.parse_args().output
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in PROBLEMS:
+        blend = solve(path)
+        print(
+            f"{path.stem:<18} GC^{blend.surface.order} degree {blend.surface.degree} "
+            f"dimension {blend.dimension:>2} energy {blend.energy:>8.2f}  {verdicts(blend.certificate)}"
+        )
+        style = pas.Style.PLAIN if path.stem.startswith("published") else pas.Style.ZEBRA
+        pas.draw(blend.surface, folder / f"{path.stem}.png", style=style, size=(640, 480))
+
+
+if __name__ == "__main__":
+    main()

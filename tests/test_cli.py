@@ -1,0 +1,152 @@
+"""The command line as a user runs it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+
+from pas import __version__
+from pas.cli import main
+
+PROBLEM = ROOT / "examples/corners/equal_gc1.toml"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A folder with what `pas blend` wrote."""
+    folder = tmp_path_factory.mktemp("made") / "new"
+    assert main(["blend", str(PROBLEM), "-o", str(folder), "--tolerance", "0.01"]) == 0
+    return folder
+
+
+def run(capsys, *arguments):
+    code = main([str(a) for a in arguments])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_blend_writes_three_files(made):
+    assert sorted(p.name for p in made.iterdir()) == ["equal_gc1.pas.json", "equal_gc1.png", "equal_gc1.stl"]
+
+
+def test_blend_prints_a_summary_and_progress(tmp_path, capsys):
+    code, out, err = run(capsys, "blend", PROBLEM, "-o", tmp_path, "--no-picture", "--tolerance", "0.01")
+    assert code == 0
+    for words in ("six tetrahedra", "GC^1", "degree", "dimension", "energy", "triangles", "seconds: mesh", "one sheet"):
+        assert words in out
+    assert str(tmp_path / "equal_gc1.stl") in out
+    assert "solve (degree 3)" in err
+    assert "mesh" in err
+    assert not (tmp_path / "equal_gc1.png").exists()
+
+
+def test_order_and_degree_override_the_file(tmp_path, capsys):
+    code, out, _ = run(
+        capsys, "blend", PROBLEM, "-o", tmp_path, "--order", 2, "--degree", 5, "--no-picture", "--tolerance", 0.02
+    )
+    assert code == 0
+    assert "GC^2" in out
+    record = json.loads((tmp_path / "equal_gc1.pas.json").read_text())
+    assert record["content"]["surface"]["degree"] == 5
+
+
+def test_check_proves_again(made, capsys):
+    code, out, _ = run(capsys, "check", made / "equal_gc1.pas.json")
+    assert code == 0
+    assert "all proved" in out
+
+
+def test_check_fails_what_is_wrong(made, tmp_path, capsys):
+    record = json.loads((made / "equal_gc1.pas.json").read_text())
+    record["content"]["surface"]["patches"][2][0][3] = "5"
+    wrong = tmp_path / "wrong.pas.json"
+    wrong.write_text(json.dumps(record))
+    code, _, err = run(capsys, "check", wrong)
+    assert code == 2
+    assert "checksum" in err
+    code, out, _ = run(capsys, "check", wrong, "--edited")
+    assert code == 1
+    assert "refuted" in out
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "vtp", "glb"])
+def test_meshes_are_read_by_others(made, tmp_path, capsys, suffix):
+    import pyvista
+    import trimesh
+
+    path = tmp_path / f"a.{suffix}"
+    code, out, _ = run(capsys, "mesh", made / "equal_gc1.pas.json", "-o", path, "--tolerance", "0.01")
+    assert code == 0
+    assert "triangles" in out
+    if suffix == "vtp":
+        mesh = pyvista.read(path)
+        triangles, vertices = mesh.n_cells, mesh.n_points
+        assert mesh.point_data.active_normals is not None
+    else:
+        mesh = trimesh.load(path, force="mesh")
+        triangles, vertices = len(mesh.faces), len(mesh.vertices)
+        assert mesh.euler_number == -1
+    assert triangles > 500
+    assert vertices < triangles
+
+
+@pytest.mark.parametrize("style", [[], ["--zebra"], ["--curvature"]])
+def test_render(made, tmp_path, capsys, style):
+    path = tmp_path / "a.png"
+    code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, *style)
+    assert code == 0
+    assert path.read_bytes()[:4] == b"\x89PNG"
+    assert str(path) in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["blend", "none.toml"], 2, "No such file or directory: none.toml"),
+        (["blend", PROBLEM, "--order", "-1"], 2, "order must be from 0 to 8"),
+        (["blend", PROBLEM, "--degree", "2"], 1, "lowest degree with solutions is 3"),
+        (["blend", PROBLEM, "--tolerance", "0"], 2, "tolerance must be a positive number"),
+        (["blend", PROBLEM, "-o", PROBLEM], 2, "is not a folder"),
+        (["check", PROBLEM], 2, "not readable as JSON"),
+        (["mesh", "MADE", "-o", "a.step"], 2, "the suffix must be one of .stl, .obj, .ply, .vtp, .glb"),
+        (["mesh", "MADE", "-o", "none/a.stl"], 2, "the folder none of a.stl does not exist"),
+        (["render", "MADE", "-o", "a.jpg"], 2, "must end in .png"),
+    ],
+)
+def test_errors_are_one_sentence(made, tmp_path, capsys, monkeypatch, arguments, code, words):
+    monkeypatch.chdir(tmp_path)
+    arguments = [made / "equal_gc1.pas.json" if a == "MADE" else a for a in arguments]
+    result, out, err = run(capsys, *arguments)
+    assert result == code
+    assert err.splitlines()[-1].startswith("pas: ")
+    assert words in err.splitlines()[-1]
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_debug_shows_the_traceback(capsys):
+    _, _, err = run(capsys, "check", PROBLEM, "--debug")
+    assert "Traceback" in err
+
+
+def test_module_version_and_help():
+    for arguments, words in ((["--version"], f"pas {__version__}"), (["--help"], "blend"), (["blend", "--help"], "[[pipes]]")):
+        done = subprocess.run([sys.executable, "-m", "pas", *arguments], capture_output=True, text=True, check=True)
+        assert words in done.stdout
+    done = subprocess.run([sys.executable, "-m", "pas"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "commands" in done.stdout
+
+
+def test_unprovable_problems_write_what_they_found(tmp_path, capsys):
+    code, out, _ = run(
+        capsys, "blend", ROOT / "examples/corners/published_c.toml", "-o", tmp_path, "--no-picture", "--tolerance", 0.01
+    )
+    assert code == 0  # nothing was asked to be proved
+    assert "refuted" in out
+    code, out, _ = run(capsys, "check", tmp_path / "published_c.pas.json")
+    assert code == 1

@@ -1,0 +1,145 @@
+"""Meshes of blends: on the surface, within the tolerance, manifold, with exact boundaries."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, solved
+
+import pas
+from pas.mesh.field import TriangleMesh
+from pas.mesh.refine import split
+
+CASES = [(EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1), (UNEQUAL, 2), (UNEQUAL, 3)]
+
+
+def distance(surface: pas.PiecewiseSurface, points: np.ndarray) -> np.ndarray:
+    """Distances from the surface, by Newton's method along the gradient (points near it)."""
+    x = points.copy()
+    for _ in range(6):
+        jets = surface.jets(x)
+        g = jets[:, 1:]
+        x = x - jets[:, :1] * g / (g * g).sum(axis=1, keepdims=True)
+    return np.linalg.norm(x - points, axis=1)
+
+
+@pytest.mark.parametrize(("radii", "order"), CASES)
+def test_mesh_of_a_blend(radii, order):
+    surface = solved(radii, order).surface
+    mesh = surface.triangulate(2e-3)
+    jets = surface.jets(mesh.points)
+    assert not np.isnan(jets).any()
+    assert (np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)).max() < 1e-9
+    assert mesh.is_manifold
+    assert mesh.euler_characteristic == -1
+    assert mesh.normals == pytest.approx(jets[:, 1:] / np.linalg.norm(jets[:, 1:], axis=1, keepdims=True), abs=1e-9)
+    p = mesh.points[mesh.triangles]
+    facets = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    facets /= np.linalg.norm(facets, axis=1, keepdims=True)
+    assert (facets * mesh.normals[mesh.triangles[:, 0]]).sum(axis=1).min() > 0.7
+    assert mesh.smallest_angles.min() > 12
+    assert np.percentile(mesh.smallest_angles, 1) > 25
+
+
+@pytest.mark.parametrize(("radii", "order"), [(EQUAL, 2), (UNEQUAL, 1)])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_deviation_is_below_the_tolerance(radii, order, tolerance):
+    """Measured at other points than the mesher's own: a dense lattice of each triangle."""
+    surface = solved(radii, order).surface
+    mesh = surface.triangulate(tolerance)
+    weights = np.array([(i, j, 7 - i - j) for i in range(8) for j in range(8 - i)]) / 7
+    points = np.einsum("wk,tkx->twx", weights, mesh.points[mesh.triangles]).reshape(-1, 3)
+    inside = ~np.isnan(surface(points))
+    assert inside.mean() > 0.999
+    assert distance(surface, points[inside]).max() < 1.1 * tolerance
+
+
+@pytest.mark.parametrize(("radii", "order"), CASES[:4])
+def test_boundary_is_the_contact_circles(radii, order):
+    surface = solved(radii, order).surface
+    mesh = surface.triangulate(2e-3)
+    boundary = mesh.points[mesh.boundary]
+    owner = np.full(len(boundary), -1)
+    for number, (contact, radius) in enumerate(zip(surface.contacts, radii, strict=True)):
+        on = np.abs(contact.clip(boundary)) < 1e-12
+        owner[on] = number
+        assert np.abs(contact.surface(boundary[on])).max() < 1e-12
+        ring = np.delete(boundary[on], number, axis=1)
+        angles = np.sort(np.arctan2(ring[:, 1], ring[:, 0]))
+        gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
+        r = float(pas.Polynomial(radius)([0, 0, 0]))
+        assert r * (1 - np.cos(gaps.max() / 2)) < 2e-3
+        assert len(ring) > 12
+    assert (owner >= 0).all()
+
+
+def test_finer_tolerances_need_triangles_in_proportion():
+    surface = solved(EQUAL, 1).surface
+    counts = [len(surface.triangulate(t).triangles) for t in (4e-3, 1e-3, 2.5e-4)]
+    ratios = np.array(counts[1:]) / counts[:-1]
+    assert (ratios > 2).all()
+    assert (ratios < 6).all()
+
+
+def test_meshes_move_with_the_model():
+    center = (1000, -500, 20)
+    items = [pas.Pipe(a, r, 1, point=center) for a, r in zip(((1, 0, 0), (0, 1, 0), (0, 0, 1)), EQUAL, strict=True)]
+    surface = pas.blend(items, 1).surface
+    mesh = surface.triangulate(1e-2)
+    assert mesh.is_manifold
+    assert mesh.points.mean(axis=0) == pytest.approx(center, abs=1)
+    jets = surface.jets(mesh.points)
+    assert np.abs(jets[:, 0]).max() < 1e-9
+
+
+def test_pyvista_mesh_has_normals():
+    data = solved(EQUAL, 1).surface.mesh(tolerance=1e-2)
+    assert data.is_all_triangles
+    assert data.is_manifold is False  # it has a boundary
+    assert data.point_data.active_normals.shape == (data.n_points, 3)
+    assert data.n_open_edges > 0
+
+
+def test_surfaces_that_are_refuted_are_meshed_all_the_same():
+    good = solved(EQUAL, 1).surface
+    bubble = pas.Polynomial("(x - 1/20)^2 + y^2 + z^2 - 1/100")
+    wrong = pas.PiecewiseSurface.from_polynomials(
+        good.partition, good.contacts, 1, [c.polynomial * bubble for c in good.cells]
+    )
+    mesh = wrong.triangulate(1e-2)
+    assert mesh.is_manifold
+    assert mesh.euler_characteristic == -1 + 2
+
+
+@pytest.mark.parametrize("tolerance", [0, -1, float("nan"), float("inf")])
+def test_bad_tolerances(tolerance):
+    with pytest.raises(ValueError, match="tolerance must be a positive number"):
+        solved(EQUAL, 1).surface.mesh(tolerance)
+
+
+def test_no_surface_is_said():
+    good = solved(EQUAL, 1).surface
+    empty = pas.PiecewiseSurface.from_polynomials(good.partition, good.contacts, 1, [pas.Polynomial(1)] * 6)
+    with pytest.raises(pas.MeshError, match="does not change sign"):
+        empty.triangulate(1e-2)
+
+
+def test_split_keeps_area_and_orientation():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    triangles = np.array([[0, 1, 2], [1, 3, 2]])
+    for edges in ([], [(1, 2)], [(0, 1), (1, 2)], [(0, 1), (1, 2), (2, 0)], [(0, 1), (3, 1), (2, 1), (2, 3), (0, 2)]):
+        p, t = split(points, triangles, np.array(edges, dtype=int).reshape(-1, 2))
+        corners = p[t]
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
+        assert areas.min() > 0
+        assert areas.sum() == pytest.approx(1)
+        mesh = TriangleMesh(p, t, p)
+        assert mesh.is_manifold
+        assert mesh.euler_characteristic == 1
+
+
+def test_manifold_check_can_fail():
+    bow_tie = TriangleMesh(np.zeros((5, 3)), np.array([[0, 1, 2], [0, 3, 4]]), np.zeros((5, 3)))
+    assert not bow_tie.is_manifold
+    book = TriangleMesh(np.zeros((5, 3)), np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]), np.zeros((5, 3)))
+    assert not book.is_manifold

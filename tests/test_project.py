@@ -1,0 +1,141 @@
+"""Project files: exact round trips, and files that must not be believed."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from conftest import EQUAL, UNEQUAL, solved
+
+import pas
+from pas.exchange import container
+
+
+@pytest.fixture
+def saved(tmp_path):
+    return solved(UNEQUAL, 2).save(tmp_path / "corner.pas.json")
+
+
+def test_reloading_gives_the_same_surface_exactly(saved):
+    blend, again = solved(UNEQUAL, 2), pas.load(saved)
+    assert again.surface.patches == blend.surface.patches
+    assert [c.polynomial for c in again.surface.cells] == [c.polynomial for c in blend.surface.cells]
+    assert again.surface.contacts == blend.surface.contacts
+    assert again.surface.partition.vertices == blend.surface.partition.vertices
+    assert again.certificate == blend.certificate
+    assert again.coefficients == blend.coefficients
+    assert again.constraints == blend.constraints
+    assert again.energy == blend.energy
+    assert again.space.member(again.coefficients).patches == blend.surface.patches
+    assert str(again) == str(blend)
+    with pytest.raises(ValueError, match="cannot be refitted"):
+        again.refit()
+
+
+def test_saving_again_writes_the_same(saved, tmp_path):
+    other = pas.load(saved).save(tmp_path / "again.pas.json")
+    assert other.read_text() == saved.read_text()
+
+
+def test_restricted_bases_and_boxes_are_kept(tmp_path, facts):
+    from conftest import pipes
+
+    blend = pas.blend(
+        pipes(facts["r"], facts["h"]),
+        1,
+        3,
+        basis=[m["G"] for m in facts["k1_cubic_basis"]],
+        energy=pas.ThinPlate(pas.Box(("1/4", "-2/5", "-2/5"), ("3/5", "2/5", "2/5"))),
+        normalize=pas.SumOfCoefficients(),
+        inside=[("1/2",) * 3],
+        prove=False,
+        guard=False,
+    )
+    again = pas.load(blend.save(tmp_path / "published.pas.json"))
+    assert sum(again.coefficients) == 1
+    assert again.space.basis == blend.space.basis
+    assert again.plate == blend.plate
+    assert again.constraints == blend.constraints
+    assert again.surface.patches == blend.surface.patches
+
+
+def test_moved_surfaces_are_kept_exactly(tmp_path):
+    center = (1000, "-2000/3", 77)
+    items = [pas.Pipe(a, "1/3", 1, point=center) for a in ((3, 4, 0), (-4, 3, 0), (0, 0, 5))]
+    items = [pas.Pipe(p.axis, 1, 1, point=center) for p in items]
+    blend = pas.blend(items, 1)
+    again = pas.load(blend.save(tmp_path / "moved.pas.json"))
+    assert again.surface.patches == blend.surface.patches
+    assert again.surface.certify().proved
+
+
+@pytest.mark.parametrize("length", [0, 10, 1000, -2])
+def test_truncated_files(saved, length):
+    saved.write_text(saved.read_text()[:length])
+    with pytest.raises(pas.ProjectFileError, match=r"corner\.pas\.json: not readable as JSON at line"):
+        pas.load(saved)
+
+
+def test_edited_files_are_not_believed(saved):
+    record = json.loads(saved.read_text())
+    record["content"]["surface"]["patches"][0][3][3] = "1/7"
+    saved.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match="does not match its checksum"):
+        pas.load(saved)
+    assert not pas.load(saved, edited=True).certificate.proved
+
+
+def test_edited_verdicts_are_not_believed(saved):
+    record = json.loads(saved.read_text())
+    record["content"]["certificate"]["one_sheet"]["status"] = "refuted"
+    saved.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match="checksum"):
+        pas.load(saved)
+    assert pas.load(saved, edited=True).certificate.proved
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"version": 99, "written_by": "pas 7.0"}, "version 99 of the format by pas 7.0.*update pas"),
+        ({"format": "other"}, "not a project file"),
+        ({"content": None}, "has no content"),
+    ],
+)
+def test_foreign_and_newer_files(saved, change, words):
+    saved.write_text(json.dumps(json.loads(saved.read_text()) | change))
+    with pytest.raises(pas.ProjectFileError, match=words):
+        pas.load(saved)
+
+
+def test_contents_that_make_no_sense(saved):
+    record = json.loads(saved.read_text())
+    del record["content"]["surface"]["patches"]
+    record["sha256"] = container.checksum(record["content"])
+    saved.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match="cannot be understood"):
+        pas.load(saved)
+    saved.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(pas.ProjectFileError, match="not a text file"):
+        pas.load(saved)
+    with pytest.raises(FileNotFoundError):
+        pas.load(saved.parent / "none.pas.json")
+
+
+def test_nothing_is_left_half_written(tmp_path, monkeypatch):
+    blend = solved(EQUAL, 1)
+    target = blend.save(tmp_path / "a.pas.json")
+    before = target.read_text()
+    monkeypatch.setattr(container.json, "dumps", lambda *a, **k: (_ for _ in ()).throw(RuntimeError("full disk")))
+    with pytest.raises(RuntimeError):
+        blend.save(target)
+    assert target.read_text() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["a.pas.json"]
+
+
+def test_names_are_checked(tmp_path):
+    blend = solved(EQUAL, 1)
+    with pytest.raises(ValueError, match=r"must end in \.pas\.json"):
+        blend.save(tmp_path / "a.json")
+    with pytest.raises(ValueError, match="folder .* does not exist"):
+        blend.save(tmp_path / "none" / "a.pas.json")
