@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from pas.blending.blend import Blend
     from pas.mesh.field import TriangleMesh
 
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
 DONE, FAILED, WRONG = 0, 1, 2
 
 
@@ -66,7 +68,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _command(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, text: str, more: str = "") -> argparse.ArgumentParser:  # fmt: skip
+def _command(commands: Commands, name: str, text: str, more: str = "") -> argparse.ArgumentParser:
     parser = commands.add_parser(
         name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -75,7 +77,7 @@ def _command(commands: argparse._SubParsersAction[argparse.ArgumentParser], name
     return parser
 
 
-def _blend_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _blend_parser(commands: Commands) -> None:
     parser = _command(
         commands,
         "blend",
@@ -97,14 +99,16 @@ def _blend_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser])
     parser.set_defaults(command="blend", run=_blend)
 
 
-def _check_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _check_parser(commands: Commands) -> None:
     parser = _command(commands, "check", "prove everything again from a project file alone")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
-    parser.add_argument("--edited", action="store_true", help="accept a file changed by hand, and prove what it says now")
+    parser.add_argument(
+        "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
+    )
     parser.set_defaults(command="check", run=_check)
 
 
-def _mesh_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _mesh_parser(commands: Commands) -> None:
     parser = _command(commands, "mesh", "write the surface of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file")
@@ -112,7 +116,7 @@ def _mesh_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.set_defaults(command="mesh", run=_mesh)
 
 
-def _render_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _render_parser(commands: Commands) -> None:
     parser = _command(commands, "render", "draw the surface of a project file")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
@@ -124,7 +128,10 @@ def _render_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]
 
 def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument(
-        "--tolerance", type=float, metavar="T", help=f"largest distance of the mesh from the surface (default: {default})"
+        "--tolerance",
+        type=float,
+        metavar="T",
+        help=f"largest distance of the mesh from the surface (default: {default})",
     )
 
 

@@ -13,11 +13,26 @@ from conftest import ROOT
 
 import pas
 
-ROOMS = ["_version", "errors", "algebra", "bernstein", "partition", "mesh", "surface", "fairing", "exchange", "blending", "render", "cli"]  # fmt: skip
+ROOMS = [
+    "_version",
+    "errors",
+    "algebra",
+    "bernstein",
+    "partition",
+    "mesh",
+    "surface",
+    "fairing",
+    "exchange",
+    "blending",
+    "render",
+    "cli",
+]
 """A module imports from rooms that stand before its own, and from its own."""
 
 PACKAGE = ROOT / "pas"
-MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.name not in ("__init__.py", "__main__.py") or p.parent != PACKAGE)
+MODULES = sorted(
+    p for p in PACKAGE.rglob("*.py") if p.name not in ("__init__.py", "__main__.py") or p.parent != PACKAGE
+)
 
 
 def room(path: Path) -> str:
@@ -73,7 +88,7 @@ def test_lazy_names_are_those_that_are_declared():
 
 
 def test_import_is_light():
-    heavy = "numpy scipy sympy flint cvxpy daqp pyvista vtk trimesh".split()
+    heavy = ["numpy", "scipy", "sympy", "flint", "cvxpy", "daqp", "pyvista", "vtk", "trimesh"]
     code = f"import sys, pas; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -81,7 +96,8 @@ def test_import_is_light():
 
 def test_solving_needs_no_pictures_nor_sympy():
     code = (
-        "import sys, pas; pas.blend([pas.Pipe(a, '1/3', 1) for a in ((1,0,0),(0,1,0),(0,0,1))], 1).surface.triangulate(.1);"
+        "import sys, pas; pipes = [pas.Pipe(a, '1/3', 1) for a in ((1,0,0),(0,1,0),(0,0,1))];"
+        "pas.blend(pipes, 1).surface.triangulate(.1);"
         "print([m for m in ('sympy', 'cvxpy', 'pyvista', 'vtk', 'trimesh') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

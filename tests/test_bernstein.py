@@ -16,7 +16,7 @@ from pas.algebra.monomials import count, evaluate, exponents, homogeneous_expone
 from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import b_form, face_indices, on_simplex, rounded
 from pas.bernstein.gram import gram
-from pas.bernstein.signs import prove_positive
+from pas.bernstein.signs import Limits, prove_positive
 from pas.bernstein.subdivision import edges, halving
 
 TETRAHEDRON = [vector(v) for v in ((0, 0, 0), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
@@ -88,7 +88,8 @@ def test_gram_is_the_integral(degree):
     unit = [vector(v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))]
     p, q = dense(degree, 5), dense(degree, 6)
     exact = sum(
-        c * Fraction(prod(factorial(int(i)) for i in e), factorial(sum(e) + 3)) for e, c in (p * q).coefficients().items()
+        c * Fraction(prod(factorial(int(i)) for i in e), factorial(sum(e) + 3))
+        for e, c in (p * q).coefficients().items()
     )
     weights = gram(degree, 3)
     a, b = (b_form(on_simplex(r.raw, unit), degree, 3) for r in (p, q))
@@ -115,7 +116,7 @@ def test_rounding_keeps_signs_and_errs_by_half_an_ulp(values):
         assert largest == 0 or abs(Fraction(float(r)) - v / largest) <= Fraction(1, 2**53)
 
 
-def signs(p: str, zero: str | None = None, **limits):
+def signs(p: str, zero: str | None = None):
     """Branch and bound on one tetrahedron."""
     forms = []
     for text in (p, zero):
@@ -123,7 +124,7 @@ def signs(p: str, zero: str | None = None, **limits):
             q = Polynomial(text)
             forms.append(rounded(b_form(on_simplex(q.raw, CUBE), max(q.degree, 0), 3))[None])
     corners = np.array([[to_floats(v) for v in CUBE]])
-    return prove_positive(forms[0], corners, where_zero=forms[1] if zero is not None else None, **limits)
+    return prove_positive(forms[0], corners, forms[1] if zero is not None else None)
 
 
 CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))]
@@ -161,5 +162,5 @@ def test_rounding_is_accounted_for():
     # a margin below the error bound must not pass as a proof, nor one of the other sign as refuted
     for sign in (1, -1):
         value = np.full((1, 4), sign * 2.0**-53)
-        result = prove_positive(value, np.eye(4)[None, :, :3], halvings=3)
+        result = prove_positive(value, np.eye(4)[None, :, :3], limits=Limits(halvings=3))
         assert result.status is Status.UNDECIDED

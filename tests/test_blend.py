@@ -50,7 +50,9 @@ def draw(generator: random.Random) -> list[pas.Pipe]:
     for i, axis in enumerate(AXES):
         a, b = sorted(float(h) for j, h in enumerate(heights) if j != i)
         largest = a * b / sqrt(a * a + 4 * b * b) / 1.1
-        items.append(pas.Pipe(axis, Fraction(max(1, floor(100 * generator.uniform(0.2, 1.0) * largest)), 100), heights[i]))
+        items.append(
+            pas.Pipe(axis, Fraction(max(1, floor(100 * generator.uniform(0.2, 1.0) * largest)), 100), heights[i])
+        )
     return items
 
 
@@ -93,7 +95,8 @@ def test_points_shape_the_surface():
 def test_near_points_are_approached_with_their_weight():
     point = ("-3/10", "-3/10", "-3/10")
     values = [
-        abs(float(pas.blend(pipes(UNEQUAL), 1, 4, near=[point], near_weight=w).surface([-0.3] * 3))) for w in (0, 10, 10**4)
+        abs(float(pas.blend(pipes(UNEQUAL), 1, 4, near=[point], near_weight=w).surface([-0.3] * 3)))
+        for w in (0, 10, 10**4)
     ]
     assert values[0] > 1.2 * values[1] > 10 * values[2]
 
@@ -190,7 +193,10 @@ X, Y, Z = AXES
         (pipes(EQUAL)[:2], "exactly three pipes, not 2"),
         ([*pipes(EQUAL), pas.Pipe((-1, 0, 0), "1/3", 1)], "exactly three pipes, not 4"),
         ([pas.Pipe(X, "1/3", 1), pas.Pipe(X, "1/4", 1), pas.Pipe(Z, "1/3", 1)], "pipes 1 and 2 are parallel"),
-        ([pas.Pipe(X, "1/3", 1), pas.Pipe((1, 1, 0), "1/3", 1), pas.Pipe(Z, "1/3", 1)], "pipes 1 and 2 are not perpendicular"),
+        (
+            [pas.Pipe(X, "1/3", 1), pas.Pipe((1, 1, 0), "1/3", 1), pas.Pipe(Z, "1/3", 1)],
+            "pipes 1 and 2 are not perpendicular",
+        ),
         (
             [pas.Pipe(X, "1/3", 1), pas.Pipe(Y, "1/3", 1, point=(0, 0, "1/8")), pas.Pipe(Z, "1/3", 1)],
             "axes of pipes 1 and 2 miss each other by 0.125",
@@ -251,7 +257,9 @@ def test_wrong_arguments(options, error, words):
 
 
 def test_a_degree_too_low_says_what_was_tried():
-    with pytest.raises(pas.NoSolutionError, match=r"degree 4: dimension 0.*lowest degree with solutions is 5") as caught:
+    with pytest.raises(
+        pas.NoSolutionError, match=r"degree 4: dimension 0.*lowest degree with solutions is 5"
+    ) as caught:
         pas.blend(pipes(UNEQUAL), 2, degree=4)
     assert caught.value.dimensions == {4: 0}
     with pytest.raises(pas.NoSolutionError, match="degree 3: dimension 1"):
@@ -275,4 +283,3 @@ def test_contradictory_points_are_named():
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(outside=[(0, 0, 0)])
     with pytest.raises(pas.InfeasibleError, match=r"through \(0, 0, 0\) cannot be met"):
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(through=[(0, 0, 0)], normalize=pas.ValueAt((0, 0, 0), 1))
-

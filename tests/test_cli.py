@@ -120,7 +120,7 @@ def test_render(made, tmp_path, capsys, style):
 def test_errors_are_one_sentence(made, tmp_path, capsys, monkeypatch, arguments, code, words):
     monkeypatch.chdir(tmp_path)
     arguments = [made / "equal_gc1.pas.json" if a == "MADE" else a for a in arguments]
-    result, out, err = run(capsys, *arguments)
+    result, _, err = run(capsys, *arguments)
     assert result == code
     assert err.splitlines()[-1].startswith("pas: ")
     assert words in err.splitlines()[-1]
@@ -134,7 +134,11 @@ def test_debug_shows_the_traceback(capsys):
 
 
 def test_module_version_and_help():
-    for arguments, words in ((["--version"], f"pas {__version__}"), (["--help"], "blend"), (["blend", "--help"], "[[pipes]]")):
+    for arguments, words in (
+        (["--version"], f"pas {__version__}"),
+        (["--help"], "blend"),
+        (["blend", "--help"], "[[pipes]]"),
+    ):
         done = subprocess.run([sys.executable, "-m", "pas", *arguments], capture_output=True, text=True, check=True)
         assert words in done.stdout
     done = subprocess.run([sys.executable, "-m", "pas"], capture_output=True, text=True, check=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import sympy
+from flint import fmpq, fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,7 +12,6 @@ from pas import Polynomial
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING
-from flint import fmpq, fmpq_mat
 
 X, Y, Z = sympy.symbols("x y z")
 IDEALS = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -20,9 +21,7 @@ def test_six_tetrahedra_of_the_published_corner(facts):
     names = {"h1": h1, "h2": h2, "h3": h3}
     published = set()
     for text in facts["pi"]:
-        for name, value in names.items():
-            text = text.replace(name, f"({value})")
-        plane = pas.Polynomial(text)
+        plane = pas.Polynomial(re.sub("h[123]", lambda m: f"({names[m[0]]})", text))
         published.add(plane / plane.coefficients()[1, 0, 0])
     ours = {f.plane / f.plane.coefficients()[1, 0, 0] for f in corner.interior_faces}
     assert ours == published

@@ -54,12 +54,18 @@ def test_everything_else(tmp_path):
     text = (
         'name = "other"\ndegree = 4\ntolerance = 1e-2\nprove = false\nguard = false\n'
         + PROBLEM
-        + 'near_weight = 7\n[partition]\ncenter = [0, 0, 0]\nlegs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n'
+        + "near_weight = 7\n[partition]\ncenter = [0, 0, 0]\nlegs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
         + '[energy]\nlower = [0, 0, 0]\nupper = ["1/2", 1, 1]\ncell = 3\n'
         + '[normalize]\nkind = "value-at"\npoint = [0, 0, 0]\nvalue = -0.1\n'
     )
     problem = read(tmp_path, text)
-    assert (problem.name, problem.degree, problem.tolerance, problem.prove, problem.guard) == ("other", 4, 0.01, False, False)
+    assert (problem.name, problem.degree, problem.tolerance, problem.prove, problem.guard) == (
+        "other",
+        4,
+        0.01,
+        False,
+        False,
+    )
     assert problem.energy == pas.ThinPlate(pas.Box((0, 0, 0), ("1/2", 1, 1)), 3)
     assert problem.normalize == pas.ValueAt((0, 0, 0), "-1/10")
     assert problem.partition.legs == pas.SixTetrahedra().legs

@@ -137,5 +137,5 @@ def test_names_are_checked(tmp_path):
     blend = solved(EQUAL, 1)
     with pytest.raises(ValueError, match=r"must end in \.pas\.json"):
         blend.save(tmp_path / "a.json")
-    with pytest.raises(ValueError, match="folder .* does not exist"):
+    with pytest.raises(ValueError, match=r"folder .* does not exist"):
         blend.save(tmp_path / "none" / "a.pas.json")

@@ -75,7 +75,8 @@ def regular_rank(space: pas.SolutionSpace) -> int:
 
 
 @pytest.mark.parametrize(
-    ("radii", "order", "degree"), [(EQUAL, 1, 3), (EQUAL, 2, 4), (EQUAL, 3, 5), (EQUAL, 3, 6), (UNEQUAL, 1, 4), (UNEQUAL, 2, 5)]
+    ("radii", "order", "degree"),
+    [(EQUAL, 1, 3), (EQUAL, 2, 4), (EQUAL, 3, 5), (EQUAL, 3, 6), (UNEQUAL, 1, 4), (UNEQUAL, 2, 5)],
 )
 def test_every_member_satisfies_every_condition(radii, order, degree):
     """By sympy's substitution and division alone: no normal form, no code of the construction."""
@@ -86,7 +87,7 @@ def test_every_member_satisfies_every_condition(radii, order, degree):
         patches = [p.to_sympy() for p in member]
         for face in faces:
             difference = sympy.Poly(patches[face.first] - patches[face.second], X, Y, Z)
-            quotient, remainder = sympy.div(difference, sympy.Poly(face.plane.to_sympy() ** (order + 1), X, Y, Z))
+            _, remainder = sympy.div(difference, sympy.Poly(face.plane.to_sympy() ** (order + 1), X, Y, Z))
             assert remainder.is_zero
         for number, (symbol, radius) in enumerate(zip((X, Y, Z), radii, strict=True)):
             # with h = t + 1 and the circle's y^2 = r^2 - z^2: terms of t up to the order vanish
@@ -127,7 +128,9 @@ def test_the_published_cubics_are_a_basis_with_the_published_energy(facts):
     assert canonical.energy_matrix(energy) == [[Fraction(v) for v in row] for row in facts["k1_cubic_K_on_Omega"]]
 
 
-@pytest.mark.parametrize(("key", "order", "degree"), [("k2_quartic_simple_solution", 2, 4), ("k3_quintic_solution", 3, 5)])
+@pytest.mark.parametrize(
+    ("key", "order", "degree"), [("k2_quartic_simple_solution", 2, 4), ("k3_quintic_solution", 3, 5)]
+)
 def test_published_higher_order_solutions_are_members(facts, key, order, degree):
     space = pas.solutions(pipes(facts["r"], facts["h"]), order, degree)
     printed = facts[key]

@@ -58,9 +58,7 @@ def _products(degree: int) -> tuple[tuple[slice, NDArray[np.intp], int], ...]:
         parents: dict[int, list[int]] = {0: [], 1: [], 2: []}
         for a, b, c in homogeneous_exponents(d):
             variable = 0 if a else 1 if b else 2
-            parents[variable].append(
-                where[(a - 1, b, c) if a else (0, b - 1, c) if b else (0, 0, c - 1)]
-            )
+            parents[variable].append(where[(a - 1, b, c) if a else (0, b - 1, c) if b else (0, 0, c - 1)])
         for variable, indices in parents.items():
             stop = start + len(indices)
             blocks.append((slice(start, stop), np.array(indices), variable))

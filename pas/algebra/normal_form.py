@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 
-from flint import fmpq, fmpq_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
-from flint import Ordering
+from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.polynomial import RING, VARIABLES
@@ -111,7 +110,7 @@ def _monic(polynomial: fmpq_mpoly) -> fmpq_mpoly:
     return polynomial * (1 / polynomial.leading_coefficient())
 
 
-def _integral(polynomial: fmpq_mpoly) -> object:
+def _integral(polynomial: fmpq_mpoly) -> fmpz_mpoly:
     denominator = 1
     for coefficient in polynomial.coeffs():
         denominator = int(coefficient.q.lcm(denominator))

@@ -43,9 +43,7 @@ def _place(error: BaseException) -> str:
 
 
 class _Reader:
-    def __init__(
-        self, text: str, source: str, names: Mapping[str, fmpq_mpoly], one: fmpq_mpoly
-    ) -> None:
+    def __init__(self, text: str, source: str, names: Mapping[str, fmpq_mpoly], one: fmpq_mpoly) -> None:
         self.text, self.source, self.names, self.one = text, source, names, one
 
     def read(self, node: ast.expr) -> fmpq_mpoly:
@@ -93,8 +91,7 @@ class _Reader:
         value = fmpq(0) if exponent.is_zero() else exponent.leading_coefficient()
         if not exponent.is_constant() or value.q != 1 or not 0 <= value <= MAXIMAL_DEGREE:
             raise self._error(
-                f"the exponent in {self._segment(node)!r} must be a whole number from 0 to "
-                f"{MAXIMAL_DEGREE}"
+                f"the exponent in {self._segment(node)!r} must be a whole number from 0 to {MAXIMAL_DEGREE}"
             )
         if max(base.total_degree(), 0) * int(value) > MAXIMAL_DEGREE:
             raise self._error(f"{self._segment(node)!r} is of degree above {MAXIMAL_DEGREE}")

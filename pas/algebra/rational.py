@@ -35,9 +35,7 @@ def rational(value: Any, name: str = "number") -> fmpq:
         except ZeroDivisionError:
             raise ValueError(f"{name} divides by zero: {value!r}") from None
         except ValueError:
-            raise ValueError(
-                f"{name} is not a rational number: {value!r}; write it as 3, '1/3' or '0.25'"
-            ) from None
+            raise ValueError(f"{name} is not a rational number: {value!r}; write it as 3, '1/3' or '0.25'") from None
     if isinstance(value, numbers.Rational):
         return fmpq(int(value.numerator), int(value.denominator))
     if isinstance(value, numbers.Real):

@@ -9,7 +9,7 @@ from math import factorial, lcm
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpz, fmpz_mat
 
-from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, Floats, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
 

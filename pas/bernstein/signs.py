@@ -84,22 +84,28 @@ class _Findings:
         return np.concatenate(self.points), np.concatenate(self.sources)
 
 
+@dataclass(frozen=True)
+class Limits:
+    """When to give up: after `halvings` rounds, or with more than `largest_batch` simplices open.
+
+    A proof ends at its first counterexamples, or goes on to find others with `exhaustive`.
+    """
+
+    halvings: int = 48
+    largest_batch: int = 20_000
+    exhaustive: bool = False
+
+
 def prove_positive(
-    value: Floats,
-    corners: Floats,
-    *,
-    where_zero: Floats | None = None,
-    halvings: int = 48,
-    largest_batch: int = 20_000,
-    exhaustive: bool = False,
+    value: Floats, corners: Floats, where_zero: Floats | None = None, limits: Limits | None = None
 ) -> SignResult:
     """Prove that `value > 0` on simplices, or only where another polynomial vanishes.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
-    `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  Gives up, UNDECIDED,
-    after `halvings` rounds or when more than `largest_batch` simplices are open.  Ends at the
-    first counterexamples, or goes on to find others with `exhaustive`.
+    `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  UNDECIDED where
+    the limits are reached first.
     """
+    limits = limits or Limits()
     batch = _Simplices(where_zero, value, corners, np.arange(len(value)))
     vertices = corners.shape[1]
     degrees = [_degree(c.shape[1], vertices) for c in (value, where_zero) if c is not None]
@@ -112,9 +118,9 @@ def prove_positive(
         if witnesses.any():
             found.add(_witness_points(batch.select(witnesses)), batch.source[witnesses])
         batch = batch.select(~witnesses)
-        if not len(batch) or halved == halvings or len(batch) > largest_batch:
+        if not len(batch) or halved == limits.halvings or len(batch) > limits.largest_batch:
             break
-        if found.points and not exhaustive:
+        if found.points and not limits.exhaustive:
             break
         batch = _halve(batch, degrees)
         halved += 1

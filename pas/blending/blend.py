@@ -181,10 +181,9 @@ def blend(
     attempts: list[Attempt] = []
     failure: InfeasibleError | NotProvedError | None = None
     for space in _spaces(region, turned, order, degree, attempts, stages):
-        if basis is not None:
-            space = space.restricted(basis)
+        chosen = space if basis is None else space.restricted(basis)
         try:
-            return _fit(space, constraints, plate, prove, guard, attempts, stages)
+            return _fit(chosen, constraints, plate, prove, guard, attempts, stages)
         except (InfeasibleError, NotProvedError) as error:
             attempts.append(Attempt(space.degree, space.dimension, str(error)))
             failure = error
@@ -210,9 +209,7 @@ def fit(
 ) -> Blend:
     """Choose one member of a solution space; the options are those of `blend`."""
     if space.dimension == 0:
-        raise NoSolutionError(
-            f"the solution space of degree {space.degree} is empty", {space.degree: 0}
-        )
+        raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
     constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
     _check_flags(prove, guard)
     return _fit(space, constraints, _check_energy(energy), prove, guard, [], Stages(progress))
@@ -313,9 +310,7 @@ def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionErro
     )
 
 
-def _given_up(
-    attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedError | None, order: int
-) -> Exception:
+def _given_up(attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedError | None, order: int) -> Exception:
     tried = "; ".join(f"degree {a.degree}: dimension {a.dimension}" for a in attempts)
     if failure is None:
         return NoSolutionError(

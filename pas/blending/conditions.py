@@ -117,11 +117,7 @@ class Conditions:
         form = self.contact_form(number)
         images = form.images(degree)
         standard = set(form.standard(degree))
-        return [
-            {e: fmpq(1)} | {m: -c for m, c in images[e].items()}
-            for e in exponents(degree)
-            if e not in standard
-        ]
+        return [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in exponents(degree) if e not in standard]
 
 
 def carriers(partition: Partition, clip: Polynomial) -> tuple[int, ...]:

@@ -156,5 +156,3 @@ def _distance(point: Vector, a: Vector, b: Vector) -> float:
 
 def _words(point: Vector) -> str:
     return ", ".join(plain(c) for c in point)
-
-

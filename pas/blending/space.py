@@ -63,8 +63,7 @@ class SolutionSpace:
         """A basis; each member is one exact polynomial for each cell, in the user's coordinates."""
         frame = self.partition.frame
         return tuple(
-            tuple(frame.globalise(self._patch(c, i)) for c in range(len(self.patches)))
-            for i in range(self.dimension)
+            tuple(frame.globalise(self._patch(c, i)) for c in range(len(self.patches))) for i in range(self.dimension)
         )
 
     @cached_property
@@ -137,7 +136,9 @@ class SolutionSpace:
         return Fairing(self.partition, self.contacts, self.order, self.degree, self.patches, energy)
 
     def __repr__(self) -> str:
-        return f"SolutionSpace(GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name})"
+        return (
+            f"SolutionSpace(GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name})"
+        )
 
     def _patch(self, cell: int, member: int) -> Polynomial:
         return _polynomial(self.patches[cell].tolist()[member], self.degree)
@@ -146,7 +147,7 @@ class SolutionSpace:
         """Whether a member has alpha not in <f, h>; as g = alpha f + .., iff g not in <f^2, h>."""
         zero = [Polynomial(0)] * len(self.patches)
         join = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree).joins[number]
-        form = NormalForm([join.contact.surface.raw ** 2, join.contact.clip.raw])
+        form = NormalForm([join.contact.surface.raw**2, join.contact.clip.raw])
         cell = join.cells[0]
         return any(not form.reduce(self._patch(cell, i).raw).is_zero() for i in range(self.dimension))
 

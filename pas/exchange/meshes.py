@@ -54,7 +54,7 @@ def _stl(mesh: TriangleMesh) -> bytes:
 def _polydata(mesh: TriangleMesh) -> Any:
     import pyvista
 
-    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles)
+    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
     data.point_data.active_normals = mesh.normals
     return data
 

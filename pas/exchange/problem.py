@@ -47,13 +47,27 @@ from typing import Any
 from pas.algebra.polynomial import Polynomial
 from pas.errors import PasError, ProblemFileError
 from pas.exchange.records import read_energy, read_normalization
-from pas.fairing.energy import ThinPlate
 from pas.fairing.constraints import Normalization
+from pas.fairing.energy import ThinPlate
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact, Pipe
 
 KEYS = {
-    "": {"name", "order", "degree", "tolerance", "prove", "guard", "basis", "pipes", "contacts", "partition", "energy", "points", "normalize"},
+    "": {
+        "name",
+        "order",
+        "degree",
+        "tolerance",
+        "prove",
+        "guard",
+        "basis",
+        "pipes",
+        "contacts",
+        "partition",
+        "energy",
+        "points",
+        "normalize",
+    },
     "pipes": {"axis", "radius", "clip", "point"},
     "contacts": {"surface", "clip"},
     "partition": {"kind", "center", "legs"},
@@ -61,7 +75,13 @@ KEYS = {
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
 }
-REQUIRED = {"": {"order"}, "pipes": {"axis", "radius", "clip"}, "contacts": {"surface", "clip"}, "partition": {"legs"}, "normalize": {"kind"}}
+REQUIRED = {
+    "": {"order"},
+    "pipes": {"axis", "radius", "clip"},
+    "contacts": {"surface", "clip"},
+    "partition": {"legs"},
+    "normalize": {"kind"},
+}
 TABLES = {"partition", "energy", "points", "normalize"}
 LISTS = {"pipes", "contacts"}
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "value-at")
@@ -112,7 +132,9 @@ class _Reader:
 
     def problem(self, data: dict[str, Any]) -> Problem:
         self._check(data, "", 0)
-        items = [self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))]
+        items = [
+            self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))
+        ]
         if not items:
             raise self._error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
         return Problem(
@@ -202,7 +224,8 @@ class _Reader:
 
     def _line(self, section: str, index: int, key: str | None) -> int | None:
         """The 1-based line of a key, or of its table's heading, as far as it can be found."""
-        current, seen, heading = "", {}, None
+        current, heading = "", None
+        seen: dict[str, int] = {}
         for number, line in enumerate(self.lines, start=1):
             header = re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?", line)
             if header:

@@ -52,9 +52,7 @@ def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
     """Everything that defines a surface, exact."""
     return {
         "partition": partition_record(surface.partition),
-        "contacts": [
-            {"surface": str(c.surface), "clip": str(c.clip)} for c in surface.contacts
-        ],
+        "contacts": [{"surface": str(c.surface), "clip": str(c.clip)} for c in surface.contacts],
         "order": surface.order,
         "degree": surface.degree,
         "patches": [polynomial_record(cell.polynomial) for cell in surface.cells],
@@ -72,8 +70,7 @@ def read_surface(record: dict[str, Any]) -> PiecewiseSurface:
 def constraints_record(constraints: Constraints) -> dict[str, Any]:
     """The points and the normalisation."""
     record: dict[str, Any] = {
-        kind: [point_record(p) for p in getattr(constraints, kind)]
-        for kind in ("inside", "outside", "through", "near")
+        kind: [point_record(p) for p in getattr(constraints, kind)] for kind in ("inside", "outside", "through", "near")
     }
     record["near_weight"] = plain(constraints.near_weight)
     record["margin"] = plain(constraints.margin)
@@ -102,7 +99,7 @@ def read_normalization(record: dict[str, Any]) -> Normalization:
     kind = record["kind"]
     if kind == "value-at":
         return ValueAt(record["point"], record.get("value", -1))
-    return {"mean-alpha": MeanAlpha, "sum-of-coefficients": SumOfCoefficients}[kind]()
+    return SumOfCoefficients() if kind == "sum-of-coefficients" else MeanAlpha()
 
 
 def energy_record(energy: ThinPlate) -> dict[str, Any]:
@@ -123,5 +120,3 @@ def read_energy(record: dict[str, Any]) -> ThinPlate:
     if "lower" not in record:
         return ThinPlate()
     return ThinPlate(Box(record["lower"], record["upper"]), record.get("cell", 0))
-
-

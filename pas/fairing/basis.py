@@ -52,7 +52,7 @@ class WorkingBasis:
             coefficients = np.array([to_doubles(patch) for patch in exact])
             samples = np.concatenate([c @ v for c, v in zip(coefficients, values, strict=True)], axis=1).T
             norms = np.linalg.norm(samples, axis=0)
-            triangular = np.linalg.qr(samples / norms, mode="r")
+            triangular: Floats = np.asarray(np.linalg.qr(samples / norms, mode="r"))
             if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
                 break
             change = _rational_matrix(_inverse(triangular).T / norms)
@@ -128,7 +128,8 @@ def _inverse(triangular: Floats) -> Floats:
 
 
 def _rational_matrix(matrix: Floats) -> fmpq_mat:
-    return fmpq_mat(*matrix.shape, [fmpq(*float(x).as_integer_ratio()) for x in matrix.ravel()])
+    rows, columns = matrix.shape
+    return fmpq_mat(rows, columns, [fmpq(*float(x).as_integer_ratio()) for x in matrix.ravel()])
 
 
 def _identity(size: int) -> fmpq_mat:

@@ -103,11 +103,11 @@ class Constraints:
 
     def without(self, dropped: Sequence[tuple[str, int]]) -> Constraints:
         """The same constraints less some points."""
-        kept = {
-            kind: tuple(p for i, p in enumerate(getattr(self, kind)) if (kind, i) not in dropped)
-            for kind in KINDS
-        }
-        return replace(self, **kept)
+
+        def kept(kind: str) -> Points:
+            return tuple(p for i, p in enumerate(getattr(self, kind)) if (kind, i) not in dropped)
+
+        return replace(self, inside=kept("inside"), outside=kept("outside"), through=kept("through"))
 
     def describe(self, item: tuple[str, int]) -> str:
         """A constraint in words: 'inside (1/2, 0, 0)'."""

@@ -66,9 +66,12 @@ def tetrahedron_products(patches: Sequence[fmpq_mpoly], corners: Sequence[Vector
     """Exact integrals of `<Hess g_i, Hess g_j>` over a tetrahedron (Bernstein Gram matrix)."""
     lower = max(degree - 2, 0)
     weights = gram(lower, 3)
-    volume = abs(dot(_minus(corners[1], corners[0]), cross(_minus(corners[2], corners[0]), _minus(corners[3], corners[0])))) / 6
+    volume = (
+        abs(dot(_minus(corners[1], corners[0]), cross(_minus(corners[2], corners[0]), _minus(corners[3], corners[0]))))
+        / 6
+    )
     total = fmpq_mat(len(patches), len(patches))
-    for entry, (i, j, times) in enumerate(SECOND_DERIVATIVES):
+    for entry, (_, _, times) in enumerate(SECOND_DERIVATIVES):
         forms = [b_form(on_simplex(second_derivatives(g)[entry][0], corners), lower, 3) for g in patches]
         rows = fmpq_mat(len(forms), len(forms[0]), [c for form in forms for c in form])
         total += rows * weights * rows.transpose() * (volume * times)
@@ -81,7 +84,9 @@ def box_products(patches: Sequence[fmpq_mpoly], box: Box) -> fmpq_mat:
     hessians = [second_derivatives(g) for g in patches]
     for i, left in enumerate(hessians):
         for j, right in enumerate(hessians[: i + 1]):
-            value = sum((_integral(a * b, box) * times for (a, times), (b, _) in zip(left, right, strict=True)), fmpq(0))
+            value = sum(
+                (_integral(a * b, box) * times for (a, times), (b, _) in zip(left, right, strict=True)), fmpq(0)
+            )
             total[i, j] = total[j, i] = value
     return total
 
@@ -134,5 +139,3 @@ def _integral(polynomial: fmpq_mpoly, box: Box) -> fmpq:
 
 def _minus(a: Vector, b: Vector) -> tuple[fmpq, fmpq, fmpq]:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-

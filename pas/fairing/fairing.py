@@ -26,10 +26,10 @@ from pas.fairing.constraints import Constraints, MeanAlpha, SumOfCoefficients
 from pas.fairing.energy import Box, ThinPlate
 from pas.fairing.guard import LADDER, Guard, Margins, Rows
 from pas.fairing.qp import Outcome, Programme, feasible, solve
+from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.proofs import violations
-from pas.partition.cells import Partition
 
 FRACTION_BITS = 36
 """Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
@@ -199,13 +199,11 @@ class _Problem:
         """Nearby rationals that satisfy the exact equations exactly."""
         shift = floor(log2(np.abs(q).max())) - FRACTION_BITS
         step = fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
-        result = fmpq_mat(1, len(q), [int(round(x / to_float(step))) * step for x in q])
+        result = fmpq_mat(1, len(q), [round(float(x) / to_float(step)) * step for x in q])
         assert self.exact is not None
         equations, pivots = self.exact
         for i, pivot in enumerate(pivots):
-            others = sum(
-                (equations[i, j] * result[0, j] for j in range(len(q)) if j not in pivots), fmpq(0)
-            )
+            others = sum((equations[i, j] * result[0, j] for j in range(len(q)) if j not in pivots), fmpq(0))
             result[0, pivot] = equations[i, len(q)] - others
         return result
 

@@ -59,9 +59,7 @@ class Rows:
     at_least: Floats
 
     def __add__(self, other: Rows) -> Rows:
-        return Rows(
-            np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least])
-        )
+        return Rows(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
 
     @classmethod
     def none(cls, unknowns: int) -> Rows:
@@ -192,4 +190,3 @@ def _on_triangle(points: Floats, corners: Floats) -> Floats:
 
 def _lengths(vectors: Floats) -> Floats:
     return np.sqrt((vectors * vectors).sum(axis=-1))
-

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -88,7 +90,7 @@ def _with_daqp(programme: Programme) -> Solution:
 
 
 def _with_clarabel(programme: Programme) -> Solution:
-    import cvxpy
+    cvxpy: Any = import_module("cvxpy")
 
     m = len(programme.linear)
     q = cvxpy.Variable(m)

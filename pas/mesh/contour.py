@@ -33,9 +33,7 @@ def march(lattice: Lattice, snap: float) -> tuple[Floats, Integers]:
     np.add.at(merged, label, points)
     merged /= np.bincount(label)[:, None]
     corners = label[triangles]
-    distinct = (
-        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    )
+    distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     return _compact(merged, _without_doubles(corners[distinct]))
 
 

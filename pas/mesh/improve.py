@@ -39,7 +39,11 @@ def boundary_of(points: Floats, triangles: Integers, field: CellField) -> Bounda
     both = np.concatenate([rim, rim[:, ::-1]])
     both = both[np.argsort(both[:, 0], kind="stable")]
     starts, degree = np.searchsorted(both[:, 0], vertices), np.bincount(both[:, 0], minlength=len(points))[vertices]
-    neighbours = np.stack([both[starts, 1], both[np.minimum(starts + 1, len(both) - 1), 1]], axis=1) if len(rim) else np.empty((0, 2), dtype=np.intp)
+    neighbours = (
+        np.stack([both[starts, 1], both[np.minimum(starts + 1, len(both) - 1), 1]], axis=1)
+        if len(rim)
+        else np.empty((0, 2), dtype=np.intp)
+    )
     walls = field.walls
     distance = np.abs(points[vertices] @ walls[:, :3].T - walls[:, 3])
     on = distance < 1e-9

@@ -27,7 +27,9 @@ class Lattice:
 def lattice(field: CellField, subdivisions: int) -> Lattice:
     """The small tetrahedra across which the field changes sign, with shared nodes."""
     indices, small = _freudenthal(subdivisions)
-    keys, kept = [], []
+    keys: list[Integers] = []
+    kept: list[Integers] = []
+    found = 0
     weights = indices / subdivisions
     for number, cell in enumerate(field.cells):
         values = field.jets(weights @ field.vertices[cell], np.full(len(weights), number))[:, 0]
@@ -36,9 +38,10 @@ def lattice(field: CellField, subdivisions: int) -> Lattice:
         doubtful = (np.abs(values) < 1e-12)[small].any(axis=1)
         crossed = small[(negative.any(axis=1) & ~negative.all(axis=1)) | doubtful]
         used, inverse = np.unique(crossed, return_inverse=True)
-        full = np.zeros((len(used), len(field.vertices)), dtype=np.int32)
+        full = np.zeros((len(used), len(field.vertices)), dtype=np.intp)
         full[:, cell] = indices[used]
-        kept.append(inverse.reshape(crossed.shape) + sum(len(k) for k in keys))
+        kept.append(inverse.reshape(crossed.shape) + found)
+        found += len(used)
         keys.append(full)
     nodes, inverse = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     tetrahedra = inverse.ravel()[np.concatenate(kept)]

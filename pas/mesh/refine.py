@@ -24,7 +24,9 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     # turned so that the one split edge is the first, or the one unsplit edge the last
     for number in (1, 2, 3):
         rows = count == number
-        first = {1: marks[rows] >= 0, 2: marks[rows] < 0, 3: np.ones((rows.sum(), 3), dtype=bool)}[number].argmax(axis=1)
+        first = {1: marks[rows] >= 0, 2: marks[rows] < 0, 3: np.ones((rows.sum(), 3), dtype=bool)}[number].argmax(
+            axis=1
+        )
         turn = (first[:, None] + np.arange(3) + (1 if number == 2 else 0)) % 3
         a, b, c = np.take_along_axis(triangles[rows], turn, axis=1).T
         p, q, r = (np.take_along_axis(marks[rows], turn, axis=1) + size).T

@@ -80,7 +80,8 @@ def _far_edges(field: CellField, mesh: TriangleMesh, tolerance: float) -> tuple[
     lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
     longest = lengths.argmax(axis=1)[:, None]
     pairs = np.concatenate(
-        [np.take_along_axis(triangles, longest, axis=1), np.take_along_axis(triangles, (longest + 1) % 3, axis=1)], axis=1
+        [np.take_along_axis(triangles, longest, axis=1), np.take_along_axis(triangles, (longest + 1) % 3, axis=1)],
+        axis=1,
     )
     return edges, np.unique(np.sort(np.concatenate([far, pairs]), axis=1), axis=0)
 
@@ -144,5 +145,3 @@ def _improved(field: CellField, points: Floats, triangles: Integers, smoothings:
 def _normals(field: CellField, points: Floats) -> Floats:
     gradient = field.jets(points, field.locate(points))[:, 1:]
     return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
-
-

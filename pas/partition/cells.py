@@ -160,4 +160,3 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
     return dot(_minus(b, a), cross(_minus(c, a), _minus(d, a))) / 6
-

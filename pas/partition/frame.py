@@ -29,9 +29,7 @@ class Frame:
     @classmethod
     def around(cls, origin: Vector, points: Sequence[Vector]) -> Frame:
         """The frame at `origin` in which the furthest of `points` is at a distance of 1 to 2."""
-        reach = max(
-            to_float(dot(d, d)) for d in (tuple(a - b for a, b in zip(p, origin, strict=True)) for p in points)
-        )
+        reach = max(to_float(dot(d, d)) for d in (tuple(a - b for a, b in zip(p, origin, strict=True)) for p in points))
         exponent = math.floor(math.log2(reach) / 2)
         return cls(origin, fmpq(2) ** exponent if exponent >= 0 else 1 / fmpq(2) ** -exponent)
 
@@ -45,10 +43,7 @@ class Frame:
         """The same function in the user's coordinates, exact."""
         inverse = 1 / self.scale
         return polynomial.compose(
-            *(
-                Polynomial.from_raw(inverse * (g - o))
-                for g, o in zip(GENERATORS, self.origin, strict=True)
-            )
+            *(Polynomial.from_raw(inverse * (g - o)) for g, o in zip(GENERATORS, self.origin, strict=True))
         )
 
     def local_point(self, point: Sequence[fmpq]) -> Vector:

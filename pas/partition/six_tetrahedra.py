@@ -51,7 +51,6 @@ class SixTetrahedra(Partition):
 
     def _vertex(self, origin: Vector, signs: tuple[int, int, int]) -> Vector:
         x, y, z = (
-            o + sum(s * leg[axis] for s, leg in zip(signs, self.legs, strict=True))
-            for axis, o in enumerate(origin)
+            o + sum(s * leg[axis] for s, leg in zip(signs, self.legs, strict=True)) for axis, o in enumerate(origin)
         )
         return x, y, z

@@ -24,7 +24,10 @@ def neighbours(surface: PiecewiseSurface, mesh: TriangleMesh, length: float) -> 
     result = []
     near = 1e-7 * (1 + np.abs(mesh.points).max())
     for contact in surface.contacts:
-        on = np.maximum(_distance(contact.clip, mesh.points), _distance(contact.surface, mesh.points))[rim].max(axis=1) < near
+        on = (
+            np.maximum(_distance(contact.clip, mesh.points), _distance(contact.surface, mesh.points))[rim].max(axis=1)
+            < near
+        )
         if on.any() and _is_cylinder(contact.surface, contact.clip):
             direction = contact.clip.gradient(mesh.points[rim[on][0, 0]])
             direction = direction / np.linalg.norm(direction)

@@ -82,10 +82,21 @@ def _add(
     elif style is Style.CURVATURE:
         data = _data(pyvista, mesh)
         data["mean curvature"] = surface.curvatures(mesh.points)[:, 0]
-        low, high = np.nanpercentile(data["mean curvature"], [1, 99])
-        limit = max(abs(low), abs(high), 1e-12)
-        bar = {"title": "mean curvature", "color": "black", "vertical": True, "position_x": 0.88, "position_y": 0.08, "height": 0.45, "width": 0.07, "title_font_size": 18, "label_font_size": 16}
-        plotter.add_mesh(data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=bar, **shading)
+        limit = max(float(np.nanpercentile(np.abs(data["mean curvature"]), 98)), 1e-12)
+        bar = {
+            "title": "mean curvature",
+            "color": "black",
+            "vertical": True,
+            "position_x": 0.88,
+            "position_y": 0.08,
+            "height": 0.45,
+            "width": 0.07,
+            "title_font_size": 18,
+            "label_font_size": 16,
+        }
+        plotter.add_mesh(
+            data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=bar, **shading
+        )
         for part in others:
             plotter.add_mesh(_data(pyvista, part), color=PIPE_COLOR, **shading)
     else:
@@ -120,8 +131,10 @@ def _frame(surface: PiecewiseSurface) -> Floats:
     rows = [c.clip.gradient(np.zeros(3)) for c in surface.contacts] + list(np.eye(3))
     frame: list[Floats] = []
     for row in rows:
-        rest = row - sum((row @ f) * f for f in frame) if frame else row
-        if np.linalg.norm(rest) > 1e-6 * max(np.linalg.norm(row), 1e-300) and len(frame) < 3:
+        rest = np.array(row, dtype=float)
+        for known in frame:
+            rest = rest - (rest @ known) * known
+        if np.linalg.norm(rest) > 1e-6 * max(float(np.linalg.norm(row)), 1e-300) and len(frame) < 3:
             frame.append(rest / np.linalg.norm(rest))
     return np.array(frame)
 

@@ -88,16 +88,11 @@ class Pipe:
         clip = along - self.clip * length2
         if self.clip < 0:
             clip = -clip
-        return Contact(
-            Polynomial.from_raw(surface - self.radius * self.radius), Polynomial.from_raw(clip)
-        )
+        return Contact(Polynomial.from_raw(surface - self.radius * self.radius), Polynomial.from_raw(clip))
 
     def __str__(self) -> str:
         axis, point = (", ".join(plain(c) for c in v) for v in (self.axis, self.point))
-        return (
-            f"pipe of radius {plain(self.radius)} along ({axis}) through ({point}), "
-            f"clipped at {plain(self.clip)}"
-        )
+        return f"pipe of radius {plain(self.radius)} along ({axis}) through ({point}), clipped at {plain(self.clip)}"
 
 
 def as_contact(item: Any, name: str = "contact") -> Contact:
@@ -119,5 +114,3 @@ def _equation(expression: Any, name: str) -> Polynomial:
     if polynomial.degree < 1:
         raise ValueError(f"the {name} of a contact must be a polynomial that is not constant, not {polynomial}")
     return polynomial
-
-

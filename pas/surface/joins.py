@@ -92,12 +92,7 @@ def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
     index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
     weights = np.array([(i, j, n - i - j) for i, j in index]) / n
     steps = ((1, 0), (0, 1), (1, -1))
-    pairs = [
-        (k, index[i + di, j + dj])
-        for (i, j), k in index.items()
-        for di, dj in steps
-        if (i + di, j + dj) in index
-    ]
+    pairs = [(k, index[i + di, j + dj]) for (i, j), k in index.items() for di, dj in steps if (i + di, j + dj) in index]
     return weights @ corners, np.array(pairs)
 
 

@@ -62,7 +62,7 @@ class PiecewiseSurface:
         self.contacts = tuple(contacts)
         self.order = order
         self.patches = tuple(patches)
-        self.degree = max(max(p.degree for p in patches), 0) if degree is None else degree
+        self.degree = max(0, *(p.degree for p in patches)) if degree is None else degree
 
     @classmethod
     def from_polynomials(
@@ -162,7 +162,14 @@ class PiecewiseSurface:
         length = np.linalg.norm(g, axis=-1)
         quadratic = np.einsum("...i,...ij,...j", g, h, g)
         mean = (length**2 * np.trace(h, axis1=-2, axis2=-1) - quadratic) / (2 * length**3)
-        adjugate = np.stack([np.cross(h[..., 1, :], h[..., 2, :]), np.cross(h[..., 2, :], h[..., 0, :]), np.cross(h[..., 0, :], h[..., 1, :])], axis=-2)
+        adjugate = np.stack(
+            [
+                np.cross(h[..., 1, :], h[..., 2, :]),
+                np.cross(h[..., 2, :], h[..., 0, :]),
+                np.cross(h[..., 0, :], h[..., 1, :]),
+            ],
+            axis=-2,
+        )
         gauss = np.einsum("...i,...ij,...j", g, adjugate, g) / length**4
         return np.stack([mean, gauss], axis=-1)
 
@@ -216,7 +223,7 @@ class PiecewiseSurface:
         import pyvista
 
         mesh = self.triangulate(tolerance)
-        data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles)
+        data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
         data.point_data.active_normals = mesh.normals
         return data
 

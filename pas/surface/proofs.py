@@ -30,13 +30,18 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded
-from pas.bernstein.signs import SignResult, Status, prove_positive
+from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
 from pas.errors import GeometryError
 from pas.surface.certificate import Certificate, Point, Verdict
 from pas.surface.joins import Join
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
+
+
+SEARCH_CELLS = Limits(halvings=24, largest_batch=3000, exhaustive=True)
+SEARCH_FACES = Limits(halvings=16, largest_batch=1500, exhaustive=True)
+"""A search for violations may end early: what it leaves open becomes new constraints."""
 
 
 @dataclass(frozen=True)
@@ -140,19 +145,17 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
 
 def violations(surface: PiecewiseSurface) -> Violations:
     """Where the inequalities of the proofs fail or stay open: points for new constraints."""
-    sheet = sheet_signs(surface, halvings=24, largest_batch=3000, exhaustive=True)
-    walls = wall_signs(surface, halvings=16, largest_batch=1500, exhaustive=True)
+    sheet = sheet_signs(surface, SEARCH_CELLS)
+    walls = wall_signs(surface, SEARCH_FACES)
     wall_cells = np.array([face.cell for face in surface.walls])
     contacts: list[tuple[int, Floats]] = []
     for number, join in enumerate(surface.joins):
-        result = _alpha_positive(surface, join, on_curve=False, halvings=16, largest_batch=1500, exhaustive=True)
+        result = _alpha_positive(surface, join, on_curve=False, limits=SEARCH_FACES)
         contacts += [(number, points) for _, points in _by_source(result)]
-    return Violations(
-        _by_source(sheet), [(int(wall_cells[s]), points) for s, points in _by_source(walls)], contacts
-    )
+    return Violations(_by_source(sheet), [(int(wall_cells[s]), points) for s, points in _by_source(walls)], contacts)
 
 
-def sheet_signs(surface: PiecewiseSurface, **limits: int) -> SignResult:
+def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
     local = surface.local
     degree = surface.degree
@@ -162,10 +165,10 @@ def sheet_signs(surface: PiecewiseSurface, **limits: int) -> SignResult:
         zero.append(rounded(b_form(on_simplex(patch.raw, corners), degree, 3)))
         value.append(rounded(b_form(on_simplex(_radial_derivative(patch), corners), degree, 3)))
     corners = local.points[np.array(local.cells)]
-    return prove_positive(np.array(value), corners, where_zero=np.array(zero), **limits)
+    return prove_positive(np.array(value), corners, np.array(zero), limits)
 
 
-def wall_signs(surface: PiecewiseSurface, **limits: int) -> SignResult:
+def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f > 0` on the outer faces in no clip plane."""
     local, degree = surface.local, surface.degree
     forms = [
@@ -173,7 +176,7 @@ def wall_signs(surface: PiecewiseSurface, **limits: int) -> SignResult:
         for face in surface.walls
     ]
     corners = np.array([local.points[list(face.vertices)] for face in surface.walls])
-    return prove_positive(np.array(forms), corners, **limits)
+    return prove_positive(np.array(forms), corners, limits=limits)
 
 
 def alpha_on_face(patch: Polynomial, contact: Polynomial, corners: Sequence[Vector]) -> fmpq_mpoly | None:
@@ -185,7 +188,9 @@ def alpha_on_face(patch: Polynomial, contact: Polynomial, corners: Sequence[Vect
     return quotient if remainder.is_zero() else None
 
 
-def _alpha_positive(surface: PiecewiseSurface, join: Join, *, on_curve: bool, **limits: int) -> SignResult:
+def _alpha_positive(
+    surface: PiecewiseSurface, join: Join, *, on_curve: bool, limits: Limits | None = None
+) -> SignResult:
     values, zeros, corners = [], [], []
     contact = join.contact.surface
     for face in join.faces:
@@ -197,7 +202,7 @@ def _alpha_positive(surface: PiecewiseSurface, join: Join, *, on_curve: bool, **
         zeros.append(rounded(b_form(on_simplex(contact.raw, exact), contact.degree, 2)))
         corners.append(join.partition.points[list(face.vertices)])
     where_zero = np.array(zeros) if on_curve else None
-    return prove_positive(np.array(values), np.array(corners), where_zero=where_zero, **limits)
+    return prove_positive(np.array(values), np.array(corners), where_zero, limits)
 
 
 def check_join(number: int, join: Join) -> None:
@@ -253,7 +258,7 @@ def _curve_regular(join: Join) -> SignResult:
         values.append(rounded(b_form(on_simplex(square, exact), degree, 2)))
         zeros.append(rounded(b_form(on_simplex(f.raw, exact), f.degree, 2)))
     corners = np.array([join.partition.points[list(face.vertices)] for face in join.faces])
-    return prove_positive(np.array(values), corners, where_zero=np.array(zeros))
+    return prove_positive(np.array(values), corners, np.array(zeros))
 
 
 def _contact_order(patch: Polynomial, join: Join, highest: int) -> int:
