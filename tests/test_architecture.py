@@ -14,18 +14,8 @@ from conftest import ROOT
 import pas
 
 ROOMS = [
-    "_version",
-    "errors",
-    "algebra",
-    "bernstein",
-    "partition",
-    "mesh",
-    "surface",
-    "fairing",
-    "exchange",
-    "blending",
-    "render",
-    "cli",
+    *("_version", "errors", "algebra", "bernstein", "partition", "mesh"),
+    *("surface", "fairing", "exchange", "blending", "render", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 
