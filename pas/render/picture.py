@@ -24,6 +24,10 @@ VIEW = (0.62, -0.62, 0.48)
 """From where one looks, in the frame of the contact directions: past the pipes, from above."""
 
 
+VIEW_ANGLE, MARGIN = 24.0, 1.12
+"""Of the camera, in degrees, and the picture's height over that of what is drawn."""
+
+
 class Style(Enum):
     """What the colours show."""
 
@@ -57,9 +61,10 @@ def draw(
     mesh = mesh or surface.triangulate(extent * 1e-3)
     others = neighbours(surface, mesh, extent * 0.25)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
-    plotter.set_background("white", top="#dfe8f0")
+    low, high = ("#aebac4", "#c9d3dc") if style is Style.ZEBRA else ("white", "#dfe8f0")
+    plotter.set_background(low, top=high)
     _add(plotter, pyvista, surface, mesh, others, style)
-    _look(plotter, surface)
+    _look(plotter, surface, np.concatenate([part.points for part in (mesh, *others)]), size)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()
@@ -111,14 +116,24 @@ def _add(
     plotter.enable_anti_aliasing("ssaa")
 
 
-def _look(plotter: Any, surface: PiecewiseSurface) -> None:
+def _look(plotter: Any, surface: PiecewiseSurface, points: Floats, size: tuple[int, int]) -> None:
+    """Point the camera so that the points fill the picture."""
     frame = _frame(surface)
-    plotter.camera.focal_point = (0.0, 0.0, 0.0)
-    plotter.camera.position = tuple(np.array(VIEW) @ frame)
-    plotter.camera.up = tuple(frame[2])
-    plotter.camera.view_angle = 24
-    plotter.reset_camera()
-    plotter.camera.zoom(1.12)
+    ahead = -np.array(VIEW) @ frame
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, frame[2])
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(right, ahead), ahead])
+    seen = points @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    center = (low + high) / 2 @ axes
+    half = np.tan(np.radians(VIEW_ANGLE / 2))
+    reach = MARGIN * max(float(high[1] - low[1]), float(high[0] - low[0]) * size[1] / size[0]) / 2
+    plotter.camera.focal_point = tuple(center)
+    plotter.camera.position = tuple(center - (reach / half + float(high[2] - low[2]) / 2) * ahead)
+    plotter.camera.up = tuple(axes[1])
+    plotter.camera.view_angle = VIEW_ANGLE
+    plotter.reset_camera_clipping_range()
 
 
 def _isophotes(normals: Floats, frame: Floats) -> Floats:
