@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
 from pas.fairing.energy import SECOND_DERIVATIVES, Box, box_rule, tetrahedra_rule
@@ -73,6 +73,22 @@ class WorkingBasis:
         """`grad g . x` of the members at local points (N, 3): (N, m)."""
         degrees = np.array([sum(e) for e in exponents(self.degree)])
         return monomial_values(points, self.degree).T @ (self.coefficients[cell] * degrees).T
+
+    def combine(self, working: fmpq_mat) -> list[list[fmpq]]:
+        """The exact coefficients, cell by cell, of the member with working coefficients (1, m).
+
+        In integers over one denominator, several times faster than rationals.
+        """
+        numerators, denominator = working.numer_denom()
+        result = []
+        for matrix, scale in self._integers:
+            divisor = scale * denominator
+            result.append([fmpq(v, divisor) for v in (numerators * matrix).entries()])
+        return result
+
+    @cached_property
+    def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
+        return [patch.numer_denom() for patch in self.patches]
 
     def exact_values(self, cell: int, point: Sequence[fmpq]) -> fmpq_mat:
         """Exact values of the members on a cell's patch at a local point: (1, m)."""

@@ -95,8 +95,7 @@ class Fairing:
         """The exact surface with given working coefficients (1, m)."""
         monomials = exponents(self.degree)
         patches = []
-        for matrix in self.basis.patches:
-            entries = (working * matrix).entries()
+        for entries in self.basis.combine(working):
             terms = {e: c for e, c in zip(monomials, entries, strict=True) if c != 0}
             patches.append(Polynomial.from_raw(RING.from_dict(terms)))
         return PiecewiseSurface(self.partition, self.contacts, self.order, patches, self.degree)
