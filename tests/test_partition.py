@@ -73,9 +73,30 @@ def test_flat_corners_are_refused(legs, words):
         pas.SixTetrahedra(legs=legs)
 
 
-def test_partitions_not_around_their_centre_are_refused():
-    v = [vector(p) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1))]
-    with pytest.raises(pas.GeometryError, match="centre"):
-        pas.Partition(v, [(0, 1, 2, 3), (1, 2, 3, 4)], v[0])
-    with pytest.raises(pas.GeometryError, match="flat"):
-        pas.Partition([*v[:3], vector((1, 1, 0))], [(0, 1, 2, 3)], v[0])
+def octahedron():
+    """Eight cells around a centre, as indices into the centre and the six ends of the axes."""
+    v = [vector(p) for p in ((0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))]
+    return v, [(0, a, b, c) for a in (1, 2) for b in (3, 4) for c in (5, 6)]
+
+
+def test_other_partitions_around_a_centre():
+    v, cells = octahedron()
+    partition = pas.Partition(v, cells, v[0])
+    assert len(partition.interior_faces) == 12
+    assert len(partition.outer_faces) == 8
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda v, cells: (v, cells[:-1], v[0]), "not inside the region"),
+        (lambda v, cells: ([*v[:6], vector((0, 0, 2))], cells, v[0]), "overlap"),
+        (lambda v, cells: (v, [*cells, cells[0]], v[0]), "overlap"),
+        (lambda v, cells: (v, cells, v[1]), "does not pass through its centre"),
+        (lambda v, cells: ([*v[:6], vector((1, 1, 0))], cells, v[0]), "flat"),
+    ],
+)
+def test_partitions_that_cannot_be(change, words):
+    v, cells, center = change(*octahedron())
+    with pytest.raises(pas.GeometryError, match=words):
+        pas.Partition(v, cells, center)

@@ -14,7 +14,7 @@ from pathlib import Path
 import pas
 
 HERE = Path(__file__).parent
-PROBLEMS = sorted(p for p in HERE.glob("*.toml") if p.stem != "three_pipes")
+PROBLEMS = sorted(HERE.glob("*.toml"))
 
 
 def solve(path: Path) -> pas.Blend:
@@ -52,7 +52,7 @@ def main() -> None:
             f"dimension {blend.dimension:>2} energy {blend.energy:>8.2f}  {verdicts(blend.certificate)}"
         )
         style = pas.Style.PLAIN if path.stem.startswith("published") else pas.Style.ZEBRA
-        pas.draw(blend.surface, folder / f"{path.stem}.png", style=style, size=(640, 480))
+        pas.draw(blend.surface, folder / f"{path.stem}.png", style=style, size=(480, 360))
 
 
 if __name__ == "__main__":

@@ -137,8 +137,11 @@ class _Reader:
         ]
         if not items:
             raise self._error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
+        name = self._typed(data, "name", str, self.file.name.removesuffix(".toml"))
+        if not name or Path(name).name != name:
+            raise self._error(f"name must be a plain file name without folders, not {name!r}", "", 0, "name")
         return Problem(
-            name=self._typed(data, "name", str, self.file.name.removesuffix(".toml")),
+            name=name,
             contacts=tuple(items),
             order=self._typed(data, "order", int, None),
             degree=self._typed(data, "degree", int, None),

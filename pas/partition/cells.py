@@ -49,7 +49,8 @@ class Partition:
     `vertices` are exact points, `cells` quadruples of vertex indices, `center` an exact point
     in the interior of the region from which every cell is seen undivided.
 
-    Raises `GeometryError` for a flat cell and for a cell not star-shaped around the centre.
+    Raises `GeometryError` for a flat cell, cells that overlap, or cells that are not all around
+    the centre.
     """
 
     name = "tetrahedra"
@@ -61,9 +62,27 @@ class Partition:
         for i, cell in enumerate(self.cells):
             if _volume(*(self.vertices[v] for v in cell)) == 0:
                 raise GeometryError(f"cell {i + 1} of the partition is flat")
-        for face in self.interior_faces:
-            if face.plane.at(center) != 0:
-                raise GeometryError("an interior face of the partition does not pass through its centre")
+        self._check_faces()
+        self._check_around_center()
+
+    def _check_faces(self) -> None:
+        """That a face belongs to one cell, or to two on either side of it."""
+        for triangle, owners in self._owners.items():
+            sides = [self._side(triangle, owner) for owner in owners]
+            if len(owners) > 2 or (len(owners) == 2 and sides[0] == sides[1]):
+                cells = " and ".join(str(owner + 1) for owner in owners)
+                raise GeometryError(f"cells {cells} of the partition overlap at a common face")
+
+    def _check_around_center(self) -> None:
+        """That every cell touches the centre and that they surround it once."""
+        if any(face.plane.at(self.center) != 0 for face in self.interior_faces):
+            raise GeometryError("an interior face of the partition does not pass through its centre")
+        if any(face.plane.at(self.center) >= 0 for face in self.outer_faces):
+            raise GeometryError("the centre of the partition is not inside the region")
+        rays = self.points - np.array(to_floats(self.center))
+        total = sum(_solid_angle(*rays[list(face.vertices)]) for face in self.outer_faces)
+        if abs(total / (4 * np.pi) - 1) > 1e-6:
+            raise GeometryError("the cells of the partition do not surround its centre exactly once")
 
     @cached_property
     def frame(self) -> Frame:
@@ -134,10 +153,13 @@ class Partition:
     def _plane(self, triangle: Indices, cell: int) -> Polynomial:
         """The plane of a face, negative in `cell`, with coprime integer coefficients."""
         plane = plane_through(*self.corners(triangle))
+        return -plane if self._side(triangle, cell) > 0 else plane
+
+    def _side(self, triangle: Indices, cell: int) -> int:
+        """On which side of a face's plane a cell lies: 1 or -1."""
         opposite = next(v for v in self.cells[cell] if v not in triangle)
-        if plane.at(self.vertices[opposite]) > 0:
-            plane = -plane
-        return plane
+        value = plane_through(*self.corners(triangle)).at(self.vertices[opposite])
+        return 1 if value > 0 else -1
 
 
 def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:
@@ -160,3 +182,11 @@ def _minus(a: Vector, b: Vector) -> Vector:
 
 def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
     return dot(_minus(b, a), cross(_minus(c, a), _minus(d, a))) / 6
+
+
+def _solid_angle(a: Floats, b: Floats, c: Floats) -> float:
+    """The solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983)."""
+    la, lb, lc = (float(np.linalg.norm(v)) for v in (a, b, c))
+    triple = abs(float(a @ np.cross(b, c)))
+    below = la * lb * lc + float(a @ b) * lc + float(b @ c) * la + float(c @ a) * lb
+    return 2 * float(np.arctan2(triple, below))

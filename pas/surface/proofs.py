@@ -114,7 +114,7 @@ def face_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
 def sheet_verdict(surface: PiecewiseSurface) -> Verdict:
     """Every ray from the centre meets the surface at most once, transversally."""
     claim = "one sheet"
-    if surface.patches[0].at((0, 0, 0)) >= 0:
+    if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
         return Verdict(
             Status.REFUTED, claim, "the centre is not inside the surface", _global_point(surface, np.zeros(3))
         )
