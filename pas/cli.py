@@ -150,14 +150,8 @@ def _blend(options: argparse.Namespace) -> int:
         problem.contacts,
         problem.order if options.order is None else options.order,
         problem.degree if options.degree is None else options.degree,
-        problem.partition,
-        energy=problem.energy,
-        normalize=problem.normalize,
-        prove=problem.prove,
-        guard=problem.guard,
-        basis=problem.basis,
         progress=_progress,
-        **problem.points,
+        **problem.options,
     )
     start = time.perf_counter()
     mesh = result.surface.triangulate(tolerance)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import random
+import runpy
 from fractions import Fraction
-from math import floor, sqrt
 
 import numpy as np
 import pytest
-from conftest import AXES, EQUAL, UNEQUAL, pipes, solved
+from conftest import AXES, EQUAL, ROOT, UNEQUAL, pipes, solved
 
 import pas
 
@@ -43,17 +43,8 @@ def test_moved_turned_and_scaled_corners(position):
     assert blend.energy == pytest.approx(5 * solved(UNEQUAL, 2).energy, rel=0.02)
 
 
-def draw(generator: random.Random) -> list[pas.Pipe]:
-    """Three pipes with circles that fit their faces with 10% to spare."""
-    heights = [Fraction(generator.randint(10, 40), 20) for _ in AXES]
-    items = []
-    for i, axis in enumerate(AXES):
-        a, b = sorted(float(h) for j, h in enumerate(heights) if j != i)
-        largest = a * b / sqrt(a * a + 4 * b * b) / 1.1
-        items.append(
-            pas.Pipe(axis, Fraction(max(1, floor(100 * generator.uniform(0.2, 1.0) * largest)), 100), heights[i])
-        )
-    return items
+draw = runpy.run_path(str(ROOT / "benchmarks/random_corners.py"))["draw"]
+"""Three pipes with circles that fit their faces with 10% to spare, from a random generator."""
 
 
 @pytest.mark.parametrize(("order", "count"), [(1, 12), (2, 8), (3, 3)])

@@ -20,17 +20,7 @@ PROBLEMS = sorted(HERE.glob("*.toml"))
 def solve(path: Path) -> pas.Blend:
     """The blend of one problem file."""
     problem = pas.read_problem(path)
-    return pas.blend(
-        problem.contacts,
-        problem.order,
-        problem.degree,
-        energy=problem.energy,
-        normalize=problem.normalize,
-        basis=problem.basis,
-        prove=problem.prove,
-        guard=problem.guard,
-        **problem.points,
-    )
+    return pas.blend(problem.contacts, problem.order, problem.degree, **problem.options)
 
 
 def verdicts(certificate: pas.Certificate) -> str:

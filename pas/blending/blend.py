@@ -44,6 +44,35 @@ class Attempt:
     outcome: str
 
 
+@dataclass(frozen=True)
+class Wishes:
+    """What the user wants of the member that is chosen."""
+
+    constraints: Constraints
+    plate: ThinPlate
+    prove: bool
+    guard: bool
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        energy: ThinPlate | None = None,
+        prove: bool = True,
+        guard: bool = True,
+        margin: Any = None,
+        **points: Any,
+    ) -> Wishes:
+        """The wishes from the options of `blend`, checked."""
+        if energy is not None and not isinstance(energy, ThinPlate):
+            raise TypeError(f"energy must be a pas.ThinPlate or None, not {energy!r}")
+        if prove and not guard:
+            raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")
+        if margin is not None:
+            points["margin"] = margin
+        return cls(Constraints.of(**points), energy or ThinPlate(), prove, guard)
+
+
 @dataclass
 class Stages:
     """Seconds spent in each stage, told to a listener as they end."""
@@ -114,7 +143,7 @@ class Blend:
         changed = Constraints.of(**(_as_options(self.constraints) | options))
         working = fairing.choose(changed, self.choice.rows)
         choice = replace(self.choice, surface=fairing.surface(working), working=working)
-        return _finish(self.space, choice, changed, self.plate, {}, self.attempts)
+        return _finish(self.space, choice, Wishes(changed, self.plate, False, True), {}, self.attempts)
 
     def save(self, path: str | Path) -> Path:
         """Write the project file (`.pas.json`); returns its path."""
@@ -170,9 +199,18 @@ def blend(
     `TypeError` for wrong arguments.
     """
     check_order(order)
-    constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
-    plate = _check_energy(energy)
-    _check_flags(prove, guard)
+    wishes = Wishes.of(
+        energy=energy,
+        inside=inside,
+        outside=outside,
+        through=through,
+        near=near,
+        near_weight=near_weight,
+        margin=margin,
+        normalize=normalize,
+        prove=prove,
+        guard=guard,
+    )
     if basis is not None and degree is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(progress)
@@ -183,7 +221,7 @@ def blend(
     for space in _spaces(region, turned, order, degree, attempts, stages):
         chosen = space if basis is None else space.restricted(basis)
         try:
-            return _fit(chosen, constraints, plate, prove, guard, attempts, stages)
+            return _fit(chosen, wishes, attempts, stages)
         except (InfeasibleError, NotProvedError) as error:
             attempts.append(Attempt(space.degree, space.dimension, str(error)))
             failure = error
@@ -192,27 +230,15 @@ def blend(
     raise _given_up(attempts, failure, order)
 
 
-def fit(
-    space: SolutionSpace,
-    *,
-    energy: ThinPlate | None = None,
-    inside: Any = (),
-    outside: Any = (),
-    through: Any = (),
-    near: Any = (),
-    near_weight: Any = 100,
-    margin: Any = None,
-    normalize: Normalization | None = None,
-    prove: bool = True,
-    guard: bool = True,
-    progress: Progress | None = None,
-) -> Blend:
-    """Choose one member of a solution space; the options are those of `blend`."""
+def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: Any) -> Blend:
+    """Choose one member of a solution space.
+
+    `options` are those of `blend` that shape the surface: `energy`, `inside`, `outside`, `through`,
+    `near`, `near_weight`, `margin`, `normalize`, `prove`, `guard`.
+    """
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
-    constraints = _constraints(inside, outside, through, near, near_weight, margin, normalize)
-    _check_flags(prove, guard)
-    return _fit(space, constraints, _check_energy(energy), prove, guard, [], Stages(progress))
+    return _fit(space, Wishes.of(**options), [], Stages(progress))
 
 
 def _spaces(
@@ -240,28 +266,21 @@ def _spaces(
             attempts.append(Attempt(candidate, space.dimension, reason))
 
 
-def _fit(
-    space: SolutionSpace,
-    constraints: Constraints,
-    plate: ThinPlate,
-    prove: bool,
-    guard: bool,
-    attempts: Sequence[Attempt],
-    stages: Stages,
-) -> Blend:
-    detail = f" (degree {space.degree}, dimension {space.dimension})"
-    with stages.stage("fit", detail):
-        fairing = space.fairing(plate)
-        if prove:
-            choice = fairing.choose_proved(constraints)
+def _fit(space: SolutionSpace, wishes: Wishes, attempts: Sequence[Attempt], stages: Stages) -> Blend:
+    with stages.stage("fit", f" (degree {space.degree}, dimension {space.dimension})"):
+        fairing = space.fairing(wishes.plate)
+        if wishes.prove:
+            choice = fairing.choose_proved(wishes.constraints)
+        elif wishes.guard:
+            choice = fairing.choose_guarded(wishes.constraints)
         else:
-            choice = fairing.choose_guarded(constraints) if guard else fairing.choose_plain(constraints)
-    outcome = Attempt(space.degree, space.dimension, "proved" if prove else "fitted")
-    if not prove:
-        return _finish(space, choice, constraints, plate, stages.seconds, (*attempts, outcome))
+            choice = fairing.choose_plain(wishes.constraints)
+    history = (*attempts, Attempt(space.degree, space.dimension, "proved" if wishes.prove else "fitted"))
+    if not wishes.prove:
+        return _finish(space, choice, wishes, stages.seconds, history)
     with stages.stage("prove"):
         certificate = choice.surface.certify()
-    result = _finish(space, choice, constraints, plate, stages.seconds, (*attempts, outcome), certificate)
+    result = _finish(space, choice, wishes, stages.seconds, history, certificate)
     if not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
@@ -271,13 +290,12 @@ def _fit(
 def _finish(
     space: SolutionSpace,
     choice: Choice,
-    constraints: Constraints,
-    plate: ThinPlate,
+    wishes: Wishes,
     timings: dict[str, float],
     attempts: Sequence[Attempt],
     certificate: Certificate | None = None,
 ) -> Blend:
-    fairing = space.fairing(plate)
+    fairing = space.fairing(wishes.plate)
     coefficients: fmpq_mat = choice.working * fairing.basis.transform
     return Blend(
         surface=choice.surface,
@@ -286,8 +304,8 @@ def _finish(
         energy=fairing.energy_of(choice.working),
         timings=timings,
         attempts=tuple(attempts),
-        constraints=constraints,
-        plate=plate,
+        constraints=wishes.constraints,
+        plate=wishes.plate,
         basis=space.given_basis,
         known_space=space,
         choice=choice,
@@ -323,26 +341,6 @@ def _given_up(attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedE
     return InfeasibleError(text, failure.conflict)
 
 
-def _constraints(
-    inside: Any, outside: Any, through: Any, near: Any, near_weight: Any, margin: Any, normalize: Any
-) -> Constraints:
-    options = {"inside": inside, "outside": outside, "through": through, "near": near}
-    if margin is not None:
-        options["margin"] = margin
-    return Constraints.of(**options, near_weight=near_weight, normalize=normalize)
-
-
 def _as_options(constraints: Constraints) -> dict[str, Any]:
     names = ("inside", "outside", "through", "near", "near_weight", "margin", "normalize")
     return {name: getattr(constraints, name) for name in names}
-
-
-def _check_energy(energy: Any) -> ThinPlate:
-    if energy is not None and not isinstance(energy, ThinPlate):
-        raise TypeError(f"energy must be a pas.ThinPlate or None, not {energy!r}")
-    return energy or ThinPlate()
-
-
-def _check_flags(prove: bool, guard: bool) -> None:
-    if prove and not guard:
-        raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")

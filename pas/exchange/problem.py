@@ -104,6 +104,12 @@ class Problem:
     prove: bool
     guard: bool
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """The keyword arguments of `pas.blend` beside contacts, order and degree."""
+        names = ("partition", "energy", "normalize", "basis", "prove", "guard")
+        return {name: getattr(self, name) for name in names} | self.points
+
 
 def read_problem(path: str | Path) -> Problem:
     """Read a problem file.

@@ -1,0 +1,72 @@
+"""Examples and the README are run, and a figure of each is asserted."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import sys
+
+import pytest
+from conftest import ROOT
+
+import pas
+
+CORNERS = ROOT / "examples/corners"
+ENERGIES = {
+    "equal_gc1": (3, 3, 42.52),
+    "equal_gc2": (4, 3, 1161.69),
+    "equal_gc3": (6, 12, 519.33),
+    "published_a": (3, 3, 24.365),
+    "published_b": (3, 3, 465.28),
+    "published_c": (3, 3, 11.328),
+    "published_proved": (3, 3, 25.51),
+    "three_pipes": (6, 59, 16.54),
+    "unequal_gc1": (4, 25, 20.68),
+    "unequal_gc2": (5, 10, 4922.9),
+}
+"""Degree, dimension and energy of each problem file."""
+
+
+def test_every_problem_file_has_a_figure_here():
+    assert sorted(ENERGIES) == sorted(p.stem for p in CORNERS.glob("*.toml"))
+
+
+@pytest.mark.parametrize("name", sorted(ENERGIES))
+def test_corner(name):
+    module = runpy.run_path(str(CORNERS / "corners.py"))
+    blend = module["solve"](CORNERS / f"{name}.toml")
+    degree, dimension, energy = ENERGIES[name]
+    assert (blend.surface.degree, blend.dimension) == (degree, dimension)
+    assert blend.energy == pytest.approx(energy, rel=1e-3)
+    published = name in ("published_a", "published_b", "published_c")
+    assert blend.certificate.proved is not published
+    if published:
+        assert blend.certificate.one_sheet.status is pas.Status.REFUTED
+        assert blend.certificate.enclosed.status is pas.Status.REFUTED
+        assert all(v.proved for v in blend.certificate.faces)
+
+
+@pytest.mark.slow
+def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["corners.py", "-o", str(tmp_path)])
+    runpy.run_path(str(CORNERS / "corners.py"), run_name="__main__")
+    assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted(ENERGIES)
+    assert capsys.readouterr().out.count("all proved") == 7
+
+
+def test_the_readme_does_what_it_says(tmp_path, monkeypatch, capsys):
+    text = (ROOT / "README.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert blocks
+    monkeypatch.chdir(tmp_path)
+    for block in blocks:
+        exec(compile(block, "README.md", "exec"), {})
+        expected = re.findall(r"print\(.*\)  # (.*)", block)
+        assert capsys.readouterr().out.splitlines() == expected
+    assert {p.name for p in tmp_path.iterdir()} == {"corner.pas.json", "corner.png"}
+
+
+def test_links_of_the_readmes_exist():
+    for file in (ROOT / "README.md", CORNERS / "README.md"):
+        for link in re.findall(r"\]\(([^)#:]+)\)", file.read_text()):
+            assert (file.parent / link).exists(), f"{file.name}: {link}"
