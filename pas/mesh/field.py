@@ -32,6 +32,14 @@ class CellField(Protocol):
     def walls(self) -> Floats:
         """Planes (W, 4) that bound the region: `n . x = d` with unit n, as (n, d)."""
 
+    @property
+    def feature_size(self) -> float:
+        """The radius of the smallest feature that a mesh must show."""
+
+    @property
+    def curves(self) -> list[Floats]:
+        """Points (m, 3) of each curve on which the surface must end."""
+
     def locate(self, points: Floats) -> Integers:
         """The cell that holds, or is nearest to, each of points (N, 3)."""
 

@@ -12,6 +12,7 @@ seen; on surfaces proved to be of one sheet there are no separate ones.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from pas.errors import PasError
 from pas.mesh.contour import march
@@ -20,8 +21,15 @@ from pas.mesh.improve import boundary_of, flip, folded, project, smooth
 from pas.mesh.lattice import lattice
 from pas.mesh.refine import split
 
-LATTICES = (14, 20, 28, 40)
-"""Subdivisions of a cell's edge for the first mesh, tried until it is manifold without folds."""
+RESOLUTION = 1.8
+"""The first lattice's spacing over the size of the smallest feature: about what shows a pipe of
+that radius; whether it did is checked, and refinement does the rest."""
+
+COARSEST, FINEST = 12, 288
+"""Subdivisions of a cell's edge in the first lattice, at least and at most."""
+
+FINER = 1.5
+"""Each further first lattice is this many times finer."""
 
 SNAPS = (0.3, 0.15)
 """Shares of an edge within which crossings merge, tried in turn on each lattice."""
@@ -112,18 +120,37 @@ def _distances(field: CellField, points: Floats, normals: Floats | None) -> Floa
 
 
 def _first(field: CellField) -> TriangleMesh:
-    """The mesh of the coarsest lattice that gives a manifold without folds, else of the finest."""
-    for subdivisions in LATTICES:
-        grid = lattice(field, subdivisions)
+    """The mesh of the coarsest lattice that shows all contact curves, manifold and without folds.
+
+    Else that of the finest, as it is.
+    """
+    corners = field.vertices[field.cells]
+    longest = float(np.sqrt(((corners[:, :, None] - corners[:, None]) ** 2).sum(axis=-1)).max())
+    wanted = float(np.clip(longest / (RESOLUTION * field.feature_size), COARSEST, FINEST))
+    empty = True
+    while wanted <= FINEST:
+        halvings = int(np.floor(np.log2(wanted / 5)))
+        grid = lattice(field, int(np.ceil(wanted / 2**halvings)), halvings)
+        wanted *= FINER
         if not len(grid.tetrahedra):
             continue
+        empty = False
         for snap in SNAPS:
             mesh = _improved(field, *march(grid, snap), FIRST_SMOOTHINGS)
-            if mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.normals).any():
+            sound = mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.normals).any()
+            if sound and _shows_curves(field, mesh):
                 return mesh
-    if not len(grid.tetrahedra):
+    if empty:
         raise MeshError("there is no surface in the region: the function does not change sign")
     return _improved(field, *march(grid, 0.0), FIRST_SMOOTHINGS)
+
+
+def _shows_curves(field: CellField, mesh: TriangleMesh) -> bool:
+    """Whether each curve on which the surface must end is near the mesh's boundary all along."""
+    if not len(mesh.boundary):
+        return not field.curves
+    tree = cKDTree(mesh.points[mesh.boundary])
+    return all(tree.query(curve)[0].max(initial=0.0) < 2 * field.feature_size for curve in field.curves)
 
 
 def _refined(field: CellField, mesh: TriangleMesh, edges: Integers) -> TriangleMesh:

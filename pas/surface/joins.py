@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -47,6 +48,14 @@ class Join:
         """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
         points = [_zeros_on_triangle(self.contact.surface, c) for c in self._triangles()]
         return np.concatenate(points)
+
+    @cached_property
+    def radius(self) -> float:
+        """The smallest distance of the curve from its mean point (a circle's radius)."""
+        curve = self.curve()
+        if not len(curve):
+            return np.inf
+        return float(np.linalg.norm(curve - curve.mean(axis=0), axis=1).min())
 
     def inside_point(self) -> Vector | None:
         """An exact point of a clip face where the surface is negative, if a lattice has one."""

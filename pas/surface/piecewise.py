@@ -242,6 +242,8 @@ class _LocalField:
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         self.walls = _unit_planes(surface.local)
+        self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
+        self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
 
     def locate(self, points: Floats) -> np.ndarray:
         """The cell that holds, or is nearest to, each of points (N, 3)."""
