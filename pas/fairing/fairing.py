@@ -35,8 +35,8 @@ FRACTION_BITS = 36
 """Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
 badly conditioned as `pas.fairing.basis.CONDITION` may cost four."""
 
-EXCHANGE_ROUNDS = 12
-"""Rounds of the exchange method before a degree is given up; successes took 1 to 6."""
+EXCHANGE_ROUNDS = 16
+"""Rounds of the exchange method before a degree is given up; successes took 1 to 10."""
 
 
 @dataclass(frozen=True)
@@ -119,23 +119,35 @@ class Fairing:
         """
         failure: InfeasibleError | None = None
         for margins in LADDER:
-            rows = self.guard.initial(margins)
-            for number in range(1, EXCHANGE_ROUNDS + 1):
-                try:
-                    working = self.choose(constraints, rows)
-                except InfeasibleError as error:
-                    failure = error
-                    break
-                surface = self.surface(working)
-                found = violations(surface)
-                if found.none:
-                    return Choice(surface, working, rows, margins, number)
-                rows += self.guard.cuts(found, margins, to_doubles(working)[0])
-        if failure is None:
-            failure = InfeasibleError(
-                f"no member of degree {self.degree} passed the proofs in {EXCHANGE_ROUNDS} rounds of new constraints"
-            )
-        raise failure
+            try:
+                choice = self._exchange(constraints, margins)
+            except InfeasibleError as error:
+                failure = error
+                continue
+            if choice is not None:
+                return choice
+        raise failure or InfeasibleError(
+            f"no member of degree {self.degree} passed the proofs in {EXCHANGE_ROUNDS} rounds of new constraints"
+        )
+
+    def _exchange(self, constraints: Constraints, margins: Margins) -> Choice | None:
+        """The exchange method for one set of margins; None where it does not converge."""
+        rows = self.guard.initial(margins)
+        for number in range(1, EXCHANGE_ROUNDS + 1):
+            working = self.choose(constraints, rows)
+            surface = self.surface(working)
+            found = violations(surface)
+            cuts = self.guard.cuts(found, margins, to_doubles(working)[0])
+            if not found.none and not cuts.violated_by(to_doubles(working)[0]):
+                # the points left open satisfy their conditions: look closer
+                found = violations(surface, deep=True)
+                cuts = self.guard.cuts(found, margins, to_doubles(working)[0])
+            if found.none:
+                return Choice(surface, working, rows, margins, number)
+            if not cuts.violated_by(to_doubles(working)[0]):
+                return None
+            rows += cuts
+        return None
 
     def choose_guarded(self, constraints: Constraints) -> Choice:
         """The optimum under the sampled guard rows alone, with the widest margins that can be."""

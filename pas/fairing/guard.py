@@ -61,6 +61,11 @@ class Rows:
     def __add__(self, other: Rows) -> Rows:
         return Rows(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
 
+    def violated_by(self, unknowns: Floats) -> bool:
+        """Whether a member misses one of them by more than a solver's tolerance."""
+        slack = self.rows @ unknowns - self.at_least
+        return bool((slack < -1e-6 * np.linalg.norm(self.rows, axis=1) * np.linalg.norm(unknowns)).any())
+
     @classmethod
     def none(cls, unknowns: int) -> Rows:
         """No rows at all."""

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 SEARCH_CELLS = Limits(halvings=24, largest_batch=3000, exhaustive=True)
 SEARCH_FACES = Limits(halvings=16, largest_batch=1500, exhaustive=True)
+DEEP = Limits(exhaustive=True)
 """A search for violations may end early: what it leaves open becomes new constraints."""
 
 
@@ -143,14 +144,18 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     return Verdict(Status.PROVED, claim, reason, measure=examined)
 
 
-def violations(surface: PiecewiseSurface) -> Violations:
-    """Where the inequalities of the proofs fail or stay open: points for new constraints."""
-    sheet = sheet_signs(surface, SEARCH_CELLS)
-    walls = wall_signs(surface, SEARCH_FACES)
+def violations(surface: PiecewiseSurface, *, deep: bool = False) -> Violations:
+    """Where the inequalities of the proofs fail or stay open: points for new constraints.
+
+    A shallow search leaves open what is merely close; a `deep` one goes as far as the proofs do.
+    """
+    cells, faces = (DEEP, DEEP) if deep else (SEARCH_CELLS, SEARCH_FACES)
+    sheet = sheet_signs(surface, cells)
+    walls = wall_signs(surface, faces)
     wall_cells = np.array([face.cell for face in surface.walls])
     contacts: list[tuple[int, Floats]] = []
     for number, join in enumerate(surface.joins):
-        result = _alpha_positive(surface, join, on_curve=False, limits=SEARCH_FACES)
+        result = _alpha_positive(surface, join, on_curve=False, limits=faces)
         contacts += [(number, points) for _, points in _by_source(result)]
     return Violations(_by_source(sheet), [(int(wall_cells[s]), points) for s, points in _by_source(walls)], contacts)
 
