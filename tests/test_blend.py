@@ -80,7 +80,7 @@ def test_points_shape_the_surface():
     outside = pas.blend(pipes(UNEQUAL), 1, degree=4, inside=[("-1/4",) * 3], outside=[("-13/40",) * 3])
     assert outside.certificate.proved
     assert outside.surface.contains([[-0.25] * 3, [-0.325] * 3]).tolist() == [True, False]
-    assert outside.surface.cells[0].polynomial.at(("-1/4",) * 3) <= Fraction(-1, 10**6) * Fraction(999, 1000)
+    assert outside.surface.cells[0].polynomial.at(("-1/4",) * 3) <= -Fraction(9, 10**5)
 
 
 def test_near_points_are_approached_with_their_weight():
@@ -274,3 +274,12 @@ def test_contradictory_points_are_named():
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(outside=[(0, 0, 0)])
     with pytest.raises(pas.InfeasibleError, match=r"through \(0, 0, 0\) cannot be met"):
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(through=[(0, 0, 0)], normalize=pas.ValueAt((0, 0, 0), 1))
+
+
+def test_contradictory_points_do_not_pass_at_any_degree():
+    point = ("1/2", "1/2", "1/2")
+    for margin in (None, "1/100"):
+        with pytest.raises(
+            pas.InfeasibleError, match=r"inside \(1/2, 1/2, 1/2\), outside \(1/2, 1/2, 1/2\) contradict"
+        ):
+            pas.blend(pipes(EQUAL), 1, inside=[point], outside=[point], margin=margin)

@@ -60,7 +60,6 @@ class Wishes:
         energy: ThinPlate | None = None,
         prove: bool = True,
         guard: bool = True,
-        margin: Any = None,
         **points: Any,
     ) -> Wishes:
         """The wishes from the options of `blend`, checked."""
@@ -68,8 +67,6 @@ class Wishes:
             raise TypeError(f"energy must be a pas.ThinPlate or None, not {energy!r}")
         if prove and not guard:
             raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")
-        if margin is not None:
-            points["margin"] = margin
         return cls(Constraints.of(**points), energy or ThinPlate(), prove, guard)
 
 
@@ -185,7 +182,7 @@ def blend(
     `contacts` are pipes, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
     `degree` it is raised until the proofs pass.  `energy` is minimised over the members
     (`pas.ThinPlate()` by default).  Points are sequences of three exact numbers: `inside` ones
-    get f <= -margin, `outside` ones f >= margin (10^-6 by default), the surface passes `through`
+    get f <= -margin, `outside` ones f >= margin (by default 10^-4 of the region's radius), the surface passes `through`
     others exactly and `near` still others by least squares with weight `near_weight`.
     `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each one
     polynomial a cell) restricts a given `degree` to the span of these members.

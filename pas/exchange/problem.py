@@ -25,7 +25,7 @@
     through = []
     near = []
     near_weight = 100
-    margin = "1/1000000"
+    margin = "1/1000"              # of inside and outside points, in the model's units
 
     [normalize]                    # optional
     kind = "mean-alpha"            # or "sum-of-coefficients", or "value-at" with point and value

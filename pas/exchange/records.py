@@ -73,7 +73,7 @@ def constraints_record(constraints: Constraints) -> dict[str, Any]:
         kind: [point_record(p) for p in getattr(constraints, kind)] for kind in ("inside", "outside", "through", "near")
     }
     record["near_weight"] = plain(constraints.near_weight)
-    record["margin"] = plain(constraints.margin)
+    record["margin"] = None if constraints.margin is None else plain(constraints.margin)
     record["normalize"] = normalization_record(constraints.normalize)
     return record
 

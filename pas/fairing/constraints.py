@@ -12,9 +12,9 @@ from pas.algebra.rational import Vector, plain, rational, vector
 
 Points = tuple[Vector, ...]
 
-DEFAULT_MARGIN = fmpq(1, 10**6)
-"""How far, in the model's units, `inside` and `outside` points are kept from the surface: just
-enough that rounding the solution cannot move them across."""
+DEFAULT_MARGIN = 1e-4
+"""How far `inside` and `outside` points are kept from the surface, over the radius of the region:
+far enough for rounding not to move them across, and for solvers to see a contradiction."""
 
 KINDS = ("inside", "outside", "through")
 
@@ -51,7 +51,8 @@ Normalization = MeanAlpha | SumOfCoefficients | ValueAt
 class Constraints:
     """Points that shape the surface, exact, in the user's coordinates.
 
-    `inside`: f(p) <= -margin; `outside`: f(p) >= margin; `through`: f(p) = 0, exactly; `near`:
+    `inside`: f(p) <= -margin; `outside`: f(p) >= margin (by default `DEFAULT_MARGIN` times the
+    region's radius); `through`: f(p) = 0, exactly; `near`:
     `near_weight * sum f(p)^2` is added to the energy.
     """
 
@@ -60,7 +61,7 @@ class Constraints:
     through: Points = ()
     near: Points = ()
     near_weight: fmpq = fmpq(100)
-    margin: fmpq = DEFAULT_MARGIN
+    margin: fmpq | None = None
     normalize: Normalization = field(default_factory=MeanAlpha)
 
     @classmethod
@@ -72,12 +73,13 @@ class Constraints:
         through: Any = (),
         near: Any = (),
         near_weight: Any = 100,
-        margin: Any = DEFAULT_MARGIN,
+        margin: Any = None,
         normalize: Normalization | None = None,
     ) -> Constraints:
         """The constraints from whatever the user writes: sequences of points of three numbers."""
-        weight, distance = rational(near_weight, "near_weight"), rational(margin, "margin")
-        if weight < 0 or distance < 0:
+        weight = rational(near_weight, "near_weight")
+        distance = None if margin is None else rational(margin, "margin")
+        if weight < 0 or (distance is not None and distance < 0):
             raise ValueError("near_weight and margin must not be negative")
         if normalize is None:
             normalize = MeanAlpha()

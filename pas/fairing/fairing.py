@@ -22,7 +22,7 @@ from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import Vector, plain, to_float
 from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis, to_doubles
-from pas.fairing.constraints import Constraints, MeanAlpha, SumOfCoefficients
+from pas.fairing.constraints import DEFAULT_MARGIN, Constraints, MeanAlpha, SumOfCoefficients
 from pas.fairing.energy import Box, ThinPlate
 from pas.fairing.guard import LADDER, Guard, Margins, Rows
 from pas.fairing.qp import Outcome, Programme, feasible, solve
@@ -34,6 +34,12 @@ from pas.surface.proofs import violations
 FRACTION_BITS = 36
 """Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
 badly conditioned as `pas.fairing.basis.CONDITION` may cost four."""
+
+ROUNDING = 1e-7
+"""What rounding and the solver may cost a point without margin, over the region's radius."""
+
+SIDES = (("inside", -1.0), ("outside", 1.0))
+"""The kinds of points with an inequality, and the sign of f there."""
 
 EXCHANGE_ROUNDS = 16
 """Rounds of the exchange method before a degree is given up; successes took 1 to 10."""
@@ -207,16 +213,36 @@ class _Problem:
         return self.exact is not None and feasible(self._programme(rows))
 
     def rounded(self, q: Floats) -> fmpq_mat:
-        """Nearby rationals that satisfy the exact equations exactly."""
+        """Nearby rationals that satisfy the exact equations exactly.
+
+        Raises `InfeasibleError` where a point of the user's does not hold for them, exactly.
+        """
+        assert self.exact is not None
         shift = floor(log2(np.abs(q).max())) - FRACTION_BITS
         step = fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
         result = fmpq_mat(1, len(q), [round(float(x) / to_float(step)) * step for x in q])
-        assert self.exact is not None
         equations, pivots = self.exact
         for i, pivot in enumerate(pivots):
             others = sum((equations[i, j] * result[0, j] for j in range(len(q)) if j not in pivots), fmpq(0))
             result[0, pivot] = equations[i, len(q)] - others
+        slack = max(self._margin / 2, ROUNDING * self._radius)
+        for kind, sign in SIDES:
+            for item in ((kind, index) for index in range(len(getattr(self.constraints, kind)))):
+                value = (self.basis.exact_values(*self._place(item)) * result.transpose())[0, 0]
+                if sign * to_float(value) < self._margin - slack:
+                    raise InfeasibleError(f"the point constraint {self.constraints.describe(item)} is missed narrowly")
         return result
+
+    @property
+    def _radius(self) -> float:
+        """The radius of the region in the user's units."""
+        partition = self.fairing.partition
+        return float(np.linalg.norm(partition.local.points, axis=1).max()) * to_float(partition.frame.scale)
+
+    @property
+    def _margin(self) -> float:
+        margin = self.constraints.margin
+        return DEFAULT_MARGIN * self._radius if margin is None else to_float(margin)
 
     def _programme(self, rows: Rows) -> Programme:
         assert self.exact is not None
@@ -250,13 +276,12 @@ class _Problem:
         return [("near", i) for i in range(len(self.constraints.near))]
 
     def _points(self) -> Rows:
-        margin = to_float(self.constraints.margin)
         rows = Rows.none(self.basis.size)
-        for kind, sign in (("inside", -1.0), ("outside", 1.0)):
+        for kind, sign in SIDES:
             for index in range(len(getattr(self.constraints, kind))):
                 cell, local = self._place((kind, index))
                 values = to_doubles(self.basis.exact_values(cell, local))
-                rows += Rows(sign * values, np.array([margin]))
+                rows += Rows(sign * values, np.array([self._margin]))
         return rows
 
     def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:

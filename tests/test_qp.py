@@ -1,0 +1,66 @@
+"""The door to the solvers: optima with checked conditions, infeasibility, and both solvers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pas.fairing import qp
+from pas.fairing.qp import Outcome, Programme, feasible, solve
+
+
+def programme(hessian, linear, equalities=(), equal_to=(), rows=(), at_least=()):
+    m = len(linear)
+    return Programme(
+        np.array(hessian, dtype=float),
+        np.array(linear, dtype=float),
+        np.array(equalities, dtype=float).reshape(-1, m),
+        np.array(equal_to, dtype=float),
+        np.array(rows, dtype=float).reshape(-1, m),
+        np.array(at_least, dtype=float),
+    )
+
+
+CASES = [
+    (programme(np.eye(2), [0, 0], [[1, 1]], [1]), [0.5, 0.5]),
+    (programme(np.eye(2), [0, 0], [[1, 1]], [1], [[1, 0]], [0.8]), [0.8, 0.2]),
+    (programme(np.diag([2, 1]), [-2, -4], (), (), [[-1, 0], [0, -1]], [-0.5, -3]), [0.5, 3]),
+    (programme(np.diag([1, 0]), [0, 1], (), (), [[0, 1]], [-2]), [0, -2]),
+]
+
+
+@pytest.mark.parametrize(("problem", "optimum"), CASES)
+@pytest.mark.parametrize("solver", [qp.solve, qp._with_clarabel])
+def test_optima(problem, optimum, solver):
+    solution = solver(problem)
+    assert solution.outcome is Outcome.SOLVED
+    assert solution.unknowns == pytest.approx(optimum, abs=1e-5)
+    assert solution.violation < 1e-6
+
+
+@pytest.mark.parametrize("solver", [qp.solve, qp._with_clarabel])
+@pytest.mark.parametrize(
+    "problem",
+    [
+        programme(np.eye(2), [0, 0], [[1, 0], [1, 0]], [0, 1]),
+        programme(np.eye(2), [0, 0], (), (), [[1, 0], [-1, 0]], [1e-4, 1e-4]),
+        programme(np.eye(1), [0], [[1]], [1], [[1]], [2]),
+    ],
+)
+def test_contradictions(problem, solver):
+    assert solver(problem).outcome is Outcome.INFEASIBLE
+
+
+def test_feasible():
+    assert feasible(CASES[0][0])
+    assert not feasible(programme(np.eye(1), [0], (), (), [[1], [-1]], [1, 0]))
+
+
+def test_wrong_answers_are_not_let_through(monkeypatch):
+    problem = CASES[1][0]
+    assert qp._checked(problem, np.array([0.7, 0.3])).outcome is Outcome.FAILED  # violates
+    assert qp._checked(problem, np.array([0.9, 0.1])).outcome is Outcome.FAILED  # not optimal
+    assert qp._checked(problem, np.array([0.8, 0.2])).outcome is Outcome.SOLVED
+    # a solver that fails hands over to the other
+    monkeypatch.setattr(qp, "_with_daqp", lambda p: qp._failed(len(p.linear)))
+    assert solve(problem).unknowns == pytest.approx([0.8, 0.2], abs=1e-6)
