@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pas import Polynomial, Status
 from pas.algebra.monomials import count, evaluate, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
-from pas.bernstein.forms import b_form, face_indices, on_simplex, rounded
+from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.gram import gram
 from pas.bernstein.signs import Limits, prove_positive
 from pas.bernstein.subdivision import edges, halving
@@ -57,15 +57,6 @@ def test_degree_elevation_keeps_values():
         assert bernstein_value(form, degree, [Fraction(1, 4)] * 4) == p.at(
             [sum(to_fraction(v[i]) for v in TETRAHEDRON) / 4 for i in range(3)]
         )
-
-
-@pytest.mark.parametrize("degree", range(1, 7))
-def test_faces_of_a_form(degree):
-    p = dense(degree, 7)
-    form = b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)
-    for kept in ((0, 1, 2), (1, 3), (3, 0, 2)):
-        face = b_form(on_simplex(p.raw, [TETRAHEDRON[i] for i in kept]), degree, len(kept) - 1)
-        assert [form[i] for i in face_indices(degree, 4, kept)] == face
 
 
 @pytest.mark.parametrize("degree", range(7))

@@ -9,7 +9,7 @@ from math import factorial, lcm
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpz, fmpz_mat
 
-from pas.algebra.monomials import Exponents, Floats, homogeneous_exponents, positions
+from pas.algebra.monomials import Floats, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
 
@@ -57,16 +57,6 @@ def _power_to_bernstein(degree: int, dimension: int) -> fmpz_mat:
     return matrix
 
 
-def face_indices(degree: int, vertices: int, kept: Sequence[int]) -> list[int]:
-    """Where the B-coefficients of a face stand among those of its simplex.
-
-    `vertices` is the number of the simplex' vertices; `kept` lists the face's, in the order in
-    which the face has them.
-    """
-    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, vertices))}
-    return [where[_spread(a, kept, vertices)] for a in homogeneous_exponents(degree, len(kept))]
-
-
 def rounded(values: Sequence[fmpq]) -> Floats:
     """Coefficients scaled to a largest absolute value of 1 and rounded to the nearest doubles.
 
@@ -76,10 +66,3 @@ def rounded(values: Sequence[fmpq]) -> Floats:
     if largest == 0:
         return np.zeros(len(values))
     return np.array([int(q.p) / int(q.q) for q in (v / largest for v in values)])
-
-
-def _spread(index: Exponents, kept: Sequence[int], size: int) -> Exponents:
-    full = [0] * size
-    for position, entry in zip(kept, index, strict=True):
-        full[position] = entry
-    return tuple(full)

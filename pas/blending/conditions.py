@@ -18,7 +18,7 @@ dimension of the nullspace is that of the space of surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mat
@@ -26,7 +26,6 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import Polynomial
 from pas.partition.cells import InteriorFace, Partition
 from pas.surface.contact import Contact
 
@@ -120,15 +119,6 @@ class Conditions:
         return [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in exponents(degree) if e not in standard]
 
 
-def carriers(partition: Partition, clip: Polynomial) -> tuple[int, ...]:
-    """The cells with an outer face in the plane `clip = 0`."""
-    return tuple(
-        face.cell
-        for face in partition.outer_faces
-        if all(clip.at(point) == 0 for point in partition.corners(face.vertices))
-    )
-
-
 def _plus(a: Exponents, b: Exponents) -> Exponents:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
@@ -161,8 +151,3 @@ def _combine(basis: fmpq_mat, patch: Mapping[int, Column], degree: int) -> fmpq_
         for monomial, value in column.items():
             columns[unknown, where[monomial]] = value
     return basis * columns
-
-
-def members(patches: Sequence[fmpq_mat]) -> int:
-    """The dimension of the space that `patches` span."""
-    return int(patches[0].nrows())

@@ -31,7 +31,7 @@ def write_mesh(mesh: TriangleMesh, path: str | Path) -> Path:
         if suffix == ".stl":
             temporary.write_bytes(_stl(mesh))
         elif suffix == ".vtp":
-            _polydata(mesh).save(temporary)
+            mesh.to_pyvista().save(temporary)
         else:
             _trimesh(mesh).export(temporary, file_type=suffix[1:], **_options(suffix))
     return Path(path)
@@ -49,14 +49,6 @@ def _stl(mesh: TriangleMesh) -> bytes:
     data = np.zeros(len(corners), dtype=record)
     data["normal"], data["corners"] = facets, corners
     return b"binary STL".ljust(80) + np.uint32(len(corners)).tobytes() + data.tobytes()
-
-
-def _polydata(mesh: TriangleMesh) -> Any:
-    import pyvista
-
-    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
-    data.point_data.active_normals = mesh.normals
-    return data
 
 
 def _trimesh(mesh: TriangleMesh) -> Any:

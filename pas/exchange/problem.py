@@ -82,7 +82,6 @@ REQUIRED = {
     "partition": {"legs"},
     "normalize": {"kind"},
 }
-TABLES = {"partition", "energy", "points", "normalize"}
 LISTS = {"pipes", "contacts"}
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "value-at")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,14 @@ class TriangleMesh:
         if len(self.triangles) == 0 or self.edges[1].max() > 2:
             return False
         return bool((_fans(self.triangles) == 1).all())
+
+    def to_pyvista(self) -> Any:
+        """The same mesh as a `pyvista.PolyData` with point normals."""
+        import pyvista
+
+        data = pyvista.PolyData.from_regular_faces(self.points, self.triangles.astype(int))
+        data.point_data.active_normals = self.normals
+        return data
 
     @property
     def smallest_angles(self) -> Floats:

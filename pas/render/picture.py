@@ -63,7 +63,7 @@ def draw(
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     low, high = ("#aebac4", "#c9d3dc") if style is Style.ZEBRA else ("white", "#dfe8f0")
     plotter.set_background(low, top=high)
-    _add(plotter, pyvista, surface, mesh, others, style)
+    _add(plotter, surface, mesh, others, style)
     _look(plotter, surface, np.concatenate([part.points for part in (mesh, *others)]), size)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
@@ -71,13 +71,11 @@ def draw(
     return Path(path)
 
 
-def _add(
-    plotter: Any, pyvista: Any, surface: PiecewiseSurface, mesh: TriangleMesh, others: list[TriangleMesh], style: Style
-) -> None:
+def _add(plotter: Any, surface: PiecewiseSurface, mesh: TriangleMesh, others: list[TriangleMesh], style: Style) -> None:
     shading = {"smooth_shading": True, "specular": 0.25, "specular_power": 20, "ambient": 0.18}
     if style is Style.ZEBRA:
         for part in (mesh, *others):
-            data = _data(pyvista, part)
+            data = part.to_pyvista()
             data["isophotes"] = _isophotes(part.normals, _frame(surface))
             plotter.add_mesh(
                 data, scalars="isophotes", cmap=["white", "black"] * (STRIPES // 2), clim=(-1, 1),
@@ -85,7 +83,7 @@ def _add(
                 smooth_shading=True,
             )  # fmt: skip
     elif style is Style.CURVATURE:
-        data = _data(pyvista, mesh)
+        data = mesh.to_pyvista()
         data["mean curvature"] = surface.curvatures(mesh.points)[:, 0]
         limit = max(float(np.nanpercentile(np.abs(data["mean curvature"]), 98)), 1e-12)
         bar = {
@@ -103,12 +101,12 @@ def _add(
             data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=bar, **shading
         )
         for part in others:
-            plotter.add_mesh(_data(pyvista, part), color=PIPE_COLOR, **shading)
+            plotter.add_mesh(part.to_pyvista(), color=PIPE_COLOR, **shading)
     else:
-        plotter.add_mesh(_data(pyvista, mesh), color=BLEND_COLOR, **shading)
+        plotter.add_mesh(mesh.to_pyvista(), color=BLEND_COLOR, **shading)
         for part in others:
-            plotter.add_mesh(_data(pyvista, part), color=PIPE_COLOR, **shading)
-    rim = _data(pyvista, mesh).extract_feature_edges(
+            plotter.add_mesh(part.to_pyvista(), color=PIPE_COLOR, **shading)
+    rim = mesh.to_pyvista().extract_feature_edges(
         boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
     )
     if rim.n_points and style is not Style.ZEBRA:
@@ -152,9 +150,3 @@ def _frame(surface: PiecewiseSurface) -> Floats:
         if np.linalg.norm(rest) > 1e-6 * max(float(np.linalg.norm(row)), 1e-300) and len(frame) < 3:
             frame.append(rest / np.linalg.norm(rest))
     return np.array(frame)
-
-
-def _data(pyvista: Any, mesh: TriangleMesh) -> Any:
-    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles)
-    data.point_data.active_normals = mesh.normals
-    return data

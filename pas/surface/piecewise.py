@@ -220,12 +220,7 @@ class PiecewiseSurface:
         Vertices lie on the surface, boundary vertices on the contact curves; point normals point
         outwards.  Raises `MeshError` where there is no surface or the tolerance is too small.
         """
-        import pyvista
-
-        mesh = self.triangulate(tolerance)
-        data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
-        data.point_data.active_normals = mesh.normals
-        return data
+        return self.triangulate(tolerance).to_pyvista()
 
     def __repr__(self) -> str:
         return (
