@@ -15,7 +15,16 @@ import pas
 
 @pytest.mark.parametrize(
     ("radii", "order", "degree"),
-    [(EQUAL, 1, 3), (EQUAL, 2, 4), (EQUAL, 3, 6), (UNEQUAL, 1, 4), (UNEQUAL, 2, 5), (UNEQUAL, 3, 7)],
+    [
+        (EQUAL, 1, 3),
+        (EQUAL, 2, 4),
+        (EQUAL, 3, 6),
+        (UNEQUAL, 1, 4),
+        (UNEQUAL, 2, 5),
+        (UNEQUAL, 3, 7),
+        (EQUAL, 4, 7),
+        (UNEQUAL, 4, 8),
+    ],
 )
 def test_proved_at_the_lowest_degree(radii, order, degree):
     blend = solved(radii, order)
