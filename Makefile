@@ -19,7 +19,7 @@ setup: $(VENV)/.ready opengl
 $(VENV)/.ready: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[develop]'
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[develop]'
 	touch $@
 
 # Pictures need the system's OpenGL; root installs it, others are told how.
