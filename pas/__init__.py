@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from pas._version import __version__
 
 if TYPE_CHECKING:
+    from pas.algebra.ideal import Ideal as Ideal
     from pas.algebra.polynomial import Polynomial as Polynomial
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
@@ -50,9 +51,11 @@ if TYPE_CHECKING:
     from pas.surface.certificate import Verdict as Verdict
     from pas.surface.contact import Contact as Contact
     from pas.surface.contact import Pipe as Pipe
+    from pas.surface.contact import contact_ideal as contact_ideal
     from pas.surface.piecewise import PiecewiseSurface as PiecewiseSurface
 
 _HOMES = {
+    "pas.algebra.ideal": ("Ideal",),
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
@@ -77,7 +80,7 @@ _HOMES = {
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),
     "pas.render.picture": ("Style", "draw"),
     "pas.surface.certificate": ("Certificate", "Verdict"),
-    "pas.surface.contact": ("Contact", "Pipe"),
+    "pas.surface.contact": ("Contact", "Pipe", "contact_ideal"),
     "pas.surface.piecewise": ("PiecewiseSurface",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -8,7 +8,7 @@ section 2.6).  `NormalForm.images(n)` lists the normal forms of all monomials: t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
@@ -33,11 +33,8 @@ class NormalForm:
     @cached_property
     def basis(self) -> tuple[fmpq_mpoly, ...]:
         """The reduced Groebner basis, monic, graded reverse lexicographic with x > y > z."""
-        if len(self.generators) == 1:
-            return (_monic(self.generators[0]),)
-        integral = fmpz_mpoly_vec([_integral(g) for g in self.generators], INTEGER_RING)
-        reduced = integral.buchberger_naive().autoreduction()
-        return tuple(_monic(RING.from_dict({e: fmpq(c) for e, c in g.terms()})) for g in reduced)
+        basis = groebner([integral(g) for g in self.generators], INTEGER_RING)
+        return tuple(_monic(RING.from_dict({e: fmpq(c) for e, c in g.terms()})) for g in basis)
 
     @cached_property
     def _rules(self) -> tuple[tuple[Exponents, tuple[tuple[Exponents, fmpq], ...]], ...]:
@@ -88,6 +85,20 @@ class NormalForm:
         return image
 
 
+def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[fmpz_mpoly]:
+    """The reduced Groebner basis in the order of the context, up to constant factors.
+
+    Sorted by exponents of the leading monomials, so that equal ideals have equal lists.
+    """
+    basis = list(fmpz_mpoly_vec(list(generators), context).buchberger_naive().autoreduction())
+    return sorted(basis, key=leading_exponents, reverse=True)
+
+
+def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
+    """The exponents of the leading monomial in the polynomial's own order."""
+    return tuple(int(e) for e in next(iter(polynomial.terms()))[0])
+
+
 def divmod_all(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
     """The remainder of multivariate division of `polynomial` by `divisors`."""
     remainder: Sparse = {}
@@ -110,8 +121,10 @@ def _monic(polynomial: fmpq_mpoly) -> fmpq_mpoly:
     return polynomial * (1 / polynomial.leading_coefficient())
 
 
-def _integral(polynomial: fmpq_mpoly) -> fmpz_mpoly:
+def integral(polynomial: fmpq_mpoly, context: fmpz_mpoly_ctx | None = None) -> fmpz_mpoly:
+    """An integral multiple of the polynomial, in a ring of integers with some order."""
     denominator = 1
     for coefficient in polynomial.coeffs():
         denominator = int(coefficient.q.lcm(denominator))
-    return INTEGER_RING.from_dict({e: int((c * denominator).p) for e, c in polynomial.to_dict().items()})
+    terms = {e: int((c * denominator).p) for e, c in polynomial.to_dict().items()}
+    return (context or INTEGER_RING).from_dict(terms)

@@ -12,6 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from flint import fmpq
 
+from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, plain, rational, vector
 
@@ -104,6 +105,17 @@ def as_contact(item: Any, name: str = "contact") -> Contact:
     if isinstance(item, tuple) and len(item) == 2:
         return Contact(*item)
     raise TypeError(f"{name} must be a Pipe, a Contact or a pair (surface, clip), not {item!r}")
+
+
+def contact_ideal(contact: Any, order: int) -> Ideal:
+    """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order`.
+
+    `contact` is a `Contact`, a `Pipe` or a pair (surface, clip).
+    """
+    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
+        raise ValueError(f"order must be a whole number >= 0, not {order!r}")
+    checked = as_contact(contact)
+    return Ideal(checked.surface, checked.clip ** (order + 1))
 
 
 def _equation(expression: Any, name: str) -> Polynomial:
