@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from conftest import EQUAL, UNEQUAL, solved
@@ -81,14 +83,15 @@ def test_finer_tolerances_need_triangles_in_proportion():
     assert (ratios < 6).all()
 
 
-def test_meshes_move_with_the_model():
-    center = (1000, -500, 20)
+@pytest.mark.parametrize("center", [(1000, -500, 20), (10**6, -(10**6), "1/3")])
+def test_meshes_move_with_the_model(center):
     items = [pas.Pipe(a, r, 1, point=center) for a, r in zip(((1, 0, 0), (0, 1, 0), (0, 0, 1)), EQUAL, strict=True)]
     surface = pas.blend(items, 1).surface
     mesh = surface.triangulate(1e-2)
     assert mesh.is_manifold
-    assert mesh.points.mean(axis=0) == pytest.approx(center, abs=1)
+    assert mesh.points.mean(axis=0) == pytest.approx([float(Fraction(c)) for c in center], abs=1)
     jets = surface.jets(mesh.points)
+    assert not np.isnan(jets).any()
     assert np.abs(jets[:, 0]).max() < 1e-9
 
 

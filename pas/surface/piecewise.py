@@ -116,9 +116,17 @@ class PiecewiseSurface:
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
         local = self.partition.frame.local_points(array).reshape(-1, 3)
-        result = self.local_jets(local, self.local.locate(local))
+        result = self.local_jets(local, self._cells_at(local))
         result[:, 1:] /= float(to_fraction(self.partition.frame.scale))
         return result.reshape(*array.shape[:-1], 4)
+
+    def _cells_at(self, local: Floats) -> np.ndarray:
+        """The cells of local points (N, 3), -1 outside; the user's rounding counts as inside.
+
+        Far from the origin, points on the boundary are off it by the spacing of doubles there.
+        """
+        reach = float(np.abs(self.partition.points).max()) / float(to_fraction(self.partition.frame.scale))
+        return self.local.locate(local, tolerance=1e-12 + 8 * np.finfo(float).eps * reach)
 
     def local_jets(self, points: Floats, cells: np.ndarray) -> Floats:
         """Values and gradients (N, 4) of the patches of given cells at local points (N, 3)."""
@@ -143,7 +151,7 @@ class PiecewiseSurface:
         """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
         array = np.asarray(points, dtype=float)
         local = self.partition.frame.local_points(array).reshape(-1, 3)
-        cells = self.local.locate(local)
+        cells = self._cells_at(local)
         result = np.full((len(local), 9), np.nan)
         for number, columns in enumerate(self._second_columns):
             rows = np.flatnonzero(cells == number)
