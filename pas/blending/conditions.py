@@ -63,7 +63,11 @@ class Conditions:
                 if cell != self._root or number != self._root_contact:
                     rows += _remainders(self.contact_form(number), degree, patches[cell])
         basis = nullspace(rows, unknowns)
-        return tuple(_combine(basis, patch, degree) for patch in patches)
+        members = {self._root: _combine(basis, patches[self._root], degree)}
+        for _, parent, child in self._tree():
+            step = {u: column for u, column in patches[child].items() if u not in patches[parent]}
+            members[child] = members[parent] + _combine(basis, step, degree)
+        return tuple(members[cell] for cell in range(len(patches)))
 
     def contact_form(self, number: int) -> NormalForm:
         """Normal forms modulo `<f, h^(k+1)>` of a contact."""
@@ -145,9 +149,11 @@ def _remainders(
 
 
 def _combine(basis: fmpq_mat, patch: Mapping[int, Column], degree: int) -> fmpq_mat:
+    """The members' polynomials, from those that the unknowns of `patch` stand for."""
     where = positions(degree)
-    columns = fmpq_mat(basis.ncols(), count(degree))
-    for unknown, column in patch.items():
+    columns = fmpq_mat(len(patch), count(degree))
+    for row, column in enumerate(patch.values()):
         for monomial, value in column.items():
-            columns[unknown, where[monomial]] = value
-    return basis * columns
+            columns[row, where[monomial]] = value
+    chosen = [[row[unknown] for unknown in patch] for row in basis.tolist()]
+    return fmpq_mat(basis.nrows(), len(patch), [v for row in chosen for v in row]) * columns
