@@ -14,6 +14,12 @@ from pathlib import Path
 import pas
 
 HERE = Path(__file__).parent
+STYLES = {
+    "published": {"": pas.Style.PLAIN},
+    "three": {"": pas.Style.PLAIN, "_zebra": pas.Style.ZEBRA},
+}
+"""Pictures other than stripes, by the first word of a file's name."""
+
 PROBLEMS = sorted(HERE.glob("*.toml"))
 
 
@@ -41,8 +47,8 @@ def main() -> None:
             f"{path.stem:<18} GC^{blend.surface.order} degree {blend.surface.degree} "
             f"dimension {blend.dimension:>2} energy {blend.energy:>8.2f}  {verdicts(blend.certificate)}"
         )
-        style = pas.Style.PLAIN if path.stem.startswith("published") else pas.Style.ZEBRA
-        pas.draw(blend.surface, folder / f"{path.stem}.png", style=style, size=(480, 360))
+        for suffix, style in STYLES.get(path.stem.split("_")[0], {"": pas.Style.ZEBRA}).items():
+            pas.draw(blend.surface, folder / f"{path.stem}{suffix}.png", style=style, size=(480, 360))
 
 
 if __name__ == "__main__":

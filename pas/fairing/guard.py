@@ -44,11 +44,14 @@ class Margins:
 
 
 LADDER = (
+    Margins(sheet=0.1, wall=0.03, alpha=0.05, everywhere=False),
+    Margins(sheet=0.01, wall=0.003, alpha=0.005, everywhere=False),
     Margins(sheet=0.1, wall=0.03, alpha=0.05, everywhere=True),
     Margins(sheet=0.01, wall=0.003, alpha=0.005, everywhere=True),
-    Margins(sheet=0.01, wall=0.003, alpha=0.005, everywhere=False),
 )
-"""Tried in turn: clear margins make the fairer shape, slim ones exist in lower degrees."""
+"""Tried in turn.  Asking the sheet condition only where it failed leaves the shape its freedom: the
+energy of the unequal GC^2 corner at degree 5 is 106, and 4923 with the condition everywhere.  Slim
+margins exist in lower degrees; the condition everywhere is safer where the exchange wanders."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,9 @@ VIEW = (0.62, -0.62, 0.48)
 """From where one looks, in the frame of the contact directions: past the pipes, from above."""
 
 
+COARSE, FINE = 1e-3, 2e-4
+"""Tolerances of the mesh over the extent of the region; stripes show facets that shading hides."""
+
 VIEW_ANGLE, MARGIN = 24.0, 1.12
 """Of the camera, in degrees, and the picture's height over that of what is drawn."""
 
@@ -58,7 +61,7 @@ def draw(
         raise TypeError(f"style must be a pas.render.picture.Style, not {style!r}")
     pyvista = offscreen_pyvista()
     extent = float(np.ptp(surface.partition.points, axis=0).max())
-    mesh = mesh or surface.triangulate(extent * 1e-3)
+    mesh = mesh or surface.triangulate(extent * (FINE if style is Style.ZEBRA else COARSE))
     others = neighbours(surface, mesh, extent * 0.25)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     low, high = ("#aebac4", "#c9d3dc") if style is Style.ZEBRA else ("white", "#dfe8f0")
