@@ -110,11 +110,7 @@ class Polynomial:
         array = np.asarray(points, dtype=float)
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
-        size = len(columns)
-        degree = next(n for n in range(size) if count(n) >= size)
-        padded = np.zeros((count(degree), columns.shape[1]))
-        padded[:size] = columns
-        return evaluate(array, padded)
+        return evaluate(array, columns)
 
     def to_sympy(self) -> Any:
         """The same polynomial as a sympy expression in the symbols x, y, z."""
