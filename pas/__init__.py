@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from pas.errors import MissingLibraryError as MissingLibraryError
     from pas.errors import NoSolutionError as NoSolutionError
     from pas.errors import NotProvedError as NotProvedError
+    from pas.errors import NotSolvedError as NotSolvedError
     from pas.errors import PasError as PasError
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
@@ -68,6 +69,7 @@ _HOMES = {
         "MissingLibraryError",
         "NoSolutionError",
         "NotProvedError",
+        "NotSolvedError",
         "PasError",
         "ProblemFileError",
         "ProjectFileError",

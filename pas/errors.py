@@ -59,6 +59,10 @@ class InfeasibleError(PasError):
         self.conflict = tuple(conflict)
 
 
+class NotSolvedError(InfeasibleError):
+    """No member was found because the solvers failed numerically; there may be one all the same."""
+
+
 class NotProvedError(PasError):
     """A surface was found, but not one that passes every proof; `blend` is the best one found."""
 

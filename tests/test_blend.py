@@ -285,6 +285,16 @@ def test_contradictory_points_are_named():
         pas.solutions(pipes(UNEQUAL), 1, 4).fit(through=[(0, 0, 0)], normalize=pas.ValueAt((0, 0, 0), 1))
 
 
+def test_a_solvers_failure_is_not_called_a_contradiction(monkeypatch):
+    from pas.fairing import qp
+
+    space = pas.solutions(pipes(EQUAL), 1)
+    for name in ("_with_daqp", "_with_clarabel"):
+        monkeypatch.setattr(qp, name, lambda p: qp._failed(len(p.linear)))
+    with pytest.raises(pas.NotSolvedError, match="neither solver found an optimum"):
+        space.fit(inside=[(0, 0, 0)])
+
+
 def test_contradictory_points_do_not_pass_at_any_degree():
     point = ("1/2", "1/2", "1/2")
     for margin in (None, "1/100"):

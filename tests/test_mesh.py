@@ -120,6 +120,14 @@ def test_bad_tolerances(tolerance):
         solved(EQUAL, 1).surface.mesh(tolerance)
 
 
+def test_tolerances_that_need_too_many_triangles_are_refused(monkeypatch):
+    from pas.mesh import triangulate as module
+
+    monkeypatch.setattr(module, "LARGEST", 20_000)
+    with pytest.raises(pas.MeshError, match="needs more than 20000 triangles"):
+        solved(EQUAL, 1).surface.triangulate(1e-5)
+
+
 def test_no_surface_is_said():
     good = solved(EQUAL, 1).surface
     empty = pas.PiecewiseSurface.from_polynomials(good.partition, good.contacts, 1, [pas.Polynomial(1)] * 6)

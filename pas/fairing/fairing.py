@@ -20,7 +20,7 @@ from scipy.linalg import qr
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import Vector, plain, to_float
-from pas.errors import InfeasibleError
+from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import WorkingBasis, to_doubles
 from pas.fairing.constraints import DEFAULT_MARGIN, Constraints, MeanAlpha, SumOfCoefficients
 from pas.fairing.energy import Box, ThinPlate
@@ -110,7 +110,7 @@ class Fairing:
         """The optimal member under the constraints and guard rows, rounded: (1, m), exact.
 
         Raises `InfeasibleError`, naming an irreducible set of conflicting points where the
-        conflict involves the user's.
+        conflict involves the user's, and `NotSolvedError` where the solvers failed.
         """
         problem = _Problem(self, constraints)
         solution = problem.optimum(rows)
@@ -209,6 +209,10 @@ class _Problem:
         if self.exact is None:
             return None
         solution = solve(self._programme(rows))
+        if solution.outcome is Outcome.FAILED:
+            raise NotSolvedError(
+                f"neither solver found an optimum that passes its checks in degree {self.fairing.degree}"
+            )
         return solution.unknowns if solution.outcome is Outcome.SOLVED else None
 
     def possible(self, rows: Rows) -> bool:

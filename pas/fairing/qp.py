@@ -74,12 +74,15 @@ def solve(programme: Programme) -> Solution:
 
 
 def feasible(programme: Programme) -> bool:
-    """Whether the constraints can hold together, whatever the objective."""
+    """Whether the constraints can hold together, whatever the objective.
+
+    Only a solver's finding that they cannot counts as no; its failure does not.
+    """
     m = len(programme.linear)
     probe = Programme(
         np.eye(m), np.zeros(m), programme.equalities, programme.equal_to, programme.rows, programme.at_least
     )
-    return solve(probe).outcome is Outcome.SOLVED
+    return solve(probe).outcome is not Outcome.INFEASIBLE
 
 
 def _with_daqp(programme: Programme) -> Solution:

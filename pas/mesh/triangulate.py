@@ -61,7 +61,10 @@ def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
             return mesh
         edges, far = _far_edges(field, mesh, AIM * tolerance)
         if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
-            break
+            raise MeshError(
+                f"the tolerance {tolerance:.3g} needs more than {LARGEST} triangles; "
+                f"{deviation(field, mesh):.2g} is reached with {len(mesh.triangles)}"
+            )
         mesh = _refined(field, mesh, far)
     raise MeshError(
         f"the tolerance {tolerance:g} was not reached with {len(mesh.triangles)} triangles "
