@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from pas.errors import GeometryError as GeometryError
     from pas.errors import InfeasibleError as InfeasibleError
     from pas.errors import InputError as InputError
+    from pas.errors import LimitError as LimitError
     from pas.errors import MissingLibraryError as MissingLibraryError
     from pas.errors import NoSolutionError as NoSolutionError
     from pas.errors import NotProvedError as NotProvedError
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from pas.fairing.constraints import ValueAt as ValueAt
     from pas.fairing.energy import Box as Box
     from pas.fairing.energy import ThinPlate as ThinPlate
+    from pas.limits import limit as limit
     from pas.mesh.triangulate import MeshError as MeshError
     from pas.partition.cells import Partition as Partition
     from pas.partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
@@ -66,6 +68,7 @@ _HOMES = {
         "GeometryError",
         "InfeasibleError",
         "InputError",
+        "LimitError",
         "MissingLibraryError",
         "NoSolutionError",
         "NotProvedError",
@@ -77,6 +80,7 @@ _HOMES = {
     "pas.exchange.problem": ("read_problem",),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
+    "pas.limits": ("limit",),
     "pas.mesh.triangulate": ("MeshError",),
     "pas.partition.cells": ("Partition",),
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),

@@ -71,5 +71,9 @@ class NotProvedError(PasError):
         self.blend = blend
 
 
+class LimitError(PasError):
+    """A computation was given up because it reached a limit (seconds, degree) that was set."""
+
+
 class MissingLibraryError(PasError):
     """A system library or optional package is absent; the message says how to install it."""

@@ -14,7 +14,7 @@ from conftest import ROOT
 import pas
 
 ROOMS = [
-    *("_version", "errors", "algebra", "bernstein", "partition", "mesh"),
+    *("_version", "errors", "limits", "algebra", "bernstein", "partition", "mesh"),
     *("surface", "fairing", "exchange", "blending", "render", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
