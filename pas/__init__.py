@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from pas.limits import limit as limit
     from pas.mesh.triangulate import MeshError as MeshError
     from pas.partition.cells import Partition as Partition
+    from pas.partition.single_cell import SingleCell as SingleCell
     from pas.partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
     from pas.render.picture import Style as Style
     from pas.render.picture import draw as draw
@@ -83,6 +84,7 @@ _HOMES = {
     "pas.limits": ("limit",),
     "pas.mesh.triangulate": ("MeshError",),
     "pas.partition.cells": ("Partition",),
+    "pas.partition.single_cell": ("SingleCell",),
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),
     "pas.render.picture": ("Style", "draw"),
     "pas.surface.certificate": ("Certificate", "Verdict"),

@@ -55,7 +55,7 @@ def test_everything_else(tmp_path):
         'name = "other"\ndegree = 4\ntolerance = 1e-2\nprove = false\nguard = false\n'
         + PROBLEM
         + "near_weight = 7\n[partition]\ncenter = [0, 0, 0]\nlegs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
-        + '[energy]\nlower = [0, 0, 0]\nupper = ["1/2", 1, 1]\ncell = 3\n'
+        + '[energy]\nlower = [0, 0, 0]\nupper = ["1/2", 1, 1]\npiece = 3\n'
         + '[normalize]\nkind = "value-at"\npoint = [0, 0, 0]\nvalue = -0.1\n'
     )
     problem = read(tmp_path, text)

@@ -5,7 +5,7 @@ difference; a patch g meets a contact (f, h) with GC^k iff g lies in `<f, h^(k+1
 Warren 1991).  Both are linear, and the unknowns are chosen so that most conditions hold by
 construction:
 
-- the cells are joined by a spanning tree of their adjacency, rooted at a cell with a contact;
+- the pieces are joined by a spanning tree of their adjacency, rooted at a piece with a contact;
 - the root's patch is a combination of `m - NF(m)` over the monomials m that are not standard
   modulo `<f, h^(k+1)>` (all of the ideal in degree <= n);
 - across each face of the tree, child = parent + alpha * pi^(k+1) with alpha free, of degree
@@ -36,7 +36,7 @@ Column = dict[Exponents, fmpq]
 class Conditions:
     """What a piecewise surface must satisfy.
 
-    `contacts[i]` is met by the patch of each cell in `carriers[i]`, and cells meet with
+    `contacts[i]` is met by the patch of each piece in `carriers[i]`, and pieces meet with
     C^`order`.
     """
 
@@ -48,7 +48,7 @@ class Conditions:
     def solve(self, degree: int) -> tuple[fmpq_mat, ...]:
         """A basis of all solutions of degree <= `degree`.
 
-        Returns for each cell a matrix (dimension, C(degree+3, 3)): the patches of the basis
+        Returns for each piece a matrix (dimension, C(degree+3, 3)): the patches of the basis
         members, with the monomials in the order of `pas.algebra.monomials`.
         """
         patches, unknowns = self._parametrised(degree)
@@ -58,16 +58,16 @@ class Conditions:
             if id(face) not in tree:
                 form = NormalForm([face.plane.raw ** (self.order + 1)])
                 rows += _remainders(form, degree, patches[face.second], patches[face.first])
-        for number, cells in enumerate(self.carriers):
-            for cell in cells:
-                if cell != self._root or number != self._root_contact:
-                    rows += _remainders(self.contact_form(number), degree, patches[cell])
+        for number, pieces in enumerate(self.carriers):
+            for piece in pieces:
+                if piece != self._root or number != self._root_contact:
+                    rows += _remainders(self.contact_form(number), degree, patches[piece])
         basis = nullspace(rows, unknowns)
         members = {self._root: _combine(basis, patches[self._root], degree)}
         for _, parent, child in self._tree():
             step = {u: column for u, column in patches[child].items() if u not in patches[parent]}
             members[child] = members[parent] + _combine(basis, step, degree)
-        return tuple(members[cell] for cell in range(len(patches)))
+        return tuple(members[piece] for piece in range(len(patches)))
 
     def contact_form(self, number: int) -> NormalForm:
         """Normal forms modulo `<f, h^(k+1)>` of a contact."""
@@ -76,7 +76,7 @@ class Conditions:
 
     @property
     def _root_contact(self) -> int | None:
-        return next((i for i, cells in enumerate(self.carriers) if cells), None)
+        return next((i for i, pieces in enumerate(self.carriers) if pieces), None)
 
     @property
     def _root(self) -> int:
@@ -98,9 +98,9 @@ class Conditions:
         return tree
 
     def _parametrised(self, degree: int) -> tuple[list[dict[int, Column]], int]:
-        """Each cell's patch as {unknown: polynomial}, and the number of unknowns."""
+        """Each piece's patch as {unknown: polynomial}, and the number of unknowns."""
         root = self._root_columns(degree)
-        patches: list[dict[int, Column]] = [{} for _ in self.partition.cells]
+        patches: list[dict[int, Column]] = [{} for _ in self.partition.pieces]
         patches[self._root] = dict(enumerate(root))
         unknowns = len(root)
         for face, parent, child in self._tree():

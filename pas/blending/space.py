@@ -116,11 +116,11 @@ class SolutionSpace:
         """The exact matrix K of the basis for an energy: `E = 1/2 a^T K a` for coefficients a."""
         energy = energy or ThinPlate()
         if energy.domain is not None:
-            total = box_products([m[energy.cell].raw for m in self.basis], energy.domain)
+            total = box_products([m[energy.piece].raw for m in self.basis], energy.domain)
         else:
             total = fmpq_mat(self.dimension, self.dimension)
-            for number, cell in enumerate(self.partition.cells):
-                patches = [m[number].raw for m in self.basis]
+            for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True):
+                patches = [m[piece].raw for m in self.basis]
                 total += tetrahedron_products(patches, self.partition.corners(cell), self.degree)
         return [[to_fraction(v) for v in row] for row in total.tolist()]
 
@@ -148,8 +148,8 @@ class SolutionSpace:
         zero = [Polynomial(0)] * len(self.patches)
         join = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree).joins[number]
         form = NormalForm([join.contact.surface.raw**2, join.contact.clip.raw])
-        cell = join.cells[0]
-        return any(not form.reduce(self._patch(cell, i).raw).is_zero() for i in range(self.dimension))
+        piece = join.pieces[0]
+        return any(not form.reduce(self._patch(piece, i).raw).is_zero() for i in range(self.dimension))
 
 
 def solutions(
@@ -182,8 +182,8 @@ def solve(partition: Partition, contacts: Sequence[Contact], order: int, degree:
     local = partition.local
     frame = partition.frame
     moved = tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in contacts)
-    cells = tuple(join.cells for join in joins(local, moved))
-    patches = Conditions(local, moved, cells, order).solve(degree)
+    carriers = tuple(join.pieces for join in joins(local, moved))
+    patches = Conditions(local, moved, carriers, order).solve(degree)
     return SolutionSpace(partition, contacts, order, degree, patches)
 
 

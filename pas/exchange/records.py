@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, plain, vector
+from pas.algebra.rational import Vector, plain
 from pas.fairing.constraints import Constraints, MeanAlpha, Normalization, SumOfCoefficients, ValueAt
 from pas.fairing.energy import Box, ThinPlate
 from pas.partition.cells import Partition
+from pas.partition.single_cell import SingleCell
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
@@ -31,12 +32,17 @@ def point_record(point: Vector) -> list[str]:
 
 def partition_record(partition: Partition) -> dict[str, Any]:
     """The kind and exact data of a partition."""
-    record: dict[str, Any] = {"kind": partition.name, "center": point_record(partition.center)}
+    center = partition.center
+    record: dict[str, Any] = {"kind": partition.name, "center": None if center is None else point_record(center)}
     if isinstance(partition, SixTetrahedra):
         record["legs"] = [point_record(leg) for leg in partition.legs]
+    elif isinstance(partition, SingleCell):
+        if partition.box is not None:
+            record["lower"], record["upper"] = map(point_record, partition.box)
     else:
         record["vertices"] = [point_record(v) for v in partition.vertices]
         record["cells"] = [list(cell) for cell in partition.cells]
+        record["pieces"] = [list(piece) for piece in partition.pieces]
     return record
 
 
@@ -44,8 +50,9 @@ def read_partition(record: dict[str, Any]) -> Partition:
     """The partition of `partition_record`."""
     if record["kind"] == SixTetrahedra.name:
         return SixTetrahedra(record["center"], record["legs"])
-    vertices = [vector(v) for v in record["vertices"]]
-    return Partition(vertices, [tuple(cell) for cell in record["cells"]], vector(record["center"]))
+    if record["kind"] == SingleCell.name:
+        return SingleCell(record.get("lower"), record.get("upper"), record["center"])
+    return Partition(record["vertices"], record["cells"], record["center"], record["pieces"])
 
 
 def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
@@ -55,7 +62,7 @@ def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
         "contacts": [{"surface": str(c.surface), "clip": str(c.clip)} for c in surface.contacts],
         "order": surface.order,
         "degree": surface.degree,
-        "patches": [polynomial_record(cell.polynomial) for cell in surface.cells],
+        "patches": [polynomial_record(p) for p in surface.polynomials],
     }
 
 
@@ -109,7 +116,7 @@ def energy_record(energy: ThinPlate) -> dict[str, Any]:
     box = energy.domain
     return {
         "kind": "thin-plate",
-        "cell": energy.cell,
+        "piece": energy.piece,
         "lower": point_record(box.lower),
         "upper": point_record(box.upper),
     }
@@ -119,4 +126,4 @@ def read_energy(record: dict[str, Any]) -> ThinPlate:
     """The energy of `energy_record`."""
     if "lower" not in record:
         return ThinPlate()
-    return ThinPlate(Box(record["lower"], record["upper"]), record.get("cell", 0))
+    return ThinPlate(Box(record["lower"], record["upper"]), record.get("piece", 0))

@@ -30,7 +30,7 @@ ATTEMPTS = 6
 class WorkingBasis:
     """A basis of a space of piecewise polynomials, exact and rounded, in local coordinates.
 
-    `patches[c]` (m, C(n+3, 3)) is exact; `coefficients` (cells, m, C(n+3, 3)) are its doubles;
+    `patches[p]` (m, C(n+3, 3)) is exact; `coefficients` (pieces, m, C(n+3, 3)) are its doubles;
     `transform` (m, m) gives the working basis in terms of the one it was made from.
     """
 
@@ -50,7 +50,8 @@ class WorkingBasis:
         values = [monomial_values(p, degree) * np.sqrt(w) for p, w in rules]
         for _ in range(ATTEMPTS):
             coefficients = np.array([to_doubles(patch) for patch in exact])
-            samples = np.concatenate([c @ v for c, v in zip(coefficients, values, strict=True)], axis=1).T
+            on_cells = zip(coefficients[partition.piece_of], values, strict=True)
+            samples = np.concatenate([c @ v for c, v in on_cells], axis=1).T
             norms = np.linalg.norm(samples, axis=0)
             triangular: Floats = np.asarray(np.linalg.qr(samples / norms, mode="r"))
             if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
@@ -65,17 +66,17 @@ class WorkingBasis:
         """The dimension m."""
         return int(self.coefficients.shape[1])
 
-    def values(self, cell: int, points: Floats) -> Floats:
-        """Values of the members on a cell's patch at local points (N, 3): (N, m)."""
-        return monomial_values(points, self.degree).T @ self.coefficients[cell].T
+    def values(self, piece: int, points: Floats) -> Floats:
+        """Values of the members on a piece at local points (N, 3): (N, m)."""
+        return monomial_values(points, self.degree).T @ self.coefficients[piece].T
 
-    def radial(self, cell: int, points: Floats) -> Floats:
+    def radial(self, piece: int, points: Floats) -> Floats:
         """`grad g . x` of the members at local points (N, 3): (N, m)."""
         degrees = np.array([sum(e) for e in exponents(self.degree)])
-        return monomial_values(points, self.degree).T @ (self.coefficients[cell] * degrees).T
+        return monomial_values(points, self.degree).T @ (self.coefficients[piece] * degrees).T
 
     def combine(self, working: fmpq_mat) -> list[list[fmpq]]:
-        """The exact coefficients, cell by cell, of the member with working coefficients (1, m).
+        """The exact coefficients, piece by piece, of the member with working coefficients (1, m).
 
         In integers over one denominator, several times faster than rationals.
         """
@@ -90,30 +91,31 @@ class WorkingBasis:
     def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
         return [patch.numer_denom() for patch in self.patches]
 
-    def exact_values(self, cell: int, point: Sequence[fmpq]) -> fmpq_mat:
-        """Exact values of the members on a cell's patch at a local point: (1, m)."""
+    def exact_values(self, piece: int, point: Sequence[fmpq]) -> fmpq_mat:
+        """Exact values of the members on a piece at a local point: (1, m)."""
         x, y, z = point
         column = fmpq_mat(len(exponents(self.degree)), 1, [x**a * y**b * z**c for a, b, c in exponents(self.degree)])
-        return (self.patches[cell] * column).transpose()
+        return (self.patches[piece] * column).transpose()
 
     @cached_property
     def cell_energy(self) -> Floats:
         """A factor J (rows, m) of the energy over the cells: `q^T J^T J q` for coefficients q."""
         rules = tetrahedra_rule(self.partition, 2 * max(self.degree - 2, 0))
-        return np.concatenate([self._energy_factor(cell, p, w) for cell, (p, w) in enumerate(rules)])
+        pieces = self.partition.piece_of
+        return np.concatenate([self._energy_factor(pieces[cell], p, w) for cell, (p, w) in enumerate(rules)])
 
-    def box_energy(self, cell: int, box: Box) -> Floats:
+    def box_energy(self, piece: int, box: Box) -> Floats:
         """The same for one patch over a box in local coordinates."""
         lower, upper = (np.array([int(c.p) / int(c.q) for c in corner]) for corner in (box.lower, box.upper))
         points, weights = box_rule(lower, upper, 2 * max(self.degree - 2, 0))
-        return self._energy_factor(cell, points, weights)
+        return self._energy_factor(piece, points, weights)
 
-    def _energy_factor(self, cell: int, points: Floats, weights: Floats) -> Floats:
+    def _energy_factor(self, piece: int, points: Floats, weights: Floats) -> Floats:
         values = monomial_values(points, self.degree).T * np.sqrt(weights)[:, None]
         blocks = []
         for i, j, times in SECOND_DERIVATIVES:
             derivative = derivative_matrix(self.degree, i) @ derivative_matrix(self.degree, j)
-            blocks.append(values @ (derivative @ self.coefficients[cell].T) * np.sqrt(times))
+            blocks.append(values @ (derivative @ self.coefficients[piece].T) * np.sqrt(times))
         return np.concatenate(blocks)
 
 

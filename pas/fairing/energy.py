@@ -45,12 +45,12 @@ class Box:
 class ThinPlate:
     """Thin-plate energy over `domain`.
 
-    Without a domain, every patch over its own cell.  With a `Box`, the patch of cell number
-    `cell` (from 0) over that box, as some of the literature has it.
+    Without a domain, every patch over its own piece.  With a `Box`, the patch of piece number
+    `piece` (from 0) over that box, as some of the literature has it.
     """
 
     domain: Box | None = None
-    cell: int = 0
+    piece: int = 0
 
     def __post_init__(self) -> None:
         if self.domain is not None and not isinstance(self.domain, Box):

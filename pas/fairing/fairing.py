@@ -59,7 +59,7 @@ class Choice:
 class Fairing:
     """The choice among the members of one solution space, for one energy.
 
-    `patches[c]` (m, C(n+3, 3)) are the members' patches in local coordinates, exact.
+    `patches[p]` (m, C(n+3, 3)) are the members' patches in local coordinates, exact.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Fairing:
     @cached_property
     def guard(self) -> Guard:
         """The guard rows of this space."""
-        zero = [Polynomial(0)] * len(self.partition.cells)
+        zero = [Polynomial(0)] * len(self.partition.pieces)
         return Guard(self.basis, PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree))
 
     @cached_property
@@ -89,7 +89,7 @@ class Fairing:
         else:
             frame = self.partition.frame
             box = Box(frame.local_point(self.energy.domain.lower), frame.local_point(self.energy.domain.upper))
-            factor = self.basis.box_energy(self.energy.cell, box)
+            factor = self.basis.box_energy(self.energy.piece, box)
         return factor.T @ factor / to_float(self.partition.frame.scale)
 
     def energy_of(self, working: fmpq_mat) -> float:
@@ -274,8 +274,8 @@ class _Problem:
 
     def _hessian(self) -> tuple[Floats, float]:
         hessian = self.fairing.hessian
-        for cell, local in map(self._place, self._near()):
-            row = to_doubles(self.basis.exact_values(cell, local))
+        for piece, local in map(self._place, self._near()):
+            row = to_doubles(self.basis.exact_values(piece, local))
             hessian = hessian + 2 * to_float(self.constraints.near_weight) * row.T @ row
         return hessian, float(np.abs(hessian).max()) or 1.0
 
@@ -286,8 +286,8 @@ class _Problem:
         rows = Rows.none(self.basis.size)
         for kind, sign in SIDES:
             for index in range(len(getattr(self.constraints, kind))):
-                cell, local = self._place((kind, index))
-                values = to_doubles(self.basis.exact_values(cell, local))
+                piece, local = self._place((kind, index))
+                values = to_doubles(self.basis.exact_values(piece, local))
                 rows += Rows(sign * values, np.array([self._margin]))
         return rows
 
@@ -296,15 +296,15 @@ class _Problem:
         m = self.basis.size
         table: list[list[fmpq]] = []
         for index in range(len(self.constraints.through)):
-            cell, local = self._place(("through", index))
-            table.append([*self.basis.exact_values(cell, local).entries(), fmpq(0)])
+            piece, local = self._place(("through", index))
+            table.append([*self.basis.exact_values(piece, local).entries(), fmpq(0)])
         normalize = self.constraints.normalize
         if isinstance(normalize, SumOfCoefficients):
             ones = fmpq_mat(m, 1, [1] * m)
             table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
         elif not isinstance(normalize, MeanAlpha):
-            cell, local = self._locate(normalize.point, "the normalisation's point")
-            table.append([*self.basis.exact_values(cell, local).entries(), normalize.value])
+            piece, local = self._locate(normalize.point, "the normalisation's point")
+            table.append([*self.basis.exact_values(piece, local).entries(), normalize.value])
         if not table:
             return fmpq_mat(0, m + 1), []
         return _reduce(table, m)
@@ -320,7 +320,7 @@ class _Problem:
                 f"{name} lies outside the region of the partition; a point at ({', '.join(plain(c) for c in point)}) "
                 "has no influence on the surface"
             )
-        return cell, local
+        return int(self.fairing.partition.piece_of[cell]), local
 
 
 def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:

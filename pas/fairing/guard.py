@@ -87,7 +87,7 @@ class AlphaOnFace:
         self.degree = basis.degree - join.contact.surface.degree
         nodes = _lattice_weights(2 * basis.degree, 3) @ self.corners
         values = join.contact.surface(nodes)[:, None] * self._monomials(nodes)
-        self.coefficients = scale * np.linalg.lstsq(values, basis.values(outer.cell, nodes), rcond=None)[0]
+        self.coefficients = scale * np.linalg.lstsq(values, basis.values(outer.piece, nodes), rcond=None)[0]
 
     def rows(self, points: Floats) -> Floats:
         """Values of alpha of the members at points (N, 3) of the face: (N, m)."""
@@ -132,35 +132,36 @@ class Guard:
         local = self.surface.local
         for wall in self.surface.walls:
             points = _lattice_weights(WALL_LATTICE, 3) @ local.points[list(wall.vertices)]
-            rows += self._walls(wall.cell, points, margins)
+            rows += self._walls(wall.piece, points, margins)
         for alpha in self.alphas:
             points = _lattice_weights(FACE_LATTICE, 3) @ alpha.corners
             rows += self._alpha(alpha, points, margins)
         if margins.everywhere:
             for number, cell in enumerate(local.cells):
                 points = _lattice_weights(SHEET_LATTICE, 4) @ local.points[list(cell)]
-                rows += self._sheet(number, points[_lengths(points) > self.local_reach / 2], margins)
+                points = points[_lengths(points) > self.local_reach / 2]
+                rows += self._sheet(int(local.piece_of[number]), points, margins)
         return rows
 
     def cuts(self, violations: Violations, margins: Margins, unknowns: Floats) -> Rows:
         """Rows at the points where a proof of the member `unknowns` failed, the worst ones."""
         rows = Rows.none(self.basis.size)
-        for cell, points in violations.sheet:
-            rows += _worst(self._sheet(cell, points, margins), unknowns)
-        for cell, points in violations.walls:
-            rows += _worst(self._walls(cell, points, margins), unknowns)
+        for piece, points in violations.sheet:
+            rows += _worst(self._sheet(piece, points, margins), unknowns)
+        for piece, points in violations.walls:
+            rows += _worst(self._walls(piece, points, margins), unknowns)
         for number, points in violations.contacts:
             for face, alpha in zip(self.clip_faces, self.alphas, strict=True):
                 if face == number:
                     rows += _worst(self._alpha(alpha, _on_triangle(points, alpha.corners), margins), unknowns)
         return rows
 
-    def _sheet(self, cell: int, points: Floats, margins: Margins) -> Rows:
+    def _sheet(self, piece: int, points: Floats, margins: Margins) -> Rows:
         at_least = margins.sheet * self.reach * _lengths(points) / self.radius
-        return Rows(self.basis.radial(cell, points), at_least)
+        return Rows(self.basis.radial(piece, points), at_least)
 
-    def _walls(self, cell: int, points: Floats, margins: Margins) -> Rows:
-        return Rows(self.basis.values(cell, points), np.full(len(points), margins.wall * self.reach))
+    def _walls(self, piece: int, points: Floats, margins: Margins) -> Rows:
+        return Rows(self.basis.values(piece, points), np.full(len(points), margins.wall * self.reach))
 
     def _alpha(self, alpha: AlphaOnFace, points: Floats, margins: Margins) -> Rows:
         return Rows(alpha.rows(points), np.full(len(points), margins.alpha))

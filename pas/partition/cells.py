@@ -1,8 +1,12 @@
-"""Partitions of a star-shaped region into tetrahedra, with their faces and planes, exact.
+"""Partitions of a region into tetrahedra, with their faces and planes, exact.
 
-Every interior face of these partitions lies in a plane through the centre and every cell is
-star-shaped around it, so a ray from the centre stays in one cell until it leaves the region.
-That is what lets a surface be proved to be met once by each ray (see `pas.surface.proofs`).
+Cells are tetrahedra.  A piece is one cell, or several that share one polynomial (a cone over a
+polygon, a box).
+
+With a centre, every interior face lies in a plane through it and every cell touches it, so a ray
+from the centre stays in one cell until it leaves the region.  That is what lets a surface be
+proved to be met once by each ray (see `pas.surface.proofs`).  A mesh without a centre serves
+for everything but that proof.
 """
 
 from __future__ import annotations
@@ -11,13 +15,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from flint import fmpq
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, to_floats
+from pas.algebra.rational import Vector, cross, dot, to_floats, vector
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 
@@ -26,7 +32,10 @@ Indices = tuple[int, ...]
 
 @dataclass(frozen=True)
 class InteriorFace:
-    """A triangle (vertex indices) between cells `first` and `second`, in the plane `plane = 0`."""
+    """A triangle (vertex indices) between pieces `first` and `second`, in the plane `plane = 0`.
+
+    Of several triangles between two pieces in one plane only the first is listed.
+    """
 
     vertices: Indices
     first: int
@@ -36,34 +45,54 @@ class InteriorFace:
 
 @dataclass(frozen=True)
 class OuterFace:
-    """A triangle (vertex indices) of the region's boundary; `plane > 0` outside."""
+    """A triangle (vertex indices) of the region's boundary, of a cell and its piece; `plane > 0`
+    outside."""
 
     vertices: Indices
     cell: int
+    piece: int
     plane: Polynomial
 
 
 class Partition:
-    """Tetrahedra around a centre.
+    """A region cut into tetrahedra.
 
-    `vertices` are exact points, `cells` quadruples of vertex indices, `center` an exact point
-    in the interior of the region from which every cell is seen undivided.
+    `vertices` are exact points (three numbers each), `cells` quadruples of vertex indices,
+    `center` an exact point in the interior of the region from which every cell is seen
+    undivided, or None for a mesh that has none.  `pieces` groups cells (tuples of their numbers)
+    that share one polynomial; by default each cell is a piece of its own.
 
     Raises `GeometryError` for a flat cell, cells that overlap, or cells that are not all around
-    the centre.
+    the centre; `ValueError` for indices that do not exist or pieces that do not hold each cell once.
     """
 
     name = "tetrahedra"
 
-    def __init__(self, vertices: Sequence[Vector], cells: Sequence[Indices], center: Vector) -> None:
-        self.vertices = tuple(vertices)
+    def __init__(
+        self,
+        vertices: Sequence[Any],
+        cells: Sequence[Sequence[int]],
+        center: Any = None,
+        pieces: Sequence[Sequence[int]] | None = None,
+    ) -> None:
+        self.vertices = tuple(vector(v, f"vertices[{i}]") for i, v in enumerate(vertices))
         self.cells = tuple(tuple(cell) for cell in cells)
-        self.center = center
+        self.center = None if center is None else vector(center, "center")
+        self.pieces = tuple((i,) for i in range(len(self.cells))) if pieces is None else tuple(map(tuple, pieces))
+        self._check_indices()
         for i, cell in enumerate(self.cells):
             if _volume(*(self.vertices[v] for v in cell)) == 0:
                 raise GeometryError(f"cell {i + 1} of the partition is flat")
         self._check_faces()
-        self._check_around_center()
+        if self.center is not None and self.cells:
+            self._check_around_center(self.center)
+
+    def _check_indices(self) -> None:
+        for i, cell in enumerate(self.cells):
+            if len(set(cell)) != 4 or not all(0 <= v < len(self.vertices) for v in cell):
+                raise ValueError(f"cells[{i}] must be four different vertex numbers below {len(self.vertices)}")
+        if sorted(c for piece in self.pieces for c in piece) != list(range(len(self.cells))):
+            raise ValueError(f"pieces must hold each of the {len(self.cells)} cells once")
 
     def _check_faces(self) -> None:
         """That a face belongs to one cell, or to two on either side of it."""
@@ -73,13 +102,14 @@ class Partition:
                 cells = " and ".join(str(owner + 1) for owner in owners)
                 raise GeometryError(f"cells {cells} of the partition overlap at a common face")
 
-    def _check_around_center(self) -> None:
+    def _check_around_center(self, center: Vector) -> None:
         """That every cell touches the centre and that they surround it once."""
-        if any(face.plane.at(self.center) != 0 for face in self.interior_faces):
+        inner = [triangle for triangle, owners in self._owners.items() if len(owners) == 2]
+        if any(plane_through(*self.corners(triangle)).at(center) != 0 for triangle in inner):
             raise GeometryError("an interior face of the partition does not pass through its centre")
-        if any(face.plane.at(self.center) >= 0 for face in self.outer_faces):
+        if any(face.plane.at(center) >= 0 for face in self.outer_faces):
             raise GeometryError("the centre of the partition is not inside the region")
-        rays = self.points - np.array(to_floats(self.center))
+        rays = self.points - np.array(to_floats(center))
         total = sum(_solid_angle(*rays[list(face.vertices)]) for face in self.outer_faces)
         if abs(total / (4 * np.pi) - 1) > 1e-6:
             raise GeometryError("the cells of the partition do not surround its centre exactly once")
@@ -87,28 +117,42 @@ class Partition:
     @cached_property
     def frame(self) -> Frame:
         """The local frame of this region."""
-        return Frame.around(self.center, self.vertices)
+        if not self.vertices:
+            return Frame((fmpq(0), fmpq(0), fmpq(0)), fmpq(1))
+        return Frame.around(self.center or _mean(self.vertices), self.vertices)
 
     @cached_property
     def local(self) -> Partition:
-        """The same partition in local coordinates (centre 0, size about 1)."""
+        """The same partition in local coordinates (centre, if any, 0; size about 1)."""
         points = [self.frame.local_point(v) for v in self.vertices]
-        return Partition(points, self.cells, self.frame.local_point(self.center))
+        center = None if self.center is None else self.frame.local_point(self.center)
+        return Partition(points, self.cells, center, self.pieces)
+
+    @cached_property
+    def piece_of(self) -> NDArray[np.intp]:
+        """The number of each cell's piece, (cells,)."""
+        numbers = np.empty(len(self.cells), dtype=np.intp)
+        for number, piece in enumerate(self.pieces):
+            numbers[list(piece)] = number
+        return numbers
 
     @cached_property
     def interior_faces(self) -> tuple[InteriorFace, ...]:
-        """The faces that two cells share."""
-        return tuple(
-            InteriorFace(triangle, owners[0], owners[1], self._plane(triangle, owners[0]))
-            for triangle, owners in self._owners.items()
-            if len(owners) == 2
-        )
+        """The faces that two pieces share, one for each plane."""
+        faces: dict[tuple[int, int, Polynomial], InteriorFace] = {}
+        for triangle, owners in self._owners.items():
+            if len(owners) == 2:
+                first, second = (int(self.piece_of[owner]) for owner in owners)
+                plane = self._plane(triangle, owners[0])
+                if first != second and (second, first, -plane) not in faces:
+                    faces.setdefault((first, second, plane), InteriorFace(triangle, first, second, plane))
+        return tuple(faces.values())
 
     @cached_property
     def outer_faces(self) -> tuple[OuterFace, ...]:
         """The faces that bound the region."""
         return tuple(
-            OuterFace(triangle, owners[0], self._plane(triangle, owners[0]))
+            OuterFace(triangle, owners[0], int(self.piece_of[owners[0]]), self._plane(triangle, owners[0]))
             for triangle, owners in self._owners.items()
             if len(owners) == 1
         )
@@ -116,7 +160,7 @@ class Partition:
     @cached_property
     def points(self) -> Floats:
         """The vertices as doubles, (vertices, 3)."""
-        return np.array([to_floats(v) for v in self.vertices])
+        return np.array([to_floats(v) for v in self.vertices]).reshape(-1, 3)
 
     def corners(self, indices: Indices) -> tuple[Vector, ...]:
         """The exact points of a cell or face given by vertex indices."""
@@ -160,6 +204,11 @@ class Partition:
         opposite = next(v for v in self.cells[cell] if v not in triangle)
         value = plane_through(*self.corners(triangle)).at(self.vertices[opposite])
         return 1 if value > 0 else -1
+
+
+def _mean(points: Sequence[Vector]) -> Vector:
+    x, y, z = (sum(column, fmpq(0)) / len(points) for column in zip(*points, strict=True))
+    return x, y, z
 
 
 def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:

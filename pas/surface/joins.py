@@ -1,7 +1,7 @@
 """Where contacts sit on a partition: the clip faces and the curves in them.
 
 A `Join` is one contact together with the outer faces that lie in its clip plane and the cells
-behind them, which carry the contact.
+the pieces behind them, which carry the contact.
 """
 
 from __future__ import annotations
@@ -34,9 +34,11 @@ class Join:
     partition: Partition
 
     @property
-    def cells(self) -> tuple[int, ...]:
-        """The cells that carry the contact."""
-        return tuple(face.cell for face in self.faces)
+    def pieces(self) -> tuple[int, ...]:
+        """The pieces that carry the contact."""
+        if len(self.partition.pieces) == 1:
+            return (0,)
+        return tuple(dict.fromkeys(face.piece for face in self.faces))
 
     def rim(self) -> list[tuple[Vector, Vector]]:
         """The edges that bound the union of the clip faces."""
@@ -47,7 +49,7 @@ class Join:
     def curve(self) -> Floats:
         """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
         points = [_zeros_on_triangle(self.contact.surface, c) for c in self._triangles()]
-        return np.concatenate(points)
+        return np.concatenate([np.empty((0, 3)), *points])
 
     @cached_property
     def radius(self) -> float:
@@ -77,7 +79,8 @@ class Join:
 def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]:
     """The place of each contact on the partition.
 
-    Raises `GeometryError` for a clip in whose plane no outer face of the partition lies.
+    A single piece carries every contact, wherever its clip lies; in any other partition a contact
+    needs a face: raises `GeometryError` for a clip in whose plane no outer face lies.
     """
     result = []
     for number, contact in enumerate(contacts, start=1):
@@ -86,7 +89,7 @@ def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]
             for face in partition.outer_faces
             if all(contact.clip.at(p) == 0 for p in partition.corners(face.vertices))
         )
-        if not faces:
+        if not faces and len(partition.pieces) > 1:
             raise GeometryError(
                 f"contact {number}: no outer face of the partition ({partition.name}) lies in "
                 f"its clip plane {contact.clip} = 0"

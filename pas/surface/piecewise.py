@@ -1,4 +1,4 @@
-"""Piecewise algebraic surfaces: one exact polynomial in each cell of a partition."""
+"""Piecewise algebraic surfaces: one exact polynomial in each piece of a partition."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.mesh.field import TriangleMesh
-from pas.mesh.triangulate import triangulate
+from pas.mesh.triangulate import MeshError, triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
@@ -42,9 +42,9 @@ class Cell:
 
 
 class PiecewiseSurface:
-    """The zero set of a piecewise polynomial, C^`order` across cells, meeting its contacts.
+    """The zero set of a piecewise polynomial, C^`order` across faces, meeting its contacts.
 
-    `patches` are the polynomials in the partition's local coordinates, one for each cell.
+    `patches` are the polynomials in the partition's local coordinates, one for each piece.
     Negative values are inside.  Nothing is taken on trust: what holds is what `certify` proves.
     """
 
@@ -56,8 +56,10 @@ class PiecewiseSurface:
         patches: Sequence[Polynomial],
         degree: int | None = None,
     ) -> None:
-        if len(patches) != len(partition.cells):
-            raise ValueError(f"there must be a patch for each of the {len(partition.cells)} cells, not {len(patches)}")
+        if len(patches) != len(partition.pieces):
+            raise ValueError(
+                f"there must be a patch for each of the {len(partition.pieces)} pieces, not {len(patches)}"
+            )
         self.partition = partition
         self.contacts = tuple(contacts)
         self.order = order
@@ -68,7 +70,7 @@ class PiecewiseSurface:
     def from_polynomials(
         cls, partition: Partition, contacts: Sequence[Contact], order: int, polynomials: Sequence[Any]
     ) -> PiecewiseSurface:
-        """A surface from the polynomials of its cells in the user's coordinates."""
+        """A surface from the polynomials of its pieces in the user's coordinates."""
         patches = [partition.frame.localise(Polynomial(p)) for p in polynomials]
         return cls(partition, contacts, order, patches)
 
@@ -91,15 +93,20 @@ class PiecewiseSurface:
         return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
 
     @cached_property
+    def polynomials(self) -> tuple[Polynomial, ...]:
+        """The polynomial of each piece, exact, in the user's coordinates."""
+        return tuple(map(self.partition.frame.globalise, self.patches))
+
+    @cached_property
     def cells(self) -> tuple[Cell, ...]:
         """The cells with their exact vertices and polynomials, in the user's coordinates."""
         return tuple(
             Cell(
                 tuple(tuple(to_fraction(x) for x in v) for v in self.partition.corners(cell)),  # type: ignore[misc]
-                self.partition.frame.globalise(patch),
+                self.polynomials[piece],
                 self.degree,
             )
-            for cell, patch in zip(self.partition.cells, self.patches, strict=True)
+            for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True)
         )
 
     def __call__(self, points: Any) -> Floats:
@@ -116,26 +123,25 @@ class PiecewiseSurface:
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
         local = self.partition.frame.local_points(array).reshape(-1, 3)
-        result = self.local_jets(local, self._cells_at(local))
+        result = self.local_jets(local, self._pieces_at(local))
         result[:, 1:] /= float(to_fraction(self.partition.frame.scale))
         return result.reshape(*array.shape[:-1], 4)
 
-    def _cells_at(self, local: Floats) -> np.ndarray:
-        """The cells of local points (N, 3), -1 outside; the user's rounding counts as inside.
+    def _pieces_at(self, local: Floats) -> np.ndarray:
+        """The pieces at local points (N, 3), -1 outside; the user's rounding counts as inside.
 
-        Far from the origin, points on the boundary are off it by the spacing of doubles there.
+        Far from the origin, points on the boundary are off it by the spacing of doubles there.  A
+        piece without cells is everywhere.
         """
+        if not self.partition.cells:
+            return np.zeros(len(local), dtype=np.intp)
         reach = float(np.abs(self.partition.points).max()) / float(to_fraction(self.partition.frame.scale))
-        return self.local.locate(local, tolerance=1e-12 + 8 * np.finfo(float).eps * reach)
+        cells = self.local.locate(local, tolerance=1e-12 + 8 * np.finfo(float).eps * reach)
+        return np.where(cells < 0, -1, self.partition.piece_of[cells])
 
-    def local_jets(self, points: Floats, cells: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of the patches of given cells at local points (N, 3)."""
-        result = np.full((len(points), 4), np.nan)
-        for cell in range(len(self.patches)):
-            rows = np.flatnonzero(cells == cell)
-            if len(rows):
-                result[rows] = evaluate(points[rows], self.columns[cell])
-        return result
+    def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
+        """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""
+        return _by_piece(points, pieces, self.columns)
 
     @cached_property
     def columns(self) -> Floats:
@@ -151,12 +157,7 @@ class PiecewiseSurface:
         """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
         array = np.asarray(points, dtype=float)
         local = self.partition.frame.local_points(array).reshape(-1, 3)
-        cells = self._cells_at(local)
-        result = np.full((len(local), 9), np.nan)
-        for number, columns in enumerate(self._second_columns):
-            rows = np.flatnonzero(cells == number)
-            if len(rows):
-                result[rows] = evaluate(local[rows], columns)
+        result = _by_piece(local, self._pieces_at(local), self._second_columns)
         scale = float(to_fraction(self.partition.frame.scale))
         return result.reshape(*array.shape[:-1], 3, 3) / scale**2
 
@@ -182,11 +183,13 @@ class PiecewiseSurface:
         return np.stack([mean, gauss], axis=-1)
 
     @cached_property
-    def _second_columns(self) -> list[Floats]:
-        return [
-            np.stack([p.diff(i).diff(j).dense(self.degree) for i in range(3) for j in range(3)], axis=1)
-            for p in self.patches
-        ]
+    def _second_columns(self) -> Floats:
+        return np.array(
+            [
+                np.stack([p.diff(i).diff(j).dense(self.degree) for i in range(3) for j in range(3)], axis=1)
+                for p in self.patches
+            ]
+        )
 
     def contains(self, points: Any) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""
@@ -204,7 +207,7 @@ class PiecewiseSurface:
         scale = float(to_fraction(self.partition.frame.scale))
         t = first_hits(
             self.local,
-            list(self.columns[:, :, 0]),
+            self.columns[self.partition.piece_of, :, 0],
             self.partition.frame.local_points(a).reshape(-1, 3),
             d.reshape(-1, 3) / scale,
         )
@@ -218,6 +221,8 @@ class PiecewiseSurface:
         """A triangle mesh as plain arrays; see `mesh`."""
         if not tolerance > 0 or not np.isfinite(tolerance):
             raise ValueError(f"tolerance must be a positive number, not {tolerance}")
+        if not self.partition.cells:
+            raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         frame = self.partition.frame
         mesh = triangulate(_LocalField(self), tolerance / float(to_fraction(frame.scale)))
         return TriangleMesh(frame.global_points(mesh.points), mesh.triangles, mesh.normals)
@@ -232,7 +237,7 @@ class PiecewiseSurface:
 
     def __repr__(self) -> str:
         return (
-            f"PiecewiseSurface({self.partition.name}, {len(self.patches)} cells, "
+            f"PiecewiseSurface({self.partition.name}, {len(self.patches)} pieces, "
             f"degree {self.degree}, order {self.order})"
         )
 
@@ -254,7 +259,17 @@ class _LocalField:
 
     def jets(self, points: Floats, cells: np.ndarray) -> Floats:
         """Values and gradients (N, 4) of given cells' patches at points (N, 3)."""
-        return self.surface.local_jets(points, cells)
+        return self.surface.local_jets(points, self.surface.partition.piece_of[cells])
+
+
+def _by_piece(points: Floats, pieces: np.ndarray, columns: Floats) -> Floats:
+    """Values (N, m) at points (N, 3) of each piece's polynomials `columns[piece]`; NaN for piece -1."""
+    result = np.full((len(points), columns.shape[2]), np.nan)
+    for piece, coefficients in enumerate(columns):
+        rows = np.flatnonzero(pieces == piece)
+        if len(rows):
+            result[rows] = evaluate(points[rows], coefficients)
+    return result
 
 
 def _unit_planes(partition: Partition) -> Floats:

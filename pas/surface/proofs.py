@@ -47,7 +47,8 @@ DEEP = Limits(exhaustive=True)
 
 @dataclass(frozen=True)
 class Violations:
-    """Points (local coordinates) where a condition failed or was left open, with their cells."""
+    """Points (local coordinates) where a condition failed or was left open, with their pieces (of
+    contacts: their numbers)."""
 
     sheet: list[tuple[int, Floats]]
     walls: list[tuple[int, Floats]]
@@ -73,12 +74,15 @@ def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
     """Exact GC^k with one contact, alpha > 0 on its curve, the curve regular and in its face."""
     join, k = surface.joins[number], surface.order
     claim = f"contact {number + 1} GC^{k}"
-    achieved = min(_contact_order(surface.patches[c], join, k) for c in join.cells)
+    achieved = min(_contact_order(surface.patches[piece], join, k) for piece in join.pieces)
     curve = join.curve()
     point = _global_point(surface, curve[0]) if len(curve) else None
     if achieved < k:
         met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
         return Verdict(Status.REFUTED, claim, f"the patch {met}: f is not in <f_i, h_i^{k + 1}>", point)
+    if not join.faces:
+        reason = f"in <f, h^{k + 1}> exactly; alpha is not examined, since no face of the region lies in the clip plane"
+        return Verdict(Status.UNDECIDED, claim, reason)
     inside = _curve_in_face(join)
     if inside.status is not Status.PROVED:
         return _from_signs(surface, claim, "the curve is not closed inside its clip face", inside)
@@ -115,6 +119,8 @@ def face_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
 def sheet_verdict(surface: PiecewiseSurface) -> Verdict:
     """Every ray from the centre meets the surface at most once, transversally."""
     claim = "one sheet"
+    if surface.partition.center is None or not surface.partition.cells:
+        return Verdict(Status.UNDECIDED, claim, "the partition has no centre to look from")
     if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
         return Verdict(
             Status.REFUTED, claim, "the centre is not inside the surface", _global_point(surface, np.zeros(3))
@@ -129,12 +135,16 @@ def sheet_verdict(surface: PiecewiseSurface) -> Verdict:
 def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     """The surface leaves the region through its contact curves only."""
     claim = "enclosed"
+    if not surface.partition.cells:
+        return Verdict(Status.UNDECIDED, claim, "there is no region")
     walls = wall_signs(surface)
     if walls.status is not Status.PROVED:
         return _from_signs(surface, claim, "the surface reaches an outer wall", walls)
     examined = walls.simplices
     for number, join in enumerate(surface.joins, start=1):
-        if any(_contact_order(surface.patches[c], join, 0) < 0 for c in join.cells):
+        if not join.faces:
+            return Verdict(Status.UNDECIDED, claim, f"no face of the region lies in the clip plane of contact {number}")
+        if any(_contact_order(surface.patches[piece], join, 0) < 0 for piece in join.pieces):
             return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
         result = _alpha_positive(surface, join, on_curve=False)
         if result.status is not Status.PROVED:
@@ -152,12 +162,17 @@ def violations(surface: PiecewiseSurface, *, deep: bool = False) -> Violations:
     cells, faces = (DEEP, DEEP) if deep else (SEARCH_CELLS, SEARCH_FACES)
     sheet = sheet_signs(surface, cells)
     walls = wall_signs(surface, faces)
-    wall_cells = np.array([face.cell for face in surface.walls])
+    wall_pieces = [face.piece for face in surface.walls]
+    piece_of = surface.partition.piece_of
     contacts: list[tuple[int, Floats]] = []
     for number, join in enumerate(surface.joins):
         result = _alpha_positive(surface, join, on_curve=False, limits=faces)
         contacts += [(number, points) for _, points in _by_source(result)]
-    return Violations(_by_source(sheet), [(int(wall_cells[s]), points) for s, points in _by_source(walls)], contacts)
+    return Violations(
+        [(int(piece_of[cell]), points) for cell, points in _by_source(sheet)],
+        [(wall_pieces[face], points) for face, points in _by_source(walls)],
+        contacts,
+    )
 
 
 def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
@@ -165,8 +180,8 @@ def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> Sign
     local = surface.local
     degree = surface.degree
     zero, value = [], []
-    for cell, patch in zip(local.cells, surface.patches, strict=True):
-        corners = local.corners(cell)
+    for cell, piece in zip(local.cells, local.piece_of, strict=True):
+        corners, patch = local.corners(cell), surface.patches[piece]
         zero.append(rounded(b_form(on_simplex(patch.raw, corners), degree, 3)))
         value.append(rounded(b_form(on_simplex(_radial_derivative(patch), corners), degree, 3)))
     corners = local.points[np.array(local.cells)]
@@ -177,7 +192,7 @@ def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignR
     """Branch and bound for `f > 0` on the outer faces in no clip plane."""
     local, degree = surface.local, surface.degree
     forms = [
-        rounded(b_form(on_simplex(surface.patches[face.cell].raw, local.corners(face.vertices)), degree, 2))
+        rounded(b_form(on_simplex(surface.patches[face.piece].raw, local.corners(face.vertices)), degree, 2))
         for face in surface.walls
     ]
     corners = np.array([local.points[list(face.vertices)] for face in surface.walls])
@@ -200,7 +215,7 @@ def _alpha_positive(
     contact = join.contact.surface
     for face in join.faces:
         exact = join.partition.corners(face.vertices)
-        alpha = alpha_on_face(surface.patches[face.cell], contact, exact)
+        alpha = alpha_on_face(surface.patches[face.piece], contact, exact)
         if alpha is None:
             raise ValueError("alpha is defined where the contact is met only")
         values.append(rounded(b_form(alpha, surface.degree, 2)))

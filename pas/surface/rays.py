@@ -7,7 +7,6 @@ among the B-coefficients means no root, one means exactly one; Lane and Riesenfe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from math import comb
 
@@ -20,11 +19,11 @@ from pas.partition.cells import Partition
 BISECTIONS = 60
 
 
-def first_hits(partition: Partition, columns: Sequence[Floats], origins: Floats, directions: Floats) -> Floats:
+def first_hits(partition: Partition, columns: Floats, origins: Floats, directions: Floats) -> Floats:
     """Ray parameters t >= 0 of the first hits, (N,), NaN for rays that miss.
 
-    `columns[c]` (C(n+3, 3),) are the coefficients of cell c's patch, `origins` and `directions`
-    (N, 3), all in the partition's coordinates.
+    `columns[c]` (C(n+3, 3),) are the coefficients of the polynomial in cell c, `origins` and
+    `directions` (N, 3), all in the partition's coordinates.
     """
     result = np.full(len(origins), np.inf)
     at = partition.barycentric(origins)
