@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
     from pas.blending.project import load as load
+    from pas.blending.solutions import solutions as solutions
     from pas.blending.space import SolutionSpace as SolutionSpace
-    from pas.blending.space import solutions as solutions
+    from pas.blending.trivial import TrivialPart as TrivialPart
     from pas.errors import GeometryError as GeometryError
     from pas.errors import InfeasibleError as InfeasibleError
     from pas.errors import InputError as InputError
@@ -64,7 +65,9 @@ _HOMES = {
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
     "pas.blending.project": ("load",),
-    "pas.blending.space": ("SolutionSpace", "solutions"),
+    "pas.blending.solutions": ("solutions",),
+    "pas.blending.space": ("SolutionSpace",),
+    "pas.blending.trivial": ("TrivialPart",),
     "pas.errors": (
         "GeometryError",
         "InfeasibleError",

@@ -47,7 +47,7 @@ def test_dimensions_and_regular_ranks_of_the_published_corner(facts, case):
 
 
 def _space(clips, radii, order, degree):
-    from pas.blending.space import solve
+    from pas.blending.solutions import solve
 
     contacts = [p.contact for p in pipes(tuple(radii), tuple(clips))]
     legs = [tuple(Fraction(h) if c else 0 for c in axis) for h, axis in zip(clips, AXES, strict=True)]

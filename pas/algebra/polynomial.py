@@ -7,7 +7,7 @@ exact; calling a polynomial on an array is the only numerical thing it does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.monomials import Exponents, Floats, count, evaluate, positions
+from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import rational, to_float, to_fraction
 
@@ -46,6 +46,22 @@ class Polynomial:
         result = cls.__new__(cls)
         result.raw = raw
         return result
+
+    @classmethod
+    def from_row(cls, row: Iterable[fmpq], degree: int) -> Polynomial:
+        """The polynomial with given coefficients, in the order of `monomials.exponents(degree)`."""
+        terms = {e: c for e, c in zip(exponents(degree), row, strict=True) if c != 0}
+        return cls.from_raw(RING.from_dict(terms))
+
+    def row(self, degree: int) -> list[fmpq]:
+        """The exact coefficients in the order of `monomials.exponents(degree)`.
+
+        Raises `ValueError` for a polynomial of a higher degree.
+        """
+        if self.degree > degree:
+            raise ValueError(f"the polynomial {self} is of a degree above {degree}")
+        terms = self.raw.to_dict()
+        return [terms.get(e, fmpq(0)) for e in exponents(degree)]
 
     @property
     def degree(self) -> int:

@@ -10,39 +10,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 from math import sqrt
-from typing import Any
 
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.rational import Vector, cross, dot, plain, to_float
 from pas.errors import GeometryError
-from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.surface.contact import Contact, Pipe, as_contact
-from pas.surface.joins import Join, joins
-from pas.surface.proofs import check_join
-
-Corner = tuple[Partition, tuple[Contact, ...]]
-
-
-def place(items: Sequence[Any], partition: Partition | None = None) -> Corner:
-    """The partition for the given pipes or contacts, and the contacts turned towards its centre.
-
-    Raises `GeometryError` (with the offending pipe or contact) where they do not fit.
-    """
-    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
-    pipes = [item if isinstance(item, Pipe) else None for item in items]
-    if partition is not None and not isinstance(partition, Partition):
-        raise TypeError(f"partition must be a pas.Partition such as pas.SixTetrahedra(...), not {partition!r}")
-    if partition is None:
-        partition = six_tetrahedra(contacts, pipes)
-    turned = tuple(_turned(c, partition.center) for c in contacts)
-    for number, join in enumerate(joins(partition, turned)):
-        pipe = pipes[number]
-        if pipe is not None:
-            _check_circle(number + 1, pipe, join)
-        check_join(number + 1, join)
-    return partition, turned
+from pas.surface.contact import Contact, Pipe
+from pas.surface.joins import Join
 
 
 def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = ()) -> SixTetrahedra:
@@ -53,7 +28,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = (
     if len(contacts) != 3:
         raise GeometryError(
             f"the six-tetrahedra corner joins exactly three pipes, not {len(contacts)}; "
-            "other numbers need a partition of their own, which is not served yet"
+            "other numbers need a partition of their own, such as pas.SingleCell(lower, upper)"
         )
     normals = [_normal(i + 1, c) for i, c in enumerate(contacts)]
     for (i, a), (j, b) in combinations(enumerate(normals, start=1), 2):
@@ -122,12 +97,7 @@ def _apart(pipes: Sequence[Pipe | None]) -> str:
     return "the axes of the three pipes do not pass through a common point" if any(pipes) else ""
 
 
-def _turned(contact: Contact, center: Vector) -> Contact:
-    """The contact with its clip negative at the centre."""
-    return contact if contact.clip.raw(*center) < 0 else Contact(contact.surface, -contact.clip)
-
-
-def _check_circle(number: int, pipe: Pipe, join: Join) -> None:
+def check_circle(number: int, pipe: Pipe, join: Join) -> None:
     """That a pipe's circle fits the clip face, or by how much it does not."""
     foot = _foot(pipe, join)
     largest = min(_distance(foot, a, b) for a, b in join.rim())

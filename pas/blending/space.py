@@ -2,42 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.monomials import exponents, positions
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.nullspace import nullspace
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
-from pas.blending.conditions import Conditions
-from pas.blending.corner import place
-from pas.errors import NoSolutionError
 from pas.fairing.energy import ThinPlate, box_products, tetrahedron_products
 from pas.fairing.fairing import Fairing
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
-from pas.surface.joins import joins
+from pas.surface.joins import Join, joins
 from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
-
-HIGHEST_DEGREE = 12
-"""Where the search for a lowest degree ends: matrices of 2730 unknowns on the corner."""
+    from pas.blending.trivial import TrivialPart
 
 Member = tuple[Polynomial, ...]
+"""A piecewise polynomial: one polynomial for each piece."""
 
 
 class SolutionSpace:
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
-    `partition`, `contacts`, `order` and `degree` are the problem's; `patches[c]` holds the exact
-    coefficients of the basis on cell c, in local coordinates, one member a row.  `given_basis`
-    is None for the reduced basis, which follows from the problem.
+    `partition`, `contacts`, `order` and `degree` are the problem's; `patches[p]` holds the exact
+    coefficients of the basis on piece p, in local coordinates, one member a row.  `given_basis`
+    is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
+    were looked at to the dimensions found.
     """
 
     def __init__(
@@ -48,10 +45,12 @@ class SolutionSpace:
         degree: int,
         patches: Sequence[fmpq_mat],
         given_basis: tuple[Member, ...] | None = None,
+        degrees_tried: Mapping[int, int] | None = None,
     ) -> None:
         self.partition, self.contacts, self.order, self.degree = partition, tuple(contacts), order, degree
         self.patches = tuple(patches)
         self.given_basis = given_basis
+        self.degrees_tried = dict(degrees_tried or {degree: self.dimension})
 
     @property
     def dimension(self) -> int:
@@ -60,69 +59,96 @@ class SolutionSpace:
 
     @cached_property
     def basis(self) -> tuple[Member, ...]:
-        """A basis; each member is one exact polynomial for each cell, in the user's coordinates."""
+        """A basis; each member is one exact polynomial for each piece, in the user's coordinates."""
         frame = self.partition.frame
-        return tuple(
-            tuple(frame.globalise(self._patch(c, i)) for c in range(len(self.patches))) for i in range(self.dimension)
-        )
+        return tuple(tuple(map(frame.globalise, self._local_member(i))) for i in range(self.dimension))
 
     @cached_property
     def regular(self) -> bool:
         """Whether some member meets every contact with alpha not identically zero on its curve."""
-        return self.dimension > 0 and all(self._regular_at(i) for i in range(len(self.contacts)))
+        singular = (self.vanishing_alpha(i).nrows() for i in range(len(self.contacts)))
+        return self.dimension > 0 and all(found < self.dimension for found in singular)
+
+    @cached_property
+    def trivial_part(self) -> TrivialPart:
+        """The members of little use: singular along a contact, products of the data, reducible."""
+        from pas.blending.trivial import trivial_part
+
+        return trivial_part(self)
 
     def member(self, coefficients: Sequence[Any]) -> PiecewiseSurface:
         """The surface `sum a_j basis_j`, exact; `coefficients` are `dimension` exact numbers."""
         if len(coefficients) != self.dimension:
             raise ValueError(f"coefficients must be {self.dimension} numbers, not {len(coefficients)}")
         row = fmpq_mat(1, self.dimension, [rational(a, f"coefficients[{i}]") for i, a in enumerate(coefficients)])
-        patches = [_polynomial((row * m).entries(), self.degree) for m in self.patches]
+        patches = [Polynomial.from_row((row * m).entries(), self.degree) for m in self.patches]
         return PiecewiseSurface(self.partition, self.contacts, self.order, patches, self.degree)
 
-    def coordinates(self, polynomials: Sequence[Any]) -> tuple[Fraction, ...]:
-        """The coefficients of a piecewise polynomial (one for each cell, user's coordinates).
+    def coordinates(self, polynomials: Any) -> tuple[Fraction, ...]:
+        """The coefficients of a piecewise polynomial (one for each piece, user's coordinates).
 
         Raises `ValueError` where it is not a member of the space.
         """
-        frame, where = self.partition.frame, positions(self.degree)
-        target: list[fmpq] = []
-        for polynomial in polynomials:
-            local = frame.localise(Polynomial(polynomial)).raw.to_dict()
-            if any(e not in where for e in local):
-                raise ValueError(f"the polynomial {polynomial} is of a degree above the space's {self.degree}")
-            target += [local.get(e, fmpq(0)) for e in exponents(self.degree)]
-        columns = [row for matrix in self.patches for row in matrix.transpose().tolist()]
-        table = [[*row, value] for row, value in zip(columns, target, strict=True)]
-        reduced, rank = fmpq_mat(len(table), self.dimension + 1, [v for r in table for v in r]).rref()
-        if rank != self.dimension:
-            raise ValueError("the piecewise polynomial is not a member of the solution space")
-        return tuple(to_fraction(reduced[i, self.dimension]) for i in range(rank))
+        (row,) = self._coordinate_rows([polynomials]).tolist()
+        return tuple(map(to_fraction, row))
+
+    def __contains__(self, polynomials: Any) -> bool:
+        try:
+            self.coordinates(polynomials)
+        except ValueError:
+            return False
+        return True
+
+    def equals(self, other: SolutionSpace) -> bool:
+        """Whether two spaces have the same members, whatever their bases."""
+        if (self.dimension, len(self.patches)) != (other.dimension, len(other.patches)):
+            return False
+        return all(member in other for member in self.basis)
 
     def change_basis(self, members: Sequence[Sequence[Any]]) -> SolutionSpace:
         """The same space, or a subspace, with the given members (coefficient rows) as its basis."""
         rows = [[rational(a, f"members[{i}]") for a in row] for i, row in enumerate(members)]
-        change = fmpq_mat(rows)
-        if change.ncols() != self.dimension or change.rank() < len(rows):
-            raise ValueError(f"members must be linearly independent rows of {self.dimension} coefficients")
-        patches = [change * m for m in self.patches]
+        if any(len(row) != self.dimension for row in rows):
+            raise ValueError(f"members must be rows of {self.dimension} coefficients")
+        return self.subspace(fmpq_mat(len(rows), self.dimension, [v for row in rows for v in row]))
+
+    def restricted(self, members: Sequence[Any]) -> SolutionSpace:
+        """The span of members given as polynomials, one for each piece, with these as its basis."""
+        return self.subspace(self._coordinate_rows(members))
+
+    def subspace(self, rows: fmpq_mat) -> SolutionSpace:
+        """The span of members given by exact coefficient rows (m, dimension), with these as its basis."""
+        if rows.nrows() and rows.rank() < rows.nrows():
+            raise ValueError("members must be linearly independent")
+        patches = [rows * m for m in self.patches]
         plain = SolutionSpace(self.partition, self.contacts, self.order, self.degree, patches)
         return SolutionSpace(self.partition, self.contacts, self.order, self.degree, patches, plain.basis)
 
-    def restricted(self, members: Sequence[Sequence[Any]]) -> SolutionSpace:
-        """The span of members given as polynomials, one for each cell, with these as its basis."""
-        return self.change_basis([self.coordinates(member) for member in members])
+    def through(self, points: Sequence[Any]) -> SolutionSpace:
+        """The members that vanish at points (three exact numbers each; floats count as written)."""
+        values = self.values(points)
+        rows = [{j: v for j, v in enumerate(row) if v != 0} for row in values.tolist()]
+        return self.subspace(nullspace(rows, self.dimension))
+
+    def values(self, points: Sequence[Any]) -> fmpq_mat:
+        """Exact values of the basis members at points (three exact numbers each): (points, dimension)."""
+        from pas.blending.evaluation import values_at
+
+        return values_at(self, points)
 
     def energy_matrix(self, energy: ThinPlate | None = None) -> list[list[Fraction]]:
         """The exact matrix K of the basis for an energy: `E = 1/2 a^T K a` for coefficients a."""
-        energy = energy or ThinPlate()
+        return [[to_fraction(v) for v in row] for row in self.exact_energy(energy or ThinPlate()).tolist()]
+
+    def exact_energy(self, energy: ThinPlate) -> fmpq_mat:
+        """`energy_matrix` as a matrix of python-flint, times the energy's weight."""
         if energy.domain is not None:
-            total = box_products([m[energy.piece].raw for m in self.basis], energy.domain)
-        else:
-            total = fmpq_mat(self.dimension, self.dimension)
-            for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True):
-                patches = [m[piece].raw for m in self.basis]
-                total += tetrahedron_products(patches, self.partition.corners(cell), self.degree)
-        return [[to_fraction(v) for v in row] for row in total.tolist()]
+            return box_products([m[energy.piece].raw for m in self.basis], energy.domain) * energy.weight
+        total = fmpq_mat(self.dimension, self.dimension)
+        for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True):
+            patches = [m[piece].raw for m in self.basis]
+            total += tetrahedron_products(patches, self.partition.corners(cell), self.degree)
+        return total * energy.weight
 
     def fit(self, **options: Any) -> Blend:
         """Choose one member; takes the options of `pas.blend` (see there) that shape the surface."""
@@ -135,76 +161,79 @@ class SolutionSpace:
         """The prepared choice among the members for one energy."""
         return Fairing(self.partition, self.contacts, self.order, self.degree, self.patches, energy)
 
+    @cached_property
+    def joins(self) -> tuple[Join, ...]:
+        """The contacts in local coordinates, with their places on the partition."""
+        frame = self.partition.frame
+        moved = [Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in self.contacts]
+        return joins(self.partition.local, moved)
+
+    def vanishing_alpha(self, contact: int) -> fmpq_mat:
+        """The members with alpha = 0 on the curve of contact number `contact`, as coefficient rows.
+
+        `g = alpha f + beta h^(k+1)` has alpha in `<f, h>` iff g lies in `<f^2, h>`.
+        """
+        join = self.joins[contact]
+        form = NormalForm([join.contact.surface.raw**2, join.contact.clip.raw])
+        images = form.images(self.degree)
+        matrices = [self.patches[piece] for piece in join.pieces]
+        rows: dict[Any, dict[int, fmpq]] = {}
+        for number in range(self.dimension):
+            for place, matrix in enumerate(matrices):
+                patch = Polynomial.from_row(matrix.tolist()[number], self.degree)
+                for e, c in patch.raw.to_dict().items():
+                    for target, value in images[e].items():
+                        row = rows.setdefault((place, target), {})
+                        row[number] = row.get(number, fmpq(0)) + c * value
+        return nullspace([{j: v for j, v in row.items() if v != 0} for row in rows.values()], self.dimension)
+
     def __repr__(self) -> str:
         return (
             f"SolutionSpace(GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name})"
         )
 
-    def _patch(self, cell: int, member: int) -> Polynomial:
-        return _polynomial(self.patches[cell].tolist()[member], self.degree)
+    def _local_member(self, number: int) -> Member:
+        return tuple(Polynomial.from_row(m.tolist()[number], self.degree) for m in self.patches)
 
-    def _regular_at(self, number: int) -> bool:
-        """Whether a member has alpha not in <f, h>; as g = alpha f + .., iff g not in <f^2, h>."""
-        zero = [Polynomial(0)] * len(self.patches)
-        join = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree).joins[number]
-        form = NormalForm([join.contact.surface.raw**2, join.contact.clip.raw])
-        piece = join.pieces[0]
-        return any(not form.reduce(self._patch(piece, i).raw).is_zero() for i in range(self.dimension))
+    @cached_property
+    def _all_patches(self) -> fmpq_mat:
+        """The coefficients on all pieces side by side: (dimension, pieces * C(n+3, 3))."""
+        rows = [[v for m in tables for v in m] for tables in zip(*(m.tolist() for m in self.patches), strict=True)]
+        width = sum(m.ncols() for m in self.patches)
+        return fmpq_mat(self.dimension, width, [v for row in rows for v in row])
 
+    @cached_property
+    def _pivots(self) -> tuple[list[int], fmpq_mat]:
+        """Columns of `_all_patches` that determine a member, and the inverse of that part."""
+        reduced, rank = self._all_patches.rref()
+        table = reduced.tolist()
+        pivots = [next(j for j, v in enumerate(table[i]) if v != 0) for i in range(rank)]
+        rows = self._all_patches.tolist()
+        chosen = fmpq_mat(rank, rank, [row[j] for row in rows for j in pivots])
+        return pivots, chosen.inv()
 
-def solutions(
-    contacts: Sequence[Any], order: int, degree: int | None = None, partition: Partition | None = None
-) -> SolutionSpace:
-    """All piecewise surfaces that meet the contacts with GC^`order`.
-
-    `contacts` are pipes, contacts or pairs (surface, clip); without a `partition`, three
-    perpendicular ones get the six-tetrahedra corner.  With a `degree`, all solutions of that
-    degree (the dimension may be 0); without, those of the lowest degree that has any.
-
-    Raises `GeometryError` where the contacts do not fit, `NoSolutionError` where no degree up to
-    12 has a solution, `ValueError` or `TypeError` for a wrong argument.
-    """
-    check_order(order)
-    region, turned = place(contacts, partition)
-    if degree is not None:
-        return solve(region, turned, order, check_degree(degree))
-    dimensions: dict[int, int] = {}
-    for candidate in range(1, HIGHEST_DEGREE + 1):
-        space = solve(region, turned, order, candidate)
-        dimensions[candidate] = space.dimension
-        if space.dimension:
-            return space
-    raise NoSolutionError(f"no surface of degree <= {HIGHEST_DEGREE} meets the contacts with GC^{order}", dimensions)
-
-
-def solve(partition: Partition, contacts: Sequence[Contact], order: int, degree: int) -> SolutionSpace:
-    """The solution space of one degree for contacts that are in place."""
-    local = partition.local
-    frame = partition.frame
-    moved = tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in contacts)
-    carriers = tuple(join.pieces for join in joins(local, moved))
-    patches = Conditions(local, moved, carriers, order).solve(degree)
-    return SolutionSpace(partition, contacts, order, degree, patches)
-
-
-def check_order(order: Any) -> int:
-    """The order of contact, checked."""
-    if isinstance(order, bool) or not isinstance(order, int):
-        raise TypeError(f"order must be a whole number (0 for continuous, 1 for GC^1, ...), not {order!r}")
-    if not 0 <= order <= 8:
-        raise ValueError(f"order must be from 0 to 8, not {order}")
-    return order
-
-
-def check_degree(degree: Any) -> int:
-    """The degree, checked."""
-    if isinstance(degree, bool) or not isinstance(degree, int):
-        raise TypeError(f"degree must be a whole number, not {degree!r}")
-    if not 1 <= degree <= HIGHEST_DEGREE:
-        raise ValueError(f"degree must be from 1 to {HIGHEST_DEGREE}, not {degree}")
-    return degree
-
-
-def _polynomial(coefficients: Sequence[fmpq], degree: int) -> Polynomial:
-    terms = {e: c for e, c in zip(exponents(degree), coefficients, strict=True) if c != 0}
-    return Polynomial.from_raw(RING.from_dict(terms))
+    def _coordinate_rows(self, members: Sequence[Any]) -> fmpq_mat:
+        """Coefficient rows of members given as polynomials, checked."""
+        frame = self.partition.frame
+        targets: list[list[fmpq]] = []
+        for member in members:
+            pieces = (member,) if isinstance(member, str | Polynomial) or not hasattr(member, "__len__") else member
+            if len(pieces) != len(self.patches):
+                raise ValueError(f"a member needs {len(self.patches)} polynomials, one for each piece")
+            given = [Polynomial(p) for p in pieces]
+            high = next((p for p in given if p.degree > self.degree), None)
+            if high is not None:
+                raise ValueError(f"the polynomial {high} is of a degree above the space's {self.degree}")
+            targets.append([v for p in given for v in frame.localise(p).row(self.degree)])
+        if not targets:
+            return fmpq_mat(0, self.dimension)
+        wanted = fmpq_mat(targets)
+        if self.dimension == 0:
+            if any(v != 0 for row in targets for v in row):
+                raise ValueError("the piecewise polynomial is not a member of the solution space")
+            return fmpq_mat(len(targets), 0)
+        pivots, inverse = self._pivots
+        result = fmpq_mat(len(targets), len(pivots), [row[j] for row in targets for j in pivots]) * inverse
+        if result * self._all_patches != wanted:
+            raise ValueError("the piecewise polynomial is not a member of the solution space")
+        return result

@@ -71,7 +71,7 @@ KEYS = {
     "pipes": {"axis", "radius", "clip", "point"},
     "contacts": {"surface", "clip"},
     "partition": {"kind", "center", "legs"},
-    "energy": {"kind", "lower", "upper", "piece"},
+    "energy": {"kind", "lower", "upper", "piece", "weight"},
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
 }

@@ -111,11 +111,11 @@ def read_normalization(record: dict[str, Any]) -> Normalization:
 
 def energy_record(energy: ThinPlate) -> dict[str, Any]:
     """The energy and its domain."""
+    record: dict[str, Any] = {"kind": "thin-plate", "weight": plain(energy.weight)}
     if energy.domain is None:
-        return {"kind": "thin-plate"}
+        return record
     box = energy.domain
-    return {
-        "kind": "thin-plate",
+    return record | {
         "piece": energy.piece,
         "lower": point_record(box.lower),
         "upper": point_record(box.upper),
@@ -124,6 +124,7 @@ def energy_record(energy: ThinPlate) -> dict[str, Any]:
 
 def read_energy(record: dict[str, Any]) -> ThinPlate:
     """The energy of `energy_record`."""
+    weight = record.get("weight", 1)
     if "lower" not in record:
-        return ThinPlate()
-    return ThinPlate(Box(record["lower"], record["upper"]), record.get("piece", 0))
+        return ThinPlate(weight=weight)
+    return ThinPlate(Box(record["lower"], record["upper"]), record.get("piece", 0), weight)

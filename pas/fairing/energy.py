@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from scipy.special import roots_jacobi, roots_legendre
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, vector
+from pas.algebra.rational import Vector, cross, dot, rational, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.gram import gram
 from pas.partition.cells import Partition
@@ -47,12 +47,17 @@ class ThinPlate:
 
     Without a domain, every patch over its own piece.  With a `Box`, the patch of piece number
     `piece` (from 0) over that box, as some of the literature has it.
+    `weight` multiplies it: 0 leaves the choice to points and their least squares.
     """
 
     domain: Box | None = None
     piece: int = 0
+    weight: fmpq = fmpq(1)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "weight", rational(self.weight, "weight"))
+        if self.weight < 0:
+            raise ValueError(f"weight must not be negative, and is {self.weight}")
         if self.domain is not None and not isinstance(self.domain, Box):
             raise TypeError(f"domain must be a pas.Box or None, not {self.domain!r}")
 

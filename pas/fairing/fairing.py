@@ -19,7 +19,7 @@ from scipy.linalg import qr
 
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.rational import Vector, plain, to_float
+from pas.algebra.rational import Vector, to_float
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import WorkingBasis, to_doubles
 from pas.fairing.constraints import DEFAULT_MARGIN, Constraints, MeanAlpha, SumOfCoefficients
@@ -90,7 +90,7 @@ class Fairing:
             frame = self.partition.frame
             box = Box(frame.local_point(self.energy.domain.lower), frame.local_point(self.energy.domain.upper))
             factor = self.basis.box_energy(self.energy.piece, box)
-        return factor.T @ factor / to_float(self.partition.frame.scale)
+        return factor.T @ factor * (to_float(self.energy.weight) / to_float(self.partition.frame.scale))
 
     def energy_of(self, working: fmpq_mat) -> float:
         """The energy of a member."""
@@ -303,24 +303,16 @@ class _Problem:
             ones = fmpq_mat(m, 1, [1] * m)
             table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
         elif not isinstance(normalize, MeanAlpha):
-            piece, local = self._locate(normalize.point, "the normalisation's point")
+            piece, local = self.fairing.partition.place(normalize.point, "the normalisation's point")
             table.append([*self.basis.exact_values(piece, local).entries(), normalize.value])
         if not table:
             return fmpq_mat(0, m + 1), []
         return _reduce(table, m)
 
     def _place(self, item: tuple[str, int]) -> tuple[int, Vector]:
-        return self._locate(getattr(self.constraints, item[0])[item[1]], self.constraints.describe(item))
-
-    def _locate(self, point: Vector, name: str) -> tuple[int, Vector]:
-        local = self.fairing.partition.frame.local_point(point)
-        cell = int(self.fairing.partition.local.locate(np.array([[to_float(c) for c in local]]))[0])
-        if cell < 0:
-            raise ValueError(
-                f"{name} lies outside the region of the partition; a point at ({', '.join(plain(c) for c in point)}) "
-                "has no influence on the surface"
-            )
-        return int(self.fairing.partition.piece_of[cell]), local
+        return self.fairing.partition.place(
+            getattr(self.constraints, item[0])[item[1]], self.constraints.describe(item)
+        )
 
 
 def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:

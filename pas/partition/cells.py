@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, to_floats, vector
+from pas.algebra.rational import Vector, cross, dot, plain, to_floats, vector
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 
@@ -180,6 +180,23 @@ class Partition:
         depth = self.barycentric(points).min(axis=1)
         best = depth.argmax(axis=0)
         return np.where(depth.max(axis=0) >= -tolerance, best, -1)
+
+    def place(self, point: Vector, name: str = "the point") -> tuple[int, Vector]:
+        """The piece that holds a point, and the point's local coordinates.
+
+        Raises `ValueError`, with the point's `name`, outside the region (all of space where there
+        are no cells).
+        """
+        local = self.frame.local_point(point)
+        if not self.cells:
+            return 0, local
+        cell = int(self.local.locate(np.array([to_floats(local)]))[0])
+        if cell < 0:
+            raise ValueError(
+                f"{name} lies outside the region of the partition; a point at ({', '.join(map(plain, point))}) "
+                "has no influence on the surface"
+            )
+        return int(self.piece_of[cell]), local
 
     @cached_property
     def _barycentric_maps(self) -> Floats:

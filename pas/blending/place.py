@@ -1,0 +1,89 @@
+"""Contacts put in their places: on a given partition, or on the corner they make.
+
+Whatever is wrong with them is said here, before anything is solved: curves that are empty, that
+touch one another or do not fit the faces they belong to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Any
+
+from pas.algebra.ideal import Ideal
+from pas.algebra.real_points import count_real_points, has_real_curve
+from pas.blending.corner import check_circle, six_tetrahedra
+from pas.errors import GeometryError
+from pas.partition.cells import Partition
+from pas.surface.contact import Contact, Pipe, as_contact
+from pas.surface.joins import joins
+from pas.surface.proofs import check_join
+
+Placed = tuple[Partition, tuple[Contact, ...]]
+
+
+def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
+    """The partition for the given pipes or contacts, and the contacts turned towards its centre.
+
+    Without a partition three perpendicular pipes or contacts get the six-tetrahedra corner.
+    Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
+    for anything that is no contact or no partition.
+    """
+    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
+    pipes = [item if isinstance(item, Pipe) else None for item in items]
+    if partition is not None and not isinstance(partition, Partition):
+        raise TypeError(
+            f"partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), "
+            f"not {partition!r}"
+        )
+    if partition is None:
+        partition = six_tetrahedra(contacts, pipes)
+    turned = tuple(_turned(contact, partition) for contact in contacts)
+    for number, join in enumerate(joins(partition, turned), start=1):
+        if join.faces:
+            pipe = pipes[number - 1]
+            if pipe is not None:
+                check_circle(number, pipe, join)
+            check_join(number, join)
+        else:
+            _check_curve(number, join.contact)
+    if len(partition.pieces) == 1:
+        _check_apart(turned)
+    return partition, turned
+
+
+def _turned(contact: Contact, partition: Partition) -> Contact:
+    """The contact with its clip negative at the partition's centre, if it has one."""
+    if partition.center is None or contact.clip.at(partition.center) <= 0:
+        return contact
+    return Contact(contact.surface, -contact.clip)
+
+
+def _check_curve(number: int, contact: Contact) -> None:
+    """That a contact's curve is a real curve, for contacts on no face."""
+    if Ideal(contact.surface, contact.clip).is_whole_ring:
+        raise GeometryError(
+            f"contact {number}: the surface {contact.surface} and the clip {contact.clip} have no common "
+            "point, not even a complex one; the clip must cut the surface in a curve"
+        )
+    real = has_real_curve(contact.surface, contact.clip)
+    if real is None:
+        raise GeometryError(
+            f"contact {number}: the clip {contact.clip} touches the surface {contact.surface} along a curve; "
+            "the two must cross at an angle"
+        )
+    if not real:
+        raise GeometryError(
+            f"contact {number}: the surface {contact.surface} and the clip {contact.clip} have no real curve in "
+            "common; the clip must cut the surface in one"
+        )
+
+
+def _check_apart(contacts: Sequence[Contact]) -> None:
+    """That no two contact curves have a common point: one polynomial cannot be regular there."""
+    for (i, a), (j, b) in combinations(enumerate(contacts, start=1), 2):
+        common = count_real_points(Ideal(a.surface, a.clip, b.surface, b.clip))
+        if common == 0:
+            continue
+        times = "have a whole curve in common" if common is None else f"meet in {common} point{'s' * (common > 1)}"
+        raise GeometryError(f"the curves of contacts {i} and {j} {times}; contact curves must be apart")
