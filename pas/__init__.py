@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from pas.exchange.problem import read_problem as read_problem
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
+    from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
     from pas.fairing.constraints import ValueAt as ValueAt
     from pas.fairing.energy import Box as Box
     from pas.fairing.energy import ThinPlate as ThinPlate
@@ -82,7 +83,7 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.problem": ("read_problem",),
-    "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "ValueAt"),
+    "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
     "pas.limits": ("limit",),
     "pas.mesh.triangulate": ("MeshError",),

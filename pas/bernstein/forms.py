@@ -9,7 +9,7 @@ from math import factorial, lcm
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpz, fmpz_mat
 
-from pas.algebra.monomials import Floats, homogeneous_exponents, positions
+from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
 
@@ -41,6 +41,26 @@ def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
     scale = fmpz(denominator) * factorial(degree)
     product = _power_to_bernstein(degree, dimension) * column
     return [fmpq(product[i, 0], scale) for i in range(len(where))]
+
+
+def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
+    """The polar forms of all monomials of degree <= n at n points, in the order of `exponents(n)`.
+
+    With the corners of a tetrahedron as arguments, each as often as a multi-index says, these are
+    the monomials' B-coefficients at that multi-index (Ramshaw 1989).  The polar form of
+    x^a y^b z^c is `a! b! c! (n-a-b-c)! / n!` times the coefficient of s^a t^b u^c in the product
+    of all `1 + s x_i + t y_i + u z_i`.
+    """
+    degree = len(arguments)
+    whole = RING.constant(1)
+    for point in arguments:
+        whole *= sum((g * c for g, c in zip(GENERATORS, point, strict=True)), RING.constant(1))
+    terms = whole.to_dict()
+    row = []
+    for e in exponents(degree):
+        times = factorial(degree - sum(e)) * factorial(e[0]) * factorial(e[1]) * factorial(e[2])
+        row.append(terms.get(e, fmpq(0)) * fmpq(times, factorial(degree)))
+    return row
 
 
 @lru_cache(maxsize=None)

@@ -133,7 +133,7 @@ class Blend:
         """The same problem with other points, weights or normalisation, without new proofs.
 
         Keeps the guard rows of this blend, so it takes milliseconds: made for sliders.  `options`
-        are `inside`, `outside`, `through`, `near`, `near_weight`, `margin`, `normalize`.
+        are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `margin`, `normalize`.
         """
         if self.choice is None:
             raise ValueError("a blend loaded from a file cannot be refitted; use blend.space.fit(...)")
@@ -171,6 +171,7 @@ def blend(
     through: Any = (),
     near: Any = (),
     near_weight: Any = 100,
+    handles: Any = (),
     margin: Any = None,
     normalize: Normalization | None = None,
     prove: bool = True,
@@ -184,7 +185,8 @@ def blend(
     `degree` it is raised until the proofs pass.  `energy` is minimised over the members
     (`pas.ThinPlate()` by default).  Points are sequences of three exact numbers: `inside` ones
     get f <= -margin, `outside` ones f >= margin (by default 10^-4 of the region's radius), the surface passes `through`
-    others exactly and `near` still others by least squares with weight `near_weight`.
+    others exactly and `near` still others by least squares with weight `near_weight` (or one for
+    each).  `handles` maps B-coefficients (cell, multi-index) to values that they get exactly.
     `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each one
     polynomial a cell) restricts a given `degree` to the span of these members.
 
@@ -204,6 +206,7 @@ def blend(
         through=through,
         near=near,
         near_weight=near_weight,
+        handles=handles,
         margin=margin,
         normalize=normalize,
         prove=prove,
@@ -232,7 +235,7 @@ def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: An
     """Choose one member of a solution space.
 
     `options` are those of `blend` that shape the surface: `energy`, `inside`, `outside`, `through`,
-    `near`, `near_weight`, `margin`, `normalize`, `prove`, `guard`.
+    `near`, `near_weight`, `handles`, `margin`, `normalize`, `prove`, `guard`.
     """
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
@@ -340,5 +343,9 @@ def _given_up(attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedE
 
 
 def _as_options(constraints: Constraints) -> dict[str, Any]:
-    names = ("inside", "outside", "through", "near", "near_weight", "margin", "normalize")
-    return {name: getattr(constraints, name) for name in names}
+    names = ("inside", "outside", "through", "near", "handles", "margin", "normalize")
+    options = {name: getattr(constraints, name) for name in names}
+    if constraints.near_weights:
+        same = len(set(constraints.near_weights)) == 1
+        options["near_weight"] = constraints.near_weights[0] if same else constraints.near_weights
+    return options

@@ -12,9 +12,10 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational import rational, to_fraction, vector
 from pas.fairing.energy import ThinPlate, box_products, tetrahedron_products
 from pas.fairing.fairing import Fairing
+from pas.fairing.functionals import Functional, value_at
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import Join, joins
@@ -132,9 +133,16 @@ class SolutionSpace:
 
     def values(self, points: Sequence[Any]) -> fmpq_mat:
         """Exact values of the basis members at points (three exact numbers each): (points, dimension)."""
-        from pas.blending.evaluation import values_at
+        places = [
+            value_at(self.partition, vector(p, f"points[{i}]"), self.degree, f"points[{i}]")
+            for i, p in enumerate(points)
+        ]
+        return self.functional_rows(places)
 
-        return values_at(self, points)
+    def functional_rows(self, functionals: Sequence[Functional]) -> fmpq_mat:
+        """Exact values of functionals on the basis members: (functionals, dimension)."""
+        rows = [functional.on(self.patches) for functional in functionals]
+        return fmpq_mat(len(rows), self.dimension, [v for row in rows for v in row])
 
     def energy_matrix(self, energy: ThinPlate | None = None) -> list[list[Fraction]]:
         """The exact matrix K of the basis for an energy: `E = 1/2 a^T K a` for coefficients a."""

@@ -2,8 +2,8 @@
 
 - *singular*: members with alpha = 0 on a contact curve, such as squares; a member outside all of
   these subspaces is regular.
-- *products*: members of the product of the contact ideals, such as `f1 f2` or `f1 h2^2`: they
-  exist whatever the contacts are (single cells only).
+- *products*: multiples of products such as `f1 f2` or `f1 h2^2` and their sums: they exist whatever
+  the contacts are, from the degree of the products on (single cells only).
 - *global*: members whose pieces are all the same polynomial (several pieces only).
 - a *common factor* of all members, and basis members that are reducible.
 """
@@ -13,13 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
+from math import prod
 
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.monomials import count, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.blending.space import SolutionSpace
-from pas.surface.contact import contact_ideal
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,7 @@ class TrivialPart:
                 yield f"all members are singular along contact {number} (alpha = 0 on its curve): none is usable"
             elif part.dimension:
                 yield f"{part.dimension} of {m} dimensions are singular along contact {number}"
-        if self.common_factor.degree > 0:
+        if m > 1 and self.common_factor.degree > 0:
             yield f"all members have the common factor {self.common_factor}"
         if self.products is not None and self.products.dimension:
             kind = (
@@ -73,12 +75,12 @@ class TrivialPart:
                 if self.products.dimension == m
                 else f"{self.products.dimension} of {m} dimensions are"
             )
-            yield f"{kind} combinations of products of the given surfaces and clips, which exist for any data"
+            yield f"{kind} sums of products of the given surfaces and clips, which exist for any data"
         if self.same_everywhere is not None and self.same_everywhere.dimension:
             found = self.same_everywhere.dimension
             kind = "all members are" if found == m else f"{found} of {m} dimensions are"
             yield f"{kind} single polynomials, the same on all pieces"
-        if len(self.reducible) == m and self.common_factor.degree <= 0:
+        if len(self.reducible) == m and (m == 1 or self.common_factor.degree <= 0):
             yield "all basis members are reducible"
 
     def __str__(self) -> str:
@@ -95,11 +97,15 @@ def trivial_part(space: SolutionSpace) -> TrivialPart:
 
 
 def _products(space: SolutionSpace) -> SolutionSpace:
-    """The members of the product of the contact ideals, which lies in their intersection."""
-    first, *others = (contact_ideal(contact, space.order) for contact in space.contacts)
-    for other in others:
-        first = first * other
-    return space.restricted([(p,) for p in first.members(space.degree)])
+    """The span of products of one generator of each contact ideal, times anything, in degree."""
+    factors = [(c.surface, c.clip ** (space.order + 1)) for c in space.contacts]
+    rows = []
+    for chosen in product(*factors):
+        whole = prod(chosen, start=Polynomial(1))
+        for shift in exponents(space.degree - whole.degree) if whole.degree <= space.degree else ():
+            rows.append((whole * Polynomial({shift: 1})).row(space.degree))
+    reduced, rank = fmpq_mat(len(rows), count(space.degree), [v for row in rows for v in row]).rref()
+    return space.restricted([(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]])
 
 
 def _same_everywhere(space: SolutionSpace) -> SolutionSpace:

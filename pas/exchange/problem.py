@@ -49,6 +49,8 @@ from pas.errors import PasError, ProblemFileError
 from pas.exchange.records import read_energy, read_normalization
 from pas.fairing.constraints import Normalization
 from pas.fairing.energy import ThinPlate
+from pas.partition.cells import Partition
+from pas.partition.single_cell import SingleCell
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact, Pipe
 
@@ -70,7 +72,7 @@ KEYS = {
     },
     "pipes": {"axis", "radius", "clip", "point"},
     "contacts": {"surface", "clip"},
-    "partition": {"kind", "center", "legs"},
+    "partition": {"kind", "center", "legs", "lower", "upper"},
     "energy": {"kind", "lower", "upper", "piece", "weight"},
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
@@ -79,11 +81,10 @@ REQUIRED = {
     "": {"order"},
     "pipes": {"axis", "radius", "clip"},
     "contacts": {"surface", "clip"},
-    "partition": {"legs"},
     "normalize": {"kind"},
 }
 LISTS = {"pipes", "contacts"}
-NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "value-at")
+NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class Problem:
     order: int
     degree: int | None
     tolerance: float
-    partition: SixTetrahedra | None
+    partition: Partition | None
     energy: ThinPlate
     points: dict[str, Any]
     normalize: Normalization | None
@@ -151,7 +152,7 @@ class _Reader:
             order=self._typed(data, "order", int, None),
             degree=self._typed(data, "degree", int, None),
             tolerance=float(self._typed(data, "tolerance", (int, float, Fraction), Fraction(1, 1000))),
-            partition=self._made("partition", data, lambda t: SixTetrahedra(t.get("center", (0, 0, 0)), t["legs"])),
+            partition=self._made("partition", data, self._partition),
             energy=self._made("energy", data, self._energy) or ThinPlate(),
             points=self._made("points", data, dict) or {},
             normalize=self._made("normalize", data, self._normalization),
@@ -178,6 +179,21 @@ class _Reader:
             return make(data[table])
         except (ValueError, TypeError, PasError) as error:
             raise self._error(f"[{table}]: {error}", table, 0) from None
+
+    @staticmethod
+    def _partition(table: dict[str, Any]) -> Partition:
+        kind = table.get("kind", SixTetrahedra.name)
+        wrong = {SixTetrahedra.name: ("lower", "upper"), SingleCell.name: ("legs",)}
+        if kind not in wrong:
+            raise ValueError(f"kind must be one of {', '.join(map(repr, wrong))}, not {kind!r}")
+        for key in wrong[kind]:
+            if key in table:
+                raise ValueError(f"{key!r} does not belong to kind {kind!r}")
+        if kind == SingleCell.name:
+            return SingleCell(table.get("lower"), table.get("upper"), table.get("center"))
+        if "legs" not in table:
+            raise ValueError("the six-tetrahedra corner needs 'legs'")
+        return SixTetrahedra(table.get("center", (0, 0, 0)), table["legs"])
 
     @staticmethod
     def _energy(table: dict[str, Any]) -> ThinPlate:

@@ -6,7 +6,14 @@ from typing import Any
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, plain
-from pas.fairing.constraints import Constraints, MeanAlpha, Normalization, SumOfCoefficients, ValueAt
+from pas.fairing.constraints import (
+    Constraints,
+    MeanAlpha,
+    Normalization,
+    SumOfCoefficients,
+    UnitCoefficients,
+    ValueAt,
+)
 from pas.fairing.energy import Box, ThinPlate
 from pas.partition.cells import Partition
 from pas.partition.single_cell import SingleCell
@@ -79,7 +86,8 @@ def constraints_record(constraints: Constraints) -> dict[str, Any]:
     record: dict[str, Any] = {
         kind: [point_record(p) for p in getattr(constraints, kind)] for kind in ("inside", "outside", "through", "near")
     }
-    record["near_weight"] = plain(constraints.near_weight)
+    record["near_weight"] = [plain(w) for w in constraints.near_weights]
+    record["handles"] = [[[cell, list(index)], plain(value)] for (cell, index), value in constraints.handles]
     record["margin"] = None if constraints.margin is None else plain(constraints.margin)
     record["normalize"] = normalization_record(constraints.normalize)
     return record
@@ -98,7 +106,8 @@ def normalization_record(normalization: Normalization) -> dict[str, Any]:
             "point": point_record(normalization.point),
             "value": plain(normalization.value),
         }
-    return {"kind": "mean-alpha" if isinstance(normalization, MeanAlpha) else "sum-of-coefficients"}
+    kinds = {MeanAlpha: "mean-alpha", SumOfCoefficients: "sum-of-coefficients", UnitCoefficients: "unit-coefficients"}
+    return {"kind": kinds[type(normalization)]}
 
 
 def read_normalization(record: dict[str, Any]) -> Normalization:
@@ -106,7 +115,11 @@ def read_normalization(record: dict[str, Any]) -> Normalization:
     kind = record["kind"]
     if kind == "value-at":
         return ValueAt(record["point"], record.get("value", -1))
-    return SumOfCoefficients() if kind == "sum-of-coefficients" else MeanAlpha()
+    plain_kinds: dict[str, type[SumOfCoefficients] | type[UnitCoefficients]] = {
+        "sum-of-coefficients": SumOfCoefficients,
+        "unit-coefficients": UnitCoefficients,
+    }
+    return plain_kinds.get(kind, MeanAlpha)()
 
 
 def energy_record(energy: ThinPlate) -> dict[str, Any]:

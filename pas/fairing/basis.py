@@ -91,12 +91,6 @@ class WorkingBasis:
     def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
         return [patch.numer_denom() for patch in self.patches]
 
-    def exact_values(self, piece: int, point: Sequence[fmpq]) -> fmpq_mat:
-        """Exact values of the members on a piece at a local point: (1, m)."""
-        x, y, z = point
-        column = fmpq_mat(len(exponents(self.degree)), 1, [x**a * y**b * z**c for a, b, c in exponents(self.degree)])
-        return (self.patches[piece] * column).transpose()
-
     @cached_property
     def cell_energy(self) -> Floats:
         """A factor J (rows, m) of the energy over the cells: `q^T J^T J q` for coefficients q."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,11 @@ DEFAULT_MARGIN = 1e-4
 """How far `inside` and `outside` points are kept from the surface, over the radius of the region:
 far enough for rounding not to move them across, and for solvers to see a contradiction."""
 
-KINDS = ("inside", "outside", "through")
+KINDS = ("inside", "outside", "through", "handles")
+"""Constraints that must hold; `near` is least squares."""
+
+Handle = tuple[int, tuple[int, int, int, int]]
+"""A B-coefficient: the number of a cell (tetrahedron) and a multi-index of its corners."""
 
 
 @dataclass(frozen=True)
@@ -44,23 +48,33 @@ class ValueAt:
             raise ValueError("value must not be 0, or the zero function would be an answer")
 
 
-Normalization = MeanAlpha | SumOfCoefficients | ValueAt
+@dataclass(frozen=True)
+class UnitCoefficients:
+    """The coefficients of the polynomials have Euclidean length 1 (over all monomials and pieces).
+
+    With points to be `near` and no energy this is the least-squares fit with the normalised
+    distance `sum w f(p)^2 / |f|^2`, a generalised Rayleigh quotient (Lou, Feng, Chen and Deng 2001).
+    """
+
+
+Normalization = MeanAlpha | SumOfCoefficients | ValueAt | UnitCoefficients
 
 
 @dataclass(frozen=True)
 class Constraints:
-    """Points that shape the surface, exact, in the user's coordinates.
+    """What shapes the surface, exact, in the user's coordinates.
 
     `inside`: f(p) <= -margin; `outside`: f(p) >= margin (by default `DEFAULT_MARGIN` times the
-    region's radius); `through`: f(p) = 0, exactly; `near`:
-    `near_weight * sum f(p)^2` is added to the energy.
+    region's radius); `through`: f(p) = 0, exactly; `near`: `sum w_i f(p_i)^2` is added to the
+    energy, with the weights `near_weights`; `handles`: B-coefficients with given values, exactly.
     """
 
     inside: Points = ()
     outside: Points = ()
     through: Points = ()
     near: Points = ()
-    near_weight: fmpq = fmpq(100)
+    near_weights: tuple[fmpq, ...] = ()
+    handles: tuple[tuple[Handle, fmpq], ...] = ()
     margin: fmpq | None = None
     normalize: Normalization = field(default_factory=MeanAlpha)
 
@@ -73,26 +87,33 @@ class Constraints:
         through: Any = (),
         near: Any = (),
         near_weight: Any = 100,
+        handles: Any = (),
         margin: Any = None,
         normalize: Normalization | None = None,
     ) -> Constraints:
-        """The constraints from whatever the user writes: sequences of points of three numbers."""
-        weight = rational(near_weight, "near_weight")
+        """The constraints from whatever the user writes.
+
+        Points are sequences of three numbers, `near_weight` a number for all points or one for
+        each, `handles` a mapping from (cell, multi-index) to values.
+        """
         distance = None if margin is None else rational(margin, "margin")
-        if weight < 0 or (distance is not None and distance < 0):
-            raise ValueError("near_weight and margin must not be negative")
+        if distance is not None and distance < 0:
+            raise ValueError("margin must not be negative")
         if normalize is None:
             normalize = MeanAlpha()
-        if not isinstance(normalize, MeanAlpha | SumOfCoefficients | ValueAt):
+        if not isinstance(normalize, Normalization):
             raise TypeError(
-                f"normalize must be pas.MeanAlpha(), pas.SumOfCoefficients() or pas.ValueAt(...), not {normalize!r}"
+                "normalize must be pas.MeanAlpha(), pas.SumOfCoefficients(), pas.UnitCoefficients() or "
+                f"pas.ValueAt(...), not {normalize!r}"
             )
+        points = _points(near, "near")
         return cls(
             _points(inside, "inside"),
             _points(outside, "outside"),
             _points(through, "through"),
-            _points(near, "near"),
-            weight,
+            points,
+            _weights(near_weight, len(points)),
+            _handles(handles),
             distance,
             normalize,
         )
@@ -106,14 +127,17 @@ class Constraints:
     def without(self, dropped: Sequence[tuple[str, int]]) -> Constraints:
         """The same constraints less some points."""
 
-        def kept(kind: str) -> Points:
+        def kept(kind: str) -> Any:
             return tuple(p for i, p in enumerate(getattr(self, kind)) if (kind, i) not in dropped)
 
-        return replace(self, inside=kept("inside"), outside=kept("outside"), through=kept("through"))
+        return replace(self, **{kind: kept(kind) for kind in KINDS})
 
     def describe(self, item: tuple[str, int]) -> str:
-        """A constraint in words: 'inside (1/2, 0, 0)'."""
+        """A constraint in words: 'inside (1/2, 0, 0)', 'handle 0, (3, 0, 0, 0) = 1'."""
         kind, index = item
+        if kind == "handles":
+            (cell, corners), value = self.handles[index]
+            return f"handle {cell}, {corners} = {plain(value)}"
         return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
 
 
@@ -123,3 +147,31 @@ def _points(value: Any, name: str) -> Points:
     if len(value) == 3 and not any(hasattr(entry, "__len__") and not isinstance(entry, str) for entry in value):
         return (vector(value, name),)
     return tuple(vector(point, f"{name}[{i}]") for i, point in enumerate(value))
+
+
+def _weights(value: Any, count: int) -> tuple[fmpq, ...]:
+    if hasattr(value, "__len__") and not isinstance(value, str):
+        if len(value) != count:
+            raise ValueError(f"near_weight must be one number, or one for each of the {count} near points")
+        weights = tuple(rational(w, f"near_weight[{i}]") for i, w in enumerate(value))
+    else:
+        weights = (rational(value, "near_weight"),) * max(count, 1)
+    if any(w < 0 for w in weights):
+        raise ValueError("near_weight must not be negative")
+    return weights[:count]
+
+
+def _handles(value: Any) -> tuple[tuple[Handle, fmpq], ...]:
+    items = value.items() if isinstance(value, Mapping) else value
+    result = []
+    for item in items:
+        try:
+            (cell, (i, j, k, m)), number = item
+            handle = (int(cell), (int(i), int(j), int(k), int(m)))
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"handles must map (cell, multi-index of four numbers) to values, as in {{(0, (3, 0, 0, 0)): 1}}, "
+                f"not {item!r}"
+            ) from None
+        result.append((handle, rational(number, f"handles[{handle}]")))
+    return tuple(result)

@@ -1,0 +1,238 @@
+"""One choice among the members as a quadratic programme, with its equations kept exact."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import floor, log2
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from scipy.linalg import eigh, null_space, qr
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float
+from pas.errors import InfeasibleError, NotSolvedError
+from pas.fairing.basis import to_doubles
+from pas.fairing.constraints import (
+    DEFAULT_MARGIN,
+    Constraints,
+    MeanAlpha,
+    SumOfCoefficients,
+    UnitCoefficients,
+    ValueAt,
+)
+from pas.fairing.functionals import Functional, b_coefficient, value_at
+from pas.fairing.guard import Rows
+from pas.fairing.qp import Outcome, Programme, feasible, solve
+
+if TYPE_CHECKING:
+    from pas.fairing.fairing import Fairing
+
+FRACTION_BITS = 36
+"""Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
+badly conditioned as `pas.fairing.basis.CONDITION` may cost four."""
+
+ROUNDING = 1e-7
+"""What rounding and the solver may cost a point without margin, over the region's radius."""
+
+SIDES = (("inside", -1.0), ("outside", 1.0))
+"""The kinds of points with an inequality, and the sign of f there."""
+
+UNIT_STEPS = 100
+"""Steps of the iteration for coefficients of length 1 under inequalities; 3 to 20 were needed."""
+
+
+class Problem:
+    """One quadratic programme over the working coefficients, with its exact equations."""
+
+    def __init__(self, fairing: Fairing, constraints: Constraints) -> None:
+        self.fairing, self.constraints, self.basis = fairing, constraints, fairing.basis
+        self.exact = self._exact_equations()
+
+    def optimum(self, rows: Rows) -> Floats | None:
+        """The optimal working coefficients, or None where the constraints conflict."""
+        if self.exact is None:
+            return None
+        if isinstance(self.constraints.normalize, UnitCoefficients):
+            return self._unit_optimum(rows)
+        return self._solved(self._programme(self._equations(), self._points() + rows))
+
+    def possible(self, rows: Rows) -> bool:
+        """Whether all constraints can hold together."""
+        if self.exact is None:
+            return False
+        if isinstance(self.constraints.normalize, UnitCoefficients):
+            return self._unit_optimum(rows) is not None
+        return feasible(self._programme(self._equations(), self._points() + rows))
+
+    def rounded(self, q: Floats) -> fmpq_mat:
+        """Nearby rationals that satisfy the exact equations exactly.
+
+        Raises `InfeasibleError` where a point of the user's does not hold for them, exactly.
+        """
+        assert self.exact is not None
+        shift = floor(log2(np.abs(q).max())) - FRACTION_BITS
+        step = fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
+        result = fmpq_mat(1, len(q), [round(float(x) / to_float(step)) * step for x in q])
+        equations, pivots = self.exact
+        for i, pivot in enumerate(pivots):
+            others = sum((equations[i, j] * result[0, j] for j in range(len(q)) if j not in pivots), fmpq(0))
+            result[0, pivot] = equations[i, len(q)] - others
+        slack = max(self._margin / 2, ROUNDING * self._radius)
+        for kind, sign in SIDES:
+            for index, values in enumerate(self._values(kind)):
+                value = (fmpq_mat([values]) * result.transpose())[0, 0]
+                if sign * to_float(value) < self._margin - slack:
+                    words = self.constraints.describe((kind, index))
+                    raise InfeasibleError(f"the point constraint {words} is missed narrowly")
+        return result
+
+    @property
+    def _radius(self) -> float:
+        """The radius of the region in the user's units."""
+        partition = self.fairing.partition
+        return float(np.linalg.norm(partition.local.points, axis=1).max()) * to_float(partition.frame.scale)
+
+    @property
+    def _margin(self) -> float:
+        margin = self.constraints.margin
+        return DEFAULT_MARGIN * self._radius if margin is None else to_float(margin)
+
+    def _programme(self, equations: Floats, inequalities: Rows) -> Programme:
+        m = self.basis.size
+        unit = np.linalg.norm(equations[:, :m], axis=1, keepdims=True)
+        equations = equations / np.where(unit > 0, unit, 1.0)
+        lengths = np.linalg.norm(inequalities.rows, axis=1)
+        lengths = np.where(lengths > 0, lengths, 1.0)
+        return Programme(
+            self._hessian / (float(np.abs(self._hessian).max()) or 1.0),
+            np.zeros(m),
+            equations[:, :m],
+            equations[:, m],
+            inequalities.rows / lengths[:, None],
+            inequalities.at_least / lengths,
+        )
+
+    def _solved(self, programme: Programme) -> Floats | None:
+        solution = solve(programme)
+        if solution.outcome is Outcome.FAILED:
+            raise NotSolvedError(
+                f"neither solver found an optimum that passes its checks in degree {self.fairing.degree}"
+            )
+        return solution.unknowns if solution.outcome is Outcome.SOLVED else None
+
+    def _equations(self) -> Floats:
+        """All equations with their right-hand sides, (p, m + 1)."""
+        assert self.exact is not None
+        m = self.basis.size
+        equations = to_doubles(self.exact[0]) if self.exact[0].nrows() else np.empty((0, m + 1))
+        if isinstance(self.constraints.normalize, MeanAlpha):
+            equations = np.concatenate([equations, np.append(self.fairing.guard.mean_alpha(), 1.0)[None]])
+        return equations
+
+    def _unit_optimum(self, rows: Rows) -> Floats | None:
+        """The smallest quotient of the objective by the coefficients' squared length.
+
+        Without active inequalities an eigenvector.  With some, the length is linearised at the
+        last member again and again: a fixed point satisfies the optimality conditions.
+        """
+        m = self.basis.size
+        gram, equations = self.fairing.coefficient_gram, self._equations()
+        if len(equations) and np.abs(equations[:, m]).max() > 0:
+            raise ValueError("a handle other than 0 fixes the length: it needs another normalisation")
+        free = null_space(equations[:, :m]) if len(equations) else np.eye(m)
+        if not free.shape[1]:
+            return None
+        vector = free @ eigh(free.T @ self._hessian @ free, free.T @ gram @ free, subset_by_index=[0, 0])[1][:, 0]
+        inequalities = self._points() + self._homogeneous(rows)
+        starts = sorted((vector, -vector), key=lambda q: self._missed(inequalities, q))
+        if self._missed(inequalities, starts[0]) <= 0:
+            return starts[0]
+        for start in starts:
+            found = self._unit_iteration(start, gram, equations, inequalities)
+            if found is not None:
+                return found
+        return None
+
+    def _unit_iteration(self, start: Floats, gram: Floats, equations: Floats, inequalities: Rows) -> Floats | None:
+        q = start
+        for _ in range(UNIT_STEPS):
+            length = np.append(gram @ q, 1.0)[None]
+            solution = self._solved(self._programme(np.concatenate([equations, length]), inequalities))
+            if solution is None:
+                return None
+            unit = solution / np.sqrt(solution @ gram @ solution)
+            if np.abs(unit - q).max() <= 1e-9 * np.abs(unit).max():
+                return unit
+            q = unit
+        raise NotSolvedError(f"the coefficients of length 1 did not settle in {UNIT_STEPS} steps")
+
+    def _missed(self, rows: Rows, q: Floats) -> float:
+        """The largest miss of an inequality; without any, the sign that makes alpha positive."""
+        if not len(rows.rows):
+            return -float(self.fairing.guard.mean_alpha() @ q) if self.fairing.guard.alphas else 0.0
+        return float((rows.at_least - rows.rows @ q).max())
+
+    def _homogeneous(self, rows: Rows) -> Rows:
+        """Guard rows, which refer to a mean alpha of 1, for any scale."""
+        if not len(rows.rows):
+            return rows
+        shifted = rows.rows - rows.at_least[:, None] * self.fairing.guard.mean_alpha()
+        return Rows(shifted, np.zeros(len(shifted)))
+
+    @cached_property
+    def _hessian(self) -> Floats:
+        hessian = self.fairing.hessian
+        for weight, values in zip(self.constraints.near_weights, self._values("near"), strict=True):
+            row = to_doubles(fmpq_mat([values]))
+            hessian = hessian + 2 * to_float(weight) * row.T @ row
+        return hessian
+
+    def _points(self) -> Rows:
+        rows = Rows.none(self.basis.size)
+        for kind, sign in SIDES:
+            for values in self._values(kind):
+                rows += Rows(sign * to_doubles(fmpq_mat([values])), np.array([self._margin]))
+        return rows
+
+    def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:
+        """The exact equations in reduced form with their pivots; None where they contradict."""
+        m = self.basis.size
+        partition, degree, patches = self.fairing.partition, self.fairing.degree, self.basis.patches
+        table = [[*values, fmpq(0)] for values in self._values("through")]
+        for handle, value in self.constraints.handles:
+            table.append([*b_coefficient(partition, handle, degree).on(patches), value])
+        normalize = self.constraints.normalize
+        if isinstance(normalize, SumOfCoefficients):
+            ones = fmpq_mat(m, 1, [1] * m)
+            table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
+        elif isinstance(normalize, ValueAt):
+            there = value_at(partition, normalize.point, degree, "the normalisation's point")
+            table.append([*there.on(patches), normalize.value])
+        if not table:
+            return fmpq_mat(0, m + 1), []
+        return _reduce(table, m)
+
+    def _values(self, kind: str) -> list[list[fmpq]]:
+        """Exact values of the working basis at the points of a kind."""
+        points = getattr(self.constraints, kind)
+        return [self._at(point, (kind, i)).on(self.basis.patches) for i, point in enumerate(points)]
+
+    def _at(self, point: tuple[fmpq, fmpq, fmpq], item: tuple[str, int]) -> Functional:
+        return value_at(self.fairing.partition, point, self.fairing.degree, self.constraints.describe(item))
+
+
+def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:
+    """Row reduction with the columns ordered by how well the equations determine them."""
+    floats = to_doubles(fmpq_mat(len(table), m + 1, [v for row in table for v in row]))[:, :m]
+    order = [int(j) for j in qr(floats, pivoting=True, mode="r")[1]]
+    permuted = fmpq_mat(len(table), m + 1, [row[j] for row in table for j in (*order, m)])
+    reduced, rank = permuted.rref()
+    rows = reduced.tolist()[:rank]
+    leads = [next(j for j, v in enumerate(row) if v != 0) for row in rows]
+    if m in leads:
+        return None
+    back = [order.index(j) for j in range(m)]
+    equations = fmpq_mat(rank, m + 1, [row[j] for row in rows for j in (*back, m)])
+    return equations, [order[lead] for lead in leads]
