@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
     from pas.blending.project import load as load
+    from pas.blending.shaping import LeastSquares as LeastSquares
+    from pas.blending.shaping import Optimum as Optimum
     from pas.blending.solutions import solutions as solutions
     from pas.blending.space import SolutionSpace as SolutionSpace
     from pas.blending.trivial import TrivialPart as TrivialPart
@@ -66,6 +68,7 @@ _HOMES = {
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
     "pas.blending.project": ("load",),
+    "pas.blending.shaping": ("LeastSquares", "Optimum"),
     "pas.blending.solutions": ("solutions",),
     "pas.blending.space": ("SolutionSpace",),
     "pas.blending.trivial": ("TrivialPart",),

@@ -13,6 +13,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction, vector
+from pas.fairing.constraints import Handle
 from pas.fairing.energy import ThinPlate, box_products, tetrahedron_products
 from pas.fairing.fairing import Fairing
 from pas.fairing.functionals import Functional, value_at
@@ -23,6 +24,7 @@ from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
+    from pas.blending.shaping import LeastSquares, Optimum
     from pas.blending.trivial import TrivialPart
 
 Member = tuple[Polynomial, ...]
@@ -163,6 +165,44 @@ class SolutionSpace:
         from pas.blending.blend import fit
 
         return fit(self, **options)
+
+    def optimum(self, energy: ThinPlate | None = None, **options: Any) -> Optimum:
+        """The exact member of least energy, with its certificate of optimality.
+
+        `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
+        `through`, `near`, `near_weight`, `handles`, and `normalize`: the sum of coefficients is 1 by
+        default, unless a handle with a value other than 0 fixes the scale.  No condition of a clean
+        sheet is asked.
+
+        Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
+        """
+        from pas.blending.shaping import optimum
+
+        return optimum(self, energy, **options)
+
+    def determining_set(self, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
+        """B-coefficients that can be set freely and determine the member: `dimension` many.
+
+        Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
+        they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
+        and the rest follow.
+        """
+        from pas.blending.shaping import determining_set
+
+        return determining_set(self, prefer)
+
+    def least_squares(self, points: Sequence[Any], weights: Sequence[Any] | None = None) -> LeastSquares:
+        """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
+
+        `points` are three numbers each (floats as the exact rationals they are).  For members through
+        other points take `space.through(...)` first; with energy, inside or outside points use
+        `fit(near=..., normalize=pas.UnitCoefficients())`.
+
+        Raises `ValueError` for fewer points than dimensions less one.
+        """
+        from pas.blending.shaping import least_squares
+
+        return least_squares(self, points, weights)
 
     @lru_cache(maxsize=4)  # noqa: B019  (a space lives as long as its working bases)
     def fairing(self, energy: ThinPlate) -> Fairing:

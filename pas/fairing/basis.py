@@ -8,7 +8,7 @@ rounded to doubles.  Coefficients found for it go back exactly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -43,23 +43,15 @@ class WorkingBasis:
     @classmethod
     def of(cls, partition: Partition, patches: Sequence[fmpq_mat], degree: int) -> WorkingBasis:
         """A well-conditioned basis of the span of `patches`."""
-        size = patches[0].nrows()
-        transform = _identity(size)
-        exact = tuple(patches)
         rules = tetrahedra_rule(partition, 2 * degree)
         values = [monomial_values(p, degree) * np.sqrt(w) for p, w in rules]
-        for _ in range(ATTEMPTS):
-            coefficients = np.array([to_doubles(patch) for patch in exact])
-            on_cells = zip(coefficients[partition.piece_of], values, strict=True)
-            samples = np.concatenate([c @ v for c, v in on_cells], axis=1).T
-            norms = np.linalg.norm(samples, axis=0)
-            triangular: Floats = np.asarray(np.linalg.qr(samples / norms, mode="r"))
-            if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
-                break
-            change = _rational_matrix(_inverse(triangular).T / norms)
-            exact = tuple(change * patch for patch in exact)
-            transform = change * transform
-        return cls(partition, degree, transform, exact, coefficients)
+
+        def samples(tables: list[Floats]) -> Floats:
+            on_cells = zip((tables[piece] for piece in partition.piece_of), values, strict=True)
+            return np.concatenate([c @ v for c, v in on_cells], axis=1).T
+
+        transform, exact = orthonormal(patches, samples)
+        return cls(partition, degree, transform, exact, np.array([to_doubles(patch) for patch in exact]))
 
     @property
     def size(self) -> int:
@@ -111,6 +103,27 @@ class WorkingBasis:
             derivative = derivative_matrix(self.degree, i) @ derivative_matrix(self.degree, j)
             blocks.append(values @ (derivative @ self.coefficients[piece].T) * np.sqrt(times))
         return np.concatenate(blocks)
+
+
+def orthonormal(
+    matrices: Sequence[fmpq_mat], samples: Callable[[list[Floats]], Floats]
+) -> tuple[fmpq_mat, tuple[fmpq_mat, ...]]:
+    """Change a basis exactly to one whose samples are orthonormal columns up to `CONDITION`.
+
+    `matrices` hold the members as rows; `samples` maps their doubles to columns (N, m).  Returns
+    the change (m, m) and the changed matrices.
+    """
+    change, exact = _identity(matrices[0].nrows()), tuple(matrices)
+    for _ in range(ATTEMPTS):
+        columns = samples([to_doubles(matrix) for matrix in exact])
+        norms = np.linalg.norm(columns, axis=0)
+        triangular: Floats = np.asarray(np.linalg.qr(columns / norms, mode="r"))
+        if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
+            break
+        step = _rational_matrix(_inverse(triangular).T / norms)
+        exact = tuple(step * matrix for matrix in exact)
+        change = step * change
+    return change, exact
 
 
 def derivative_matrix(degree: int, variable: int) -> Floats:

@@ -1,0 +1,193 @@
+"""Shape control on any solution space, exact where the mathematics is: optima, handles, least squares.
+
+- `optimum`: the member of least energy (and squared values at points) under equations and
+  inequalities, as exact rationals, with a certificate of optimality (the multipliers).
+- `determining_set`: B-coefficients that can be set freely, and determine the member (a minimal
+  determining set; Alfeld and Schumaker 1987).
+- `least_squares`: the smallest `sum w_i f(p_i)^2 / |f|^2`, |f| the Euclidean length of the
+  coefficient vector: a generalised eigenproblem (Lou, Feng, Chen and Deng 2001).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from scipy.linalg import svd
+
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.rational import rational, to_float, to_fraction
+from pas.blending.space import SolutionSpace
+from pas.errors import InfeasibleError, NoSolutionError
+from pas.fairing.basis import orthonormal, to_doubles
+from pas.fairing.constraints import (
+    Constraints,
+    Handle,
+    MeanAlpha,
+    SumOfCoefficients,
+    UnitCoefficients,
+    ValueAt,
+)
+from pas.fairing.energy import ThinPlate
+from pas.fairing.functionals import b_coefficient, value_at
+from pas.fairing.optimum import ExactProgramme, solve_exactly
+from pas.surface.piecewise import PiecewiseSurface
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The exact optimum: `coefficients` in the space's basis, the `surface`, its `energy` and the
+    `value` of the whole objective.
+
+    `active` maps each inequality that holds with equality, in words, to its multiplier (how fast
+    the value falls when it is relaxed).  `unique` is False where the objective has several
+    minimisers; then this is one of them.
+    """
+
+    surface: PiecewiseSurface
+    coefficients: tuple[Fraction, ...]
+    energy: Fraction
+    value: Fraction
+    active: dict[str, Fraction]
+    unique: bool
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """The least-squares member: `coefficients` in the space's basis (doubles, the last one that is
+    not tiny being 1), the `surface` with these taken exactly, and the quotient reached."""
+
+    surface: PiecewiseSurface
+    coefficients: Floats
+    quotient: float
+
+
+def optimum(space: SolutionSpace, energy: ThinPlate | None = None, **options: Any) -> Optimum:
+    """See `SolutionSpace.optimum`."""
+    _not_empty(space)
+    if options.get("normalize") is None:
+        options["normalize"] = SumOfCoefficients()
+        free = any(rational(v) != 0 for v in dict(options.get("handles", {})).values())
+    else:
+        free = False
+    constraints = Constraints.of(**options)
+    plate = energy or ThinPlate()
+    if plate.domain is None and not space.partition.cells:
+        raise ValueError("an energy needs a region: give pas.ThinPlate a pas.Box, or the single cell one")
+    quadratic = space.exact_energy(plate)
+    near = fmpq_mat(space.dimension, space.dimension)
+    for weight, row in zip(constraints.near_weights, _values(space, constraints, "near"), strict=True):
+        near += fmpq_mat(space.dimension, 1, row) * fmpq_mat(1, space.dimension, row) * (2 * weight)
+    equations = list(_equations(space, constraints, normalized=not free))
+    sided = list(_inequalities(space, constraints))
+    programme = ExactProgramme(
+        quadratic + near, _matrix(equations, space.dimension), _matrix([row for _, row in sided], space.dimension)
+    )
+    try:
+        solution = solve_exactly(programme)
+    except InfeasibleError as error:
+        raise InfeasibleError(f"no member of degree {space.degree} satisfies all constraints: {error}") from None
+    a = solution.unknowns
+    return Optimum(
+        surface=space.member(a.entries()),
+        coefficients=tuple(map(to_fraction, a.entries())),
+        energy=to_fraction((a * quadratic * a.transpose())[0, 0] / 2),
+        value=to_fraction(solution.value),
+        active={constraints.describe(sided[i][0]): to_fraction(v) for i, v in solution.multipliers.items()},
+        unique=solution.unique,
+    )
+
+
+def handles(space: SolutionSpace) -> tuple[Handle, ...]:
+    """All B-coefficients of a space: (cell, multi-index), each domain point once, cell by cell."""
+    cells = space.partition.cells or ((0, 1, 2, 3),)
+    seen: set[tuple[tuple[int, int], ...]] = set()
+    result: list[Handle] = []
+    for number, cell in enumerate(cells):
+        for i, j, k, m in homogeneous_exponents(space.degree, 4):
+            point = tuple(sorted((v, times) for v, times in zip(cell, (i, j, k, m), strict=True) if times))
+            if point not in seen:
+                seen.add(point)
+                result.append((number, (i, j, k, m)))
+    return tuple(result)
+
+
+def determining_set(space: SolutionSpace, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
+    """See `SolutionSpace.determining_set`."""
+    candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
+    functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]
+    reduced, rank = space.functional_rows(functionals).transpose().rref()
+    table = reduced.tolist()
+    return tuple(candidates[next(j for j, v in enumerate(table[i]) if v != 0)] for i in range(rank))
+
+
+def least_squares(space: SolutionSpace, points: Sequence[Any], weights: Sequence[Any] | None = None) -> LeastSquares:
+    """See `SolutionSpace.least_squares`."""
+    _not_empty(space)
+    if len(points) < space.dimension - 1:
+        raise ValueError(
+            f"{len(points)} points do not determine one of {space.dimension} dimensions; "
+            f"give at least {space.dimension - 1}, or choose by energy with `fit` or `optimum`"
+        )
+    given = [fmpq(1)] * len(points) if weights is None else [rational(w, "weights") for w in weights]
+    if len(given) != len(points) or any(w <= 0 for w in given):
+        raise ValueError(f"weights must be {len(points)} positive numbers, one for each point")
+    rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
+    vectors = fmpq_mat(rows)
+    change, (basis,) = orthonormal((vectors,), lambda tables: tables[0].T)
+    values = to_doubles(change * space.values(points).transpose()).T
+    triangular: Floats = np.asarray(np.linalg.qr(to_doubles(basis).T, mode="r"))
+    scaled = np.sqrt([to_float(w) for w in given])[:, None] * values
+    # singular values, not eigenvalues: small quotients keep their digits
+    _, singular, right = svd(np.linalg.solve(triangular.T, scaled.T).T, full_matrices=True)
+    last = np.linalg.solve(triangular, right[-1])
+    coefficients = last @ to_doubles(change)
+    significant = np.flatnonzero(np.abs(coefficients) > 1e-9 * np.abs(coefficients).max())
+    coefficients = coefficients / coefficients[significant[-1]]
+    smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
+    return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, smallest**2)
+
+
+def _not_empty(space: SolutionSpace) -> None:
+    if space.dimension == 0:
+        raise NoSolutionError(f"the solution space of degree {space.degree} is empty", space.degrees_tried)
+
+
+def _values(space: SolutionSpace, constraints: Constraints, kind: str) -> list[list[fmpq]]:
+    points = getattr(constraints, kind)
+    names = (constraints.describe((kind, i)) for i in range(len(points)))
+    there = [value_at(space.partition, p, space.degree, n) for p, n in zip(points, names, strict=True)]
+    rows: list[list[fmpq]] = space.functional_rows(there).tolist()
+    return rows
+
+
+def _equations(space: SolutionSpace, constraints: Constraints, *, normalized: bool) -> Iterator[list[fmpq]]:
+    for row in _values(space, constraints, "through"):
+        yield [*row, fmpq(0)]
+    for handle, value in constraints.handles:
+        yield [*b_coefficient(space.partition, handle, space.degree).on(space.patches), value]
+    if not normalized:
+        return
+    normalize = constraints.normalize
+    if isinstance(normalize, MeanAlpha | UnitCoefficients):
+        raise ValueError("an exact optimum needs a linear normalisation: pas.SumOfCoefficients() or pas.ValueAt(...)")
+    if isinstance(normalize, ValueAt):
+        there = value_at(space.partition, normalize.point, space.degree, "the normalisation's point")
+        yield [*there.on(space.patches), normalize.value]
+    else:
+        yield [fmpq(1)] * (space.dimension + 1)
+
+
+def _inequalities(space: SolutionSpace, constraints: Constraints) -> Iterator[tuple[tuple[str, int], list[fmpq]]]:
+    margin = fmpq(0) if constraints.margin is None else constraints.margin
+    for kind, sign in (("inside", -1), ("outside", 1)):
+        for index, row in enumerate(_values(space, constraints, kind)):
+            yield (kind, index), [*(sign * v for v in row), margin]
+
+
+def _matrix(rows: Sequence[Sequence[fmpq]], unknowns: int) -> fmpq_mat:
+    return fmpq_mat(len(rows), unknowns + 1, [v for row in rows for v in row])
