@@ -12,7 +12,7 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     surface = blend.surface
     rows = [(f"contact {i}", str(contact)) for i, contact in enumerate(surface.contacts, start=1)]
     rows += [
-        ("partition", f"{surface.partition.name} ({len(surface.patches)} cells)"),
+        ("partition", surface.partition.name),
         ("order", f"GC^{surface.order} at the contacts, C^{surface.order} between cells"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),

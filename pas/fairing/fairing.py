@@ -186,7 +186,7 @@ class Fairing:
                 dropped.append(point)
         conflict = [constraints.describe(p) for p in points if p not in dropped]
         if len(conflict) == 1:
-            text = f"the point constraint {conflict[0]} cannot be met by any member of degree {self.degree}"
+            text = f"the constraint {conflict[0]} cannot be met by any member of degree {self.degree}"
         else:
-            text = f"the point constraints {', '.join(conflict)} contradict one another in degree {self.degree}"
+            text = f"the constraints {', '.join(conflict)} contradict one another in degree {self.degree}"
         return InfeasibleError(text, conflict)

@@ -85,7 +85,7 @@ class Problem:
                 value = (fmpq_mat([values]) * result.transpose())[0, 0]
                 if sign * to_float(value) < self._margin - slack:
                     words = self.constraints.describe((kind, index))
-                    raise InfeasibleError(f"the point constraint {words} is missed narrowly")
+                    raise InfeasibleError(f"the constraint {words} is missed narrowly")
         return result
 
     @property

@@ -1,17 +1,25 @@
 """The surfaces that a blend continues, as meshes beyond their clips, for pictures.
 
 A surface that does not change along its clip's normal (a pipe) is extruded from the mesh's
-boundary curve, so that it joins without a gap; any other is left out.
+boundary curve, so that it joins without a gap.  Any other is meshed in the box beyond its clip,
+where that is a plane normal to an axis; otherwise it is left out.
 """
 
 from __future__ import annotations
+
+from fractions import Fraction
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.mesh.field import Integers, TriangleMesh, edge_table
+from pas.partition.single_cell import SingleCell
+from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
+
+NEIGHBOUR_TOLERANCE = 1e-3
+"""Of a neighbour's mesh, over its length."""
 
 RINGS = 24
 """Rings of triangles along an extruded neighbour: enough for stripes to be straight."""
@@ -28,7 +36,11 @@ def neighbours(surface: PiecewiseSurface, mesh: TriangleMesh, length: float) -> 
             np.maximum(_distance(contact.clip, mesh.points), _distance(contact.surface, mesh.points))[rim].max(axis=1)
             < near
         )
-        if on.any() and _is_cylinder(contact.surface, contact.clip):
+        if not on.any():
+            continue
+        if not _is_cylinder(contact.surface, contact.clip):
+            result += _beyond(contact, surface, length)
+        else:
             direction = contact.clip.gradient(mesh.points[rim[on][0, 0]])
             direction = direction / np.linalg.norm(direction)
             result.append(_extruded(contact.surface, mesh.points, rim[on], direction * length))
@@ -48,6 +60,26 @@ def _is_cylinder(surface: Polynomial, clip: Polynomial) -> bool:
     slope = [clip.diff(i).raw for i in range(3)]
     change = sum((surface.diff(i).raw * s for i, s in enumerate(slope)), GENERATORS[0] * 0)
     return bool(change.is_zero())
+
+
+def _beyond(contact: Contact, surface: PiecewiseSurface, length: float) -> list[TriangleMesh]:
+    """The contact surface on the far side of its clip, in a box `length` wider than the region."""
+    slope = [contact.clip.diff(i).at((0, 0, 0)) for i in range(3)]
+    axis = next((i for i in range(3) if slope[i] != 0), None)
+    if contact.clip.degree != 1 or axis is None or sum(s != 0 for s in slope) > 1:
+        return []
+    reach = Fraction(length)
+    lower, upper = (
+        [Fraction(v) + side * reach for v in bound]
+        for bound, side in ((surface.partition.points.min(axis=0), -1), (surface.partition.points.max(axis=0), 1))
+    )
+    plane = -contact.clip.at((0, 0, 0)) / slope[axis]
+    if slope[axis] > 0:
+        lower[axis], upper[axis] = plane, plane + 2 * reach
+    else:
+        lower[axis], upper[axis] = plane - 2 * reach, plane
+    alone = PiecewiseSurface.from_polynomials(SingleCell(lower, upper), [], 0, [contact.surface])
+    return [alone.triangulate(length * NEIGHBOUR_TOLERANCE)]
 
 
 def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats) -> TriangleMesh:
