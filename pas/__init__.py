@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
+    from pas.blending.generators import Generator as Generator
     from pas.blending.project import load as load
     from pas.blending.shaping import LeastSquares as LeastSquares
     from pas.blending.shaping import Optimum as Optimum
@@ -67,6 +68,7 @@ _HOMES = {
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
+    "pas.blending.generators": ("Generator",),
     "pas.blending.project": ("load",),
     "pas.blending.shaping": ("LeastSquares", "Optimum"),
     "pas.blending.solutions": ("solutions",),

@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(command=None, debug=False)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     _blend_parser(commands)
+    _solve_parser(commands)
     _check_parser(commands)
     _mesh_parser(commands)
     _render_parser(commands)
@@ -97,6 +98,27 @@ def _blend_parser(commands: Commands) -> None:
     _tolerance(parser, "the file's, or 0.001")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
     parser.set_defaults(command="blend", run=_blend)
+
+
+def _solve_parser(commands: Commands) -> None:
+    parser = _command(
+        commands,
+        "solve",
+        "find all surfaces of a degree that meet the contacts of a problem file",
+        "Prints degree, dimension, a basis, the generators of all solutions, and which of them are\n"
+        "singular along a contact.  The file is one of `pas blend`; for a single polynomial it has\n\n"
+        '  [partition]\n  kind = "single cell"',
+    )
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
+    parser.add_argument("--degree", type=int, metavar="N", help="this degree, instead of the lowest with solutions")
+    parser.add_argument("--method", default="linear", help="linear, syzygy, normal-form or intersection")
+    parser.add_argument("--regular", action="store_true", help="the lowest degree with regular solutions")
+    parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
+    form = parser.add_mutually_exclusive_group()
+    for name in ("json", "latex", "sympy"):
+        form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
+    parser.set_defaults(command="solve", run=_solve, form="text")
 
 
 def _check_parser(commands: Commands) -> None:
@@ -167,6 +189,26 @@ def _blend(options: argparse.Namespace) -> int:
         print(f"pas: no picture: {notes}", file=sys.stderr)
         return FAILED
     return DONE if result.certificate.proved or not problem.prove else FAILED
+
+
+def _solve(options: argparse.Namespace) -> int:
+    from pas.blending.report import report
+    from pas.blending.solutions import solutions
+    from pas.exchange.problem import read_problem
+    from pas.limits import limit
+
+    problem = read_problem(options.problem)
+    with limit(options.seconds, lambda line: print(line, file=sys.stderr, flush=True)):
+        space = solutions(
+            problem.contacts,
+            problem.order if options.order is None else options.order,
+            problem.degree if options.degree is None else options.degree,
+            problem.partition,
+            method=options.method,
+            regular=options.regular,
+        )
+        print(report(space, options.form))
+    return DONE
 
 
 def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) -> str:

@@ -15,8 +15,13 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_m
 
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.polynomial import RING, VARIABLES
+from pas.limits import checkpoint
 
 INTEGER_RING = fmpz_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
+
+FIRST_ROOM = (32, 256, 2048)
+"""Polynomials of an unreduced basis, terms of one and bits of a coefficient before the clock is
+looked at; contact ideals with short numbers have fewer.  The room is doubled then."""
 
 Sparse = dict[Exponents, fmpq]
 
@@ -88,9 +93,15 @@ class NormalForm:
 def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[fmpz_mpoly]:
     """The reduced Groebner basis in the order of the context, up to constant factors.
 
-    Sorted by exponents of the leading monomials, so that equal ideals have equal lists.
+    Sorted by exponents of the leading monomials, so that equal ideals have equal lists.  Looks at
+    the clock whenever the unreduced basis outgrows the room that it has.
     """
-    basis = list(fmpz_mpoly_vec(list(generators), context).buchberger_naive().autoreduction())
+    vector, room, complete = fmpz_mpoly_vec(list(generators), context), FIRST_ROOM, False
+    while not complete:
+        checkpoint(f"computing a Groebner basis ({len(vector)} polynomials so far)")
+        vector, complete = vector.buchberger_naive(limits=room)
+        room = tuple(2 * size for size in room)
+    basis = list(vector.autoreduction())
     return sorted(basis, key=leading_exponents, reverse=True)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from functools import cached_property
+from math import gcd, lcm
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,16 @@ class Polynomial:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
         return evaluate(array, columns)
 
+    def primitive(self) -> Polynomial:
+        """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
+        if self.is_zero:
+            return self
+        values = self.raw.coeffs()
+        denominator = lcm(*(int(c.q) for c in values))
+        divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
+        sign = 1 if values[0] > 0 else -1
+        return Polynomial.from_raw(self.raw * fmpq(sign * denominator, divisor))
+
     def to_sympy(self) -> Any:
         """The same polynomial as a sympy expression in the symbols x, y, z."""
         import sympy
@@ -221,7 +232,10 @@ def _from_sympy(expression: Any) -> fmpq_mpoly:
 
     strange = sorted(str(s) for s in expression.free_symbols if str(s) not in VARIABLES)
     if strange:
-        raise ValueError(f"the variables must be x, y, z; {', '.join(strange)} is not one of them")
+        raise ValueError(
+            f"the variables must be x, y, z; {', '.join(strange)} is not one of them; put numbers for parameters, "
+            "or ask pas.existence for which parameters there is a solution"
+        )
     symbols = [next((s for s in expression.free_symbols if str(s) == v), sympy.Symbol(v)) for v in VARIABLES]
     try:
         terms = sympy.Poly(expression, *symbols).terms()

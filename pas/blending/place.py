@@ -36,6 +36,8 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
             f"partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), "
             f"not {partition!r}"
         )
+    if not contacts and partition is not None and len(partition.pieces) == 1:
+        raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
     if partition is None:
         partition = six_tetrahedra(contacts, pipes)
     turned = tuple(_turned(contact, partition) for contact in contacts)

@@ -36,8 +36,11 @@ def intersection(contacts: Contacts, order: int) -> Ideal:
 
 
 def members(contacts: Sequence[Contact], order: int, degree: int, method: str) -> tuple[Polynomial, ...]:
-    """A basis of all polynomials of degree <= `degree` that meet every contact with GC^`order`."""
-    return METHODS[method](tuple(contacts), order, degree)
+    """A basis of all polynomials of degree <= `degree` that meet every contact with GC^`order`.
+
+    Their coefficients are coprime integers.
+    """
+    return tuple(p.primitive() for p in METHODS[method](tuple(contacts), order, degree))
 
 
 def _linear(contacts: Contacts, order: int, degree: int) -> tuple[Polynomial, ...]:

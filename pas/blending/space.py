@@ -24,6 +24,7 @@ from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
+    from pas.blending.generators import Generator
     from pas.blending.shaping import LeastSquares, Optimum
     from pas.blending.trivial import TrivialPart
 
@@ -78,6 +79,17 @@ class SolutionSpace:
         from pas.blending.trivial import trivial_part
 
         return trivial_part(self)
+
+    @cached_property
+    def generators(self) -> tuple[Generator, ...]:
+        """Generators of all solutions of any degree, by ascending degree.
+
+        For a single cell the reduced graded Groebner basis of the ideal that they form; for
+        several pieces generators of the module over Q[x, y, z].
+        """
+        from pas.blending.generators import generators
+
+        return generators(self)
 
     def member(self, coefficients: Sequence[Any]) -> PiecewiseSurface:
         """The surface `sum a_j basis_j`, exact; `coefficients` are `dimension` exact numbers."""

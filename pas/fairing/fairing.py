@@ -61,13 +61,25 @@ class Fairing:
     ) -> None:
         self.partition, self.contacts, self.order, self.degree = partition, tuple(contacts), order, degree
         self.energy = energy
+        if not partition.cells:
+            raise ValueError(
+                "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
+            )
         self.basis = WorkingBasis.of(partition.local, patches, degree)
 
     @cached_property
     def guard(self) -> Guard:
         """The guard rows of this space."""
         zero = [Polynomial(0)] * len(self.partition.pieces)
-        return Guard(self.basis, PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree))
+        empty = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree)
+        for number, join in enumerate(empty.joins, start=1):
+            if not join.faces:
+                raise ValueError(
+                    f"no side of the region lies in the clip plane of contact {number}, so the surface can be neither "
+                    "guarded nor proved there: fit with prove=False, guard=False and another normalisation than "
+                    "pas.MeanAlpha(), or give the region such a side"
+                )
+        return Guard(self.basis, empty)
 
     @cached_property
     def coefficient_gram(self) -> Floats:

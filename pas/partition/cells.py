@@ -234,12 +234,8 @@ def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:
     raw = sum((n * (g - o) for n, g, o in zip(normal, GENERATORS, a, strict=True)), GENERATORS[0] * 0)
     if raw.is_zero():
         raise GeometryError("three points of a face are on one line")
-    content = raw.coeffs()[0]
-    scaled = raw * (1 / abs(content))
-    denominator = 1
-    for coefficient in scaled.coeffs():
-        denominator = int(coefficient.q.lcm(denominator))
-    return Polynomial.from_raw(scaled * denominator)
+    plane = Polynomial.from_raw(raw).primitive()
+    return plane if plane.raw.coeffs()[0] * raw.coeffs()[0] > 0 else -plane
 
 
 def _minus(a: Vector, b: Vector) -> Vector:

@@ -1,0 +1,47 @@
+"""Generators of all solutions of any degree: of an ideal for a single cell, else of a module."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pas.algebra.normal_form import NormalForm
+from pas.algebra.polynomial import Polynomial
+from pas.blending.single import intersection
+
+if TYPE_CHECKING:
+    from pas.blending.space import SolutionSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Generator:
+    """One generator: a polynomial for each piece (user's coordinates).
+
+    `regular[i]` says whether alpha is not identically zero on the curve of contact i.
+    """
+
+    polynomials: tuple[Polynomial, ...]
+    regular: tuple[bool, ...]
+
+    @property
+    def degree(self) -> int:
+        """The largest degree of its polynomials."""
+        return max(p.degree for p in self.polynomials)
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.polynomials))
+
+
+def generators(space: SolutionSpace) -> tuple[Generator, ...]:
+    """See `SolutionSpace.generators`."""
+    found = [(g.primitive(),) for g in intersection(space.contacts, space.order).groebner_basis()]
+    forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
+    carriers = [join.pieces[0] for join in space.joins]
+    made = [
+        Generator(
+            member,
+            tuple(not form.reduce(member[piece].raw).is_zero() for form, piece in zip(forms, carriers, strict=True)),
+        )
+        for member in found
+    ]
+    return tuple(sorted(made, key=lambda g: g.degree))
