@@ -16,10 +16,10 @@ Moeller (1988).  All of it ends with certainty: when there are no pairs left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import lcm
-from typing import Any
+from typing import Any, TypeVar
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
@@ -34,6 +34,8 @@ RINGS = fmpz_mpoly_ctx.get(("u", "e", "x", "y", "z", "t"), Ordering.degrevlex)
 Vector = tuple[fmpq_mpoly, ...]
 Pair = tuple[int, int]
 Work = Pair | fmpz_mpoly
+Rows = list[tuple[int, tuple[bool, fmpz_mpoly]]]
+T = TypeVar("T")
 
 
 def vector_degree(vector: Sequence[fmpq_mpoly]) -> int:
@@ -153,11 +155,12 @@ def graded_basis(inputs: Sequence[fmpz_mpoly]) -> GradedBasis:
     return basis
 
 
-def graded_syzygies(vectors: Sequence[Vector]) -> list[Vector]:
+def graded_syzygies(vectors: Sequence[Vector], known: Sequence[Vector] = ()) -> list[Vector]:
     """The syzygies of `vectors`: minimal generators of those of the homogenised vectors.
 
     Sorted by degree (the largest degree of a product), with coprime integers as coefficients.
-    Those of degree <= d, times monomials, span all syzygies of degree <= d.
+    Those of degree <= d, times monomials, span all syzygies of degree <= d.  With `known`
+    syzygies: what is needed beside them.
     """
     width, units = len(vectors[0]), [vector_degree(v) for v in vectors]
     layout = Layout((*(0 for _ in range(width)), *units), front=width)
@@ -166,16 +169,20 @@ def graded_syzygies(vectors: Sequence[Vector]) -> list[Vector]:
     for i, (vector, degree) in enumerate(zip(vectors, units, strict=True)):
         images.append(layout.write((*vector, *nothing), degree))
         unit = (*nothing[:i], RING.constant(1), *nothing[i + 1 :])
-        rows.append((degree, layout.write((*vector, *unit), degree)))
+        rows.append((degree, (True, layout.write((*vector, *unit), degree))))
+    for syzygy in known:
+        degree = max(int(a.total_degree()) + d for a, d in zip(syzygy, units, strict=True) if not a.is_zero())
+        rows.append((degree, (False, layout.write((*nothing[:1] * width, *syzygy), degree))))
     found = _zero_rows(layout, graded_basis(images), rows)
     return [layout.read(row)[width:] for row in found]
 
 
-def _zero_rows(layout: Layout, images: GradedBasis, rows: list[tuple[int, fmpz_mpoly]]) -> list[fmpz_mpoly]:
+def _zero_rows(layout: Layout, images: GradedBasis, rows: Rows) -> list[fmpz_mpoly]:
     """Minimal generators of the combinations of rows that are zero at the front positions.
 
-    `images` is the Groebner basis of the rows cut off after the front positions.  In each degree
-    come first the pairs among the combinations known: what is new after them is a generator.
+    `images` is the Groebner basis of the rows cut off after the front positions; rows come with
+    their degrees and whether they are fresh (False: such a combination already known).  In each
+    degree come first those that are known, and their pairs: what is new after them is a generator.
     """
     marks = [(layout.mark(j)[0], shift) for j, shift in enumerate(layout.shifts)]
     front, back = dict(marks[: layout.front]), dict(marks[layout.front :])
@@ -189,9 +196,8 @@ def _zero_rows(layout: Layout, images: GradedBasis, rows: list[tuple[int, fmpz_m
             False: every - images.divisible(degree, front) - basis.divisible(degree, back),
         }
         todo: list[tuple[bool, Work]] = [(basis.leads[p[0]][0] in front, p) for p in basis.pairs.pop(degree, [])]
-        todo.sort(key=lambda item: item[0])
-        todo += [(True, row) for row in waiting.pop(degree, [])]
-        for is_fresh, work in todo:
+        todo += waiting.pop(degree, [])
+        for is_fresh, work in sorted(todo, key=lambda item: item[0]):
             checkpoint(f"finding syzygies, degree {degree}, {len(found)} generators")
             if not missing[False] and not (is_fresh and missing[True]):
                 continue
@@ -211,8 +217,8 @@ def _degree(element: fmpz_mpoly) -> int:
     return sum(lead(element)[2:])
 
 
-def _by_degree(inputs: Sequence[tuple[int, fmpz_mpoly]]) -> dict[int, list[fmpz_mpoly]]:
-    waiting: dict[int, list[fmpz_mpoly]] = {}
-    for degree, element in inputs:
-        waiting.setdefault(degree, []).append(element)
+def _by_degree(inputs: Iterable[tuple[int, T]]) -> dict[int, list[T]]:
+    waiting: dict[int, list[T]] = {}
+    for degree, item in inputs:
+        waiting.setdefault(degree, []).append(item)
     return waiting
