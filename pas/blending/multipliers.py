@@ -105,7 +105,7 @@ class Consistency:
         return tuple(self._solution(unknowns, list(reversed(row))) for row in reversed(basis.tolist()))
 
     def generators(self) -> tuple[Solution, ...]:
-        """Generators of all solutions, of any degree, over Q[x, y, z].
+        """Generators of all solutions, of any degree, over Q[x, y, z], by ascending degree.
 
         Those that come from products of degree <= d, times monomials, span all solutions that
         have products of degree <= d; none can be left out in this sense, and none is zero on all
@@ -116,7 +116,7 @@ class Consistency:
         vectors = [tuple(f * q[u] if u in q else zero for q in equations) for u, f in enumerate(self._factors)]
         found = graded_syzygies(vectors, [self._koszul(s) for s in range(len(self.sites))])
         solutions = (self._from_unknowns(self._normal(list(syzygy))) for syzygy in found)
-        return tuple(s for s in solutions if s.degree >= 0)
+        return tuple(sorted((s for s in solutions if s.degree >= 0), key=lambda s: s.degree))
 
     def multipliers(self, patches: Sequence[Any]) -> Multipliers:
         """The multipliers of a piecewise polynomial, by exact lifting and division.
