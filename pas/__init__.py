@@ -20,6 +20,8 @@ from pas._version import __version__
 
 if TYPE_CHECKING:
     from pas.algebra.ideal import Ideal as Ideal
+    from pas.algebra.module import Submodule as Submodule
+    from pas.algebra.module import syzygies as syzygies
     from pas.algebra.polynomial import Polynomial as Polynomial
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
@@ -65,6 +67,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "pas.algebra.ideal": ("Ideal",),
+    "pas.algebra.module": ("Submodule", "syzygies"),
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
