@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
+    from pas.blending.normal_form_system import NormalFormSystem as NormalFormSystem
+    from pas.blending.normal_form_system import normal_form_system as normal_form_system
     from pas.blending.project import load as load
     from pas.blending.space import SolutionSpace as SolutionSpace
     from pas.blending.space import solutions as solutions
@@ -62,6 +64,7 @@ _HOMES = {
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
+    "pas.blending.normal_form_system": ("NormalFormSystem", "normal_form_system"),
     "pas.blending.project": ("load",),
     "pas.blending.space": ("SolutionSpace", "solutions"),
     "pas.errors": (
