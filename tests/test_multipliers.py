@@ -14,7 +14,7 @@ from pas import Contact, Polynomial, contact_ideal
 from pas.algebra.monomials import exponents
 from pas.blending.lifting import lift, product_degree
 from pas.blending.multipliers import Consistency, Multipliers
-from pas.blending.space import solve
+from pas.blending.solutions import solve
 from pas.partition.cells import InteriorFace
 
 PUBLISHED = ("3/5", "1/5")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
@@ -96,7 +97,9 @@ def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[
     Sorted by exponents of the leading monomials, so that equal ideals have equal lists.  Looks at
     the clock whenever the unreduced basis outgrows the room that it has.
     """
-    vector, room, complete = fmpz_mpoly_vec(list(generators), context), FIRST_ROOM, False
+    vector: Any = fmpz_mpoly_vec(list(generators), context)
+    room: tuple[int, ...] = FIRST_ROOM
+    complete = False
     while not complete:
         checkpoint(f"computing a Groebner basis ({len(vector)} polynomials so far)")
         vector, complete = vector.buchberger_naive(limits=room)

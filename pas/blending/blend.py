@@ -18,8 +18,9 @@ from typing import Any
 from flint import fmpq_mat
 
 from pas.algebra.rational import to_fraction
+from pas.blending.checks import HIGHEST_DEGREE, check_degree, check_order
 from pas.blending.place import place
-from pas.blending.solutions import HIGHEST_DEGREE, check_degree, check_order, solve
+from pas.blending.solutions import solve
 from pas.blending.space import Member, SolutionSpace
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.constraints import Constraints, Normalization

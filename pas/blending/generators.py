@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial
+from pas.blending.multipliers import Multipliers
 from pas.blending.single import intersection
 
 if TYPE_CHECKING:
@@ -17,10 +18,12 @@ if TYPE_CHECKING:
 class Generator:
     """One generator: a polynomial for each piece (user's coordinates).
 
+    `multipliers` are those of the contacts and faces (`gamma f + beta h^(k+1)`, `alpha plane^(k+1)`);
     `regular[i]` says whether alpha is not identically zero on the curve of contact i.
     """
 
     polynomials: tuple[Polynomial, ...]
+    multipliers: Multipliers
     regular: tuple[bool, ...]
 
     @property
@@ -34,12 +37,17 @@ class Generator:
 
 def generators(space: SolutionSpace) -> tuple[Generator, ...]:
     """See `SolutionSpace.generators`."""
-    found = [(g.primitive(),) for g in intersection(space.contacts, space.order).groebner_basis()]
+    if len(space.patches) == 1:
+        basis = intersection(space.contacts, space.order).groebner_basis()
+        found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
+    else:
+        found = [s.patches for s in space.consistency.generators()]
     forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
     carriers = [join.pieces[0] for join in space.joins]
     made = [
         Generator(
             member,
+            space.consistency.multipliers(member),
             tuple(not form.reduce(member[piece].raw).is_zero() for form, piece in zip(forms, carriers, strict=True)),
         )
         for member in found

@@ -28,8 +28,9 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.blending.lifting import lift, product_degree
 from pas.limits import checkpoint
-from pas.partition.cells import InteriorFace
+from pas.partition.cells import InteriorFace, Partition
 from pas.surface.contact import Contact
+from pas.surface.joins import joins
 
 Signs = dict[int, int]
 """A sum of unknown products: the sign of each unknown's."""
@@ -271,6 +272,15 @@ class Consistency:
             quotient, unknowns[gamma] = divmod(unknowns[gamma], self._factors[beta])
             unknowns[beta] += quotient * self._factors[gamma]
         return unknowns
+
+
+def consistency(partition: Partition, contacts: Sequence[Contact], order: int) -> Consistency:
+    """The system of contacts in place on a partition, in the user's coordinates."""
+    if len(partition.pieces) == 1:
+        carriers: tuple[tuple[int, ...], ...] = ((0,),) * len(contacts)
+    else:
+        carriers = tuple(join.pieces for join in joins(partition, contacts))
+    return Consistency(partition.interior_faces, tuple(contacts), carriers, len(partition.pieces), order)
 
 
 def descending(degree: int) -> list[Exponents]:

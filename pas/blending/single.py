@@ -20,6 +20,8 @@ from functools import lru_cache
 from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import Polynomial
 from pas.blending.conditions import Conditions
+from pas.blending.multipliers import consistency
+from pas.blending.normal_form_system import normal_form_system
 from pas.partition.single_cell import SingleCell
 from pas.surface.contact import Contact, contact_ideal
 
@@ -53,7 +55,17 @@ def _intersection(contacts: Contacts, order: int, degree: int) -> tuple[Polynomi
     return intersection(contacts, order).members(degree)
 
 
+def _normal_form(contacts: Contacts, order: int, degree: int) -> tuple[Polynomial, ...]:
+    return normal_form_system(contacts, order, degree).solutions
+
+
+def _syzygy(contacts: Contacts, order: int, degree: int) -> tuple[Polynomial, ...]:
+    return tuple(s.patches[0] for s in consistency(SingleCell(), contacts, order).solve(degree))
+
+
 METHODS: dict[str, Callable[[Contacts, int, int], tuple[Polynomial, ...]]] = {
     "linear": _linear,
+    "normal-form": _normal_form,
     "intersection": _intersection,
+    "syzygy": _syzygy,
 }

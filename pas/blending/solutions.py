@@ -8,7 +8,9 @@ from typing import Any
 from flint import fmpq_mat
 
 from pas.algebra.monomials import count
+from pas.blending.checks import HIGHEST_DEGREE, check_degree, check_order
 from pas.blending.conditions import Conditions
+from pas.blending.multipliers import consistency
 from pas.blending.place import place
 from pas.blending.single import METHODS, members
 from pas.blending.space import SolutionSpace
@@ -16,9 +18,6 @@ from pas.limits import Report, checkpoint, limit
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import joins
-
-HIGHEST_DEGREE = 12
-"""Where the search for a lowest degree ends: matrices of 2730 unknowns on the corner."""
 
 PIECEWISE = ("linear", "syzygy")
 """The methods that serve several pieces."""
@@ -82,29 +81,19 @@ def solve(
         found = members(contacts, order, degree, method)
         rows = [frame.localise(p).row(degree) for p in found]
         patches: tuple[fmpq_mat, ...] = (fmpq_mat(len(rows), count(degree), [v for row in rows for v in row]),)
+    elif method == "syzygy":
+        lifted = consistency(partition, contacts, order).solve(degree)
+        patches = tuple(
+            fmpq_mat(
+                len(lifted), count(degree), [v for s in lifted for v in frame.localise(s.patches[piece]).row(degree)]
+            )
+            for piece in range(len(partition.pieces))
+        )
     else:
         moved = tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in contacts)
         carriers = tuple(join.pieces for join in joins(partition.local, moved))
         patches = Conditions(partition.local, moved, carriers, order).solve(degree)
     return SolutionSpace(partition, contacts, order, degree, patches)
-
-
-def check_order(order: Any) -> int:
-    """The order of contact, checked."""
-    if isinstance(order, bool) or not isinstance(order, int):
-        raise TypeError(f"order must be a whole number (0 for continuous, 1 for GC^1, ...), not {order!r}")
-    if not 0 <= order <= 8:
-        raise ValueError(f"order must be from 0 to 8, not {order}")
-    return order
-
-
-def check_degree(degree: Any, name: str = "degree") -> int:
-    """A degree, checked."""
-    if isinstance(degree, bool) or not isinstance(degree, int):
-        raise TypeError(f"{name} must be a whole number, not {degree!r}")
-    if not 1 <= degree <= HIGHEST_DEGREE:
-        raise ValueError(f"{name} must be from 1 to {HIGHEST_DEGREE}, not {degree}")
-    return degree
 
 
 def check_method(method: Any, partition: Partition) -> str:

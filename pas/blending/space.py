@@ -25,6 +25,7 @@ from pas.surface.piecewise import PiecewiseSurface
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
     from pas.blending.generators import Generator
+    from pas.blending.multipliers import Consistency, Multipliers
     from pas.blending.shaping import LeastSquares, Optimum
     from pas.blending.trivial import TrivialPart
 
@@ -90,6 +91,22 @@ class SolutionSpace:
         from pas.blending.generators import generators
 
         return generators(self)
+
+    @cached_property
+    def multipliers(self) -> tuple[Multipliers, ...]:
+        """The multipliers of each basis member, by exact lifting (user's coordinates).
+
+        At contact i the piece is `gamma[i] f + beta[i] h^(k+1)`, across interior face j
+        `second = first + alpha[j] plane^(k+1)`, with gamma reduced modulo h^(k+1).
+        """
+        return tuple(self.consistency.multipliers(member) for member in self.basis)
+
+    @cached_property
+    def consistency(self) -> Consistency:
+        """The system of equations that multipliers satisfy (Xu, Chen and Deng)."""
+        from pas.blending.multipliers import consistency
+
+        return consistency(self.partition, self.contacts, self.order)
 
     def member(self, coefficients: Sequence[Any]) -> PiecewiseSurface:
         """The surface `sum a_j basis_j`, exact; `coefficients` are `dimension` exact numbers."""
