@@ -104,8 +104,7 @@ class Partition:
 
     def _check_around_center(self, center: Vector) -> None:
         """That every cell touches the centre and that they surround it once."""
-        inner = [triangle for triangle, owners in self._owners.items() if len(owners) == 2]
-        if any(plane_through(*self.corners(triangle)).at(center) != 0 for triangle in inner):
+        if any(plane_through(*self.corners(triangle)).at(center) != 0 for triangle, _, _ in self.inner_triangles):
             raise GeometryError("an interior face of the partition does not pass through its centre")
         if any(face.plane.at(center) >= 0 for face in self.outer_faces):
             raise GeometryError("the centre of the partition is not inside the region")
@@ -147,6 +146,11 @@ class Partition:
                 if first != second and (second, first, -plane) not in faces:
                     faces.setdefault((first, second, plane), InteriorFace(triangle, first, second, plane))
         return tuple(faces.values())
+
+    @cached_property
+    def inner_triangles(self) -> tuple[tuple[Indices, int, int], ...]:
+        """All triangles (vertex indices) that two cells share, with these cells."""
+        return tuple((triangle, *owners) for triangle, owners in self._owners.items() if len(owners) == 2)  # type: ignore[misc]
 
     @cached_property
     def outer_faces(self) -> tuple[OuterFace, ...]:

@@ -1,0 +1,178 @@
+"""All piecewise polynomials on a mesh, by their B-coefficients.
+
+The unknowns are the B-coefficients at the domain points, those on common faces shared by the
+cells around them, so that C^0 holds by construction.  Across a face with corners v1, v2, v3 the
+patches of the cells with the other corners a and b meet with C^r iff for all s <= r
+
+    c_b(s, i, j, k) = sum over |m| = s of  c_a(m0, i + m1, j + m2, k + m3) * (s! / m!) * lambda^m,
+
+lambda the barycentric coordinates of b with respect to a, v1, v2, v3 (Lai and Schumaker 2007,
+theorem 2.28).  The equations have few terms and only neighbours in common, so sparse elimination
+hardly fills in: for more than a few cells this is much faster than the construction of
+`pas.blending.conditions`, which is there for few cells and large orders.
+
+The basis is not the reduced one: each member is 1 at one of the domain points that elimination
+left free (a minimal determining set) and 0 at the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial, prod
+
+from flint import fmpq, fmpq_mat, fmpq_mpoly
+
+from pas.algebra.monomials import Exponents, count, exponents, homogeneous_exponents, positions
+from pas.algebra.normal_form import NormalForm
+from pas.algebra.polynomial import GENERATORS, RING
+from pas.algebra.rational import Vector
+from pas.algebra.sparse import solve_sparse
+from pas.limits import checkpoint
+from pas.partition.cells import Partition
+from pas.surface.contact import Contact
+
+Row = dict[int, fmpq]
+
+
+@dataclass(frozen=True)
+class Net:
+    """The B-coefficients of degree `degree` on a partition, cells of a piece being one polynomial.
+
+    `contacts[i]` is met with GC^`order` by the pieces `carriers[i]`; pieces meet with C^`order`.
+    """
+
+    partition: Partition
+    contacts: tuple[Contact, ...]
+    carriers: tuple[tuple[int, ...], ...]
+    order: int
+    degree: int
+
+    @cached_property
+    def points(self) -> dict[tuple[tuple[int, int], ...], int]:
+        """The number of each domain point: its vertices with their multiplicities."""
+        numbers: dict[tuple[tuple[int, int], ...], int] = {}
+        for cell in self.partition.cells:
+            for index in homogeneous_exponents(self.degree, 4):
+                numbers.setdefault(_key(cell, index), len(numbers))
+        return numbers
+
+    def solve(self) -> tuple[fmpq_mat, ...]:
+        """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
+        rows = [row for row in self._rows() if row]
+        solved = solve_sparse(rows, len(self.points))
+        return tuple(self._patch(piece, solved.free, solved.bound) for piece in range(len(self.partition.pieces)))
+
+    def _rows(self) -> Iterator[Row]:
+        for number, (triangle, first, second) in enumerate(self.partition.inner_triangles):
+            checkpoint("setting up the conditions across faces", number / len(self.partition.inner_triangles))
+            same = self.partition.piece_of[first] == self.partition.piece_of[second]
+            for s in range(1, 1 + min(self.degree if same else self.order, self.degree)):
+                yield from self._across(triangle, first, second, s)
+        for contact, pieces in zip(self.contacts, self.carriers, strict=True):
+            form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.order + 1)])
+            for piece in pieces:
+                yield from self._contact_rows(form, piece)
+
+    def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
+        """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
+        a, b = (self._opposite(cell, triangle) for cell in (first, second))
+        corners = (a, *triangle)
+        weights = _power_weights(_barycentric(self.partition.corners(corners), self.partition.vertices[b]), s)
+        for index in homogeneous_exponents(self.degree - s, 3):
+            row: Row = {self.points[_key((b, *triangle), (s, *index))]: fmpq(-1)}
+            for shift, weight in weights:
+                there = (shift[0], *(i + m for i, m in zip(index, shift[1:], strict=True)))
+                number = self.points[_key(corners, there)]
+                row[number] = row.get(number, fmpq(0)) + weight
+            yield row
+
+    def _contact_rows(self, form: NormalForm, piece: int) -> Iterator[Row]:
+        images = form.images(self.degree)
+        rows: dict[Exponents, Row] = {}
+        for unknown, polynomial in zip(self._numbers(piece), self._bernstein(piece), strict=True):
+            for e, c in polynomial.to_dict().items():
+                for target, value in images[e].items():
+                    row = rows.setdefault(target, {})
+                    row[unknown] = row.get(unknown, fmpq(0)) + c * value
+        yield from ({u: v for u, v in row.items() if v != 0} for row in rows.values())
+
+    def _patch(self, piece: int, free: tuple[int, ...], bound: dict[int, dict[int, fmpq]]) -> fmpq_mat:
+        """The members' polynomials on a piece, from the B-coefficients on its first cell.
+
+        Most members vanish on it; the others are converted together.
+        """
+        checkpoint("writing the basis", piece / len(self.partition.pieces))
+        numbers = self._numbers(piece)
+        place = {number: i for i, number in enumerate(free)}
+        entries: dict[int, dict[int, fmpq]] = {}
+        for column, number in enumerate(numbers):
+            for source, value in bound[number].items() if number in bound else ((number, fmpq(1)),):
+                entries.setdefault(place[source], {})[column] = value
+        where = positions(self.degree)
+        change = fmpq_mat(len(numbers), count(self.degree))
+        for row, polynomial in enumerate(self._bernstein(piece)):
+            for e, c in polynomial.to_dict().items():
+                change[row, where[e]] = c
+        touched = sorted(entries)
+        table = [[entries[member].get(column, 0) for column in range(len(numbers))] for member in touched]
+        converted = (fmpq_mat(len(touched), len(numbers), [v for row in table for v in row]) * change).tolist()
+        result = fmpq_mat(len(free), count(self.degree))
+        for member, values in zip(touched, converted, strict=True):
+            for column, value in enumerate(values):
+                if value != 0:
+                    result[member, column] = value
+        return result
+
+    def _numbers(self, piece: int) -> list[int]:
+        """The unknowns on the first cell of a piece."""
+        cell = self.partition.cells[self.partition.pieces[piece][0]]
+        return [self.points[_key(cell, index)] for index in homogeneous_exponents(self.degree, 4)]
+
+    def _bernstein(self, piece: int) -> list[fmpq_mpoly]:
+        """The Bernstein polynomials of the first cell of a piece, in x, y, z."""
+        corners = self.partition.corners(self.partition.cells[self.partition.pieces[piece][0]])
+        origin = RING.constant(0)
+        linear = [
+            origin + sum((g * c for g, c in zip(GENERATORS, f[1:], strict=True)), f[0]) for f in _inverse(corners)
+        ]
+        powers = [[form**k for k in range(self.degree + 1)] for form in linear]
+        return [
+            prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * _multinomial(index)
+            for index in homogeneous_exponents(self.degree, 4)
+        ]
+
+    def _opposite(self, cell: int, triangle: Exponents) -> int:
+        return next(v for v in self.partition.cells[cell] if v not in triangle)
+
+
+def _key(cell: Exponents, index: Exponents) -> tuple[tuple[int, int], ...]:
+    return tuple(sorted((v, times) for v, times in zip(cell, index, strict=True) if times))
+
+
+def _inverse(corners: tuple[Vector, ...]) -> list[list[fmpq]]:
+    """The barycentric coordinates as linear forms (constant, x, y, z)."""
+    table = [[fmpq(1), *corner] for corner in corners]
+    inverse = fmpq_mat(table).inv().transpose()
+    rows: list[list[fmpq]] = inverse.tolist()
+    return rows
+
+
+def _barycentric(corners: tuple[Vector, ...], point: Vector) -> list[fmpq]:
+    x, y, z = point
+    return [f[0] + f[1] * x + f[2] * y + f[3] * z for f in _inverse(corners)]
+
+
+def _power_weights(coordinates: list[fmpq], s: int) -> list[tuple[Exponents, fmpq]]:
+    """The terms of (sum of coordinates)^s that are not zero, by multi-index."""
+    weights = []
+    for index in homogeneous_exponents(s, 4):
+        value = prod((c**k for c, k in zip(coordinates, index, strict=True)), start=fmpq(1)) * _multinomial(index)
+        if value != 0:
+            weights.append((index, value))
+    return weights
+
+
+def _multinomial(index: Exponents) -> int:
+    return factorial(sum(index)) // prod(map(factorial, index))
