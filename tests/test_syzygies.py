@@ -223,6 +223,12 @@ def test_random_members_and_normal_forms(generators, factors):
     assert Submodule(*module.groebner_basis() or [(0, 0)]) == module == Submodule(*reversed(generators))
 
 
+def test_the_order_of_terms_is_by_degree_then_position():
+    module = Submodule(("0", "x"), ("x", "0"), ("y^2", "z"), ("1", "z^3 - y"))
+    leads = [("x", "0"), ("0", "x"), ("y^2", "z"), ("1", "z^3 - y")]
+    assert module.groebner_basis() == tuple(tuple(map(Polynomial, g)) for g in [leads[3], leads[2], leads[0], leads[1]])
+
+
 def test_submodules_of_rank_one_are_ideals():
     generators = ["x^2 + 2*x*y - z", "y^2/3 - 5", "x*z - 1/7"]
     module = Submodule(*[(g,) for g in generators])

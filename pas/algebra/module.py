@@ -16,6 +16,7 @@ from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_s
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
+from pas.limits import checkpoint
 
 Syzygy = tuple[Polynomial, ...]
 
@@ -30,9 +31,9 @@ def syzygies(polynomials: Sequence[Any], degree: int | None = None) -> tuple[Syz
     Without a `degree`: generators of all syzygies, by ascending degree, with coprime integers as
     coefficients.  They are minimal as graded generators: those of degree <= d, times monomials,
     span all syzygies of degree <= d, and none is a combination of others of at most its own
-    degree.  (One may be a combination in which higher degrees cancel; `Submodule.irredundant`
-    removes such.)  With a `degree`: a basis of the vector space of all syzygies of degree <=
-    `degree`.
+    degree.  (One may be a combination in which higher degrees cancel: `Submodule.irredundant`
+    drops such, and with them the promise on degrees.)  With a `degree`: a basis of the vector
+    space of all syzygies of degree <= `degree`.
 
     Raises `ValueError` or `TypeError` for no polynomials, tuples of different lengths, or entries
     that are no polynomials in x, y, z.
@@ -154,6 +155,7 @@ def _bounded(vectors: Sequence[Vector], degree: int) -> list[Vector]:
     unknowns = [(i, e) for i, v in enumerate(vectors) for e in exponents(degree - vector_degree(v))]
     rows: dict[tuple[int, Exponents], dict[int, fmpq]] = {}
     for number, (i, shift) in enumerate(unknowns):
+        checkpoint(f"setting up the syzygies of degree {degree}", number / len(unknowns))
         for position, polynomial in enumerate(vectors[i]):
             for e, c in polynomial.to_dict().items():
                 monomial = tuple(int(a) + b for a, b in zip(e, shift, strict=True))
