@@ -99,9 +99,9 @@ def _pivots_modulo(system: list[dict[int, int]], unknowns: int, prime: int) -> l
             matrix[i, unknowns - 1 - j] = value % prime
     reduced, rank = matrix.rref()
     pivots: list[int] = []
-    for row in reduced.tolist()[:rank]:
+    for residues in reduced.tolist()[:rank]:
         start = pivots[-1] + 1 if pivots else 0
-        pivots.append(next(j for j in range(start, unknowns) if row[j] != 0))
+        pivots.append(next(j for j in range(start, unknowns) if int(residues[j])))
     return [unknowns - 1 - j for j in pivots]
 
 

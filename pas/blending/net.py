@@ -11,8 +11,8 @@ theorem 2.28).  The equations have few terms and only neighbours in common, so s
 hardly fills in: for more than a few cells this is much faster than the construction of
 `pas.blending.conditions`, which is there for few cells and large orders.
 
-The basis is not the reduced one: each member is 1 at one of the domain points that elimination
-left free (a minimal determining set) and 0 at the others.
+The basis is not the reduced one: each member has whole B-coefficients, and is not zero at just
+one of the domain points that elimination left free (a minimal determining set).
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial, prod
+from math import factorial, lcm, prod
 
-from flint import fmpq, fmpq_mat, fmpq_mpoly
+from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
 
-from pas.algebra.monomials import Exponents, count, exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
-from pas.algebra.sparse import solve_sparse
+from pas.algebra.sparse import Solved, solve_sparse
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
@@ -60,9 +60,9 @@ class Net:
 
     def solve(self) -> tuple[fmpq_mat, ...]:
         """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
-        rows = [row for row in self._rows() if row]
-        solved = solve_sparse(rows, len(self.points))
-        return tuple(self._patch(piece, solved.free, solved.bound) for piece in range(len(self.partition.pieces)))
+        solved = solve_sparse((row for row in self._rows() if row), len(self.points))
+        members = _members(solved, len(self.points))
+        return tuple(self._patch(piece, members, len(solved.free)) for piece in range(len(self.partition.pieces)))
 
     def _rows(self) -> Iterator[Row]:
         for number, (triangle, first, second) in enumerate(self.partition.inner_triangles):
@@ -98,28 +98,24 @@ class Net:
                     row[unknown] = row.get(unknown, fmpq(0)) + c * value
         yield from ({u: v for u, v in row.items() if v != 0} for row in rows.values())
 
-    def _patch(self, piece: int, free: tuple[int, ...], bound: dict[int, dict[int, fmpq]]) -> fmpq_mat:
+    def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
         """The members' polynomials on a piece, from the B-coefficients on its first cell.
 
-        Most members vanish on it; the others are converted together.
+        Most members vanish on it; the others are converted together, in integers.
         """
         checkpoint("writing the basis", piece / len(self.partition.pieces))
-        numbers = self._numbers(piece)
-        place = {number: i for i, number in enumerate(free)}
-        entries: dict[int, dict[int, fmpq]] = {}
-        for column, number in enumerate(numbers):
-            for source, value in bound[number].items() if number in bound else ((number, fmpq(1)),):
-                entries.setdefault(place[source], {})[column] = value
-        where = positions(self.degree)
-        change = fmpq_mat(len(numbers), count(self.degree))
-        for row, polynomial in enumerate(self._bernstein(piece)):
+        numbers, polynomials = self._numbers(piece), self._bernstein(piece)
+        where, size = positions(self.degree), count(self.degree)
+        common = lcm(*(int(c.q) for p in polynomials for c in p.coeffs()))
+        change = fmpz_mat(size, size)
+        for row, polynomial in enumerate(polynomials):
             for e, c in polynomial.to_dict().items():
-                change[row, where[e]] = c
-        touched = sorted(entries)
-        table = [[entries[member].get(column, 0) for column in range(len(numbers))] for member in touched]
-        converted = (fmpq_mat(len(touched), len(numbers), [v for row in table for v in row]) * change).tolist()
-        result = fmpq_mat(len(free), count(self.degree))
-        for member, values in zip(touched, converted, strict=True):
+                change[row, where[e]] = int(c.p) * (common // int(c.q))
+        touched = sorted({member for number in numbers for member in members[number]})
+        table = [members[number].get(member, 0) for member in touched for number in numbers]
+        converted = fmpq_mat(fmpz_mat(len(touched), size, table) * change) * fmpq(1, common)
+        result = fmpq_mat(dimension, size)
+        for member, values in zip(touched, converted.tolist(), strict=True):
             for column, value in enumerate(values):
                 if value != 0:
                     result[member, column] = value
@@ -145,6 +141,23 @@ class Net:
 
     def _opposite(self, cell: int, triangle: Exponents) -> int:
         return next(v for v in self.partition.cells[cell] if v not in triangle)
+
+
+def _members(solved: Solved, points: int) -> list[dict[int, int]]:
+    """The B-coefficients as {member: value} for each domain point, every member primitive."""
+    place = {number: i for i, number in enumerate(solved.free)}
+    scales = [1] * len(place)
+    for row in solved.bound.values():
+        for source, value in row.items():
+            scales[place[source]] = lcm(scales[place[source]], int(value.q))
+    members: list[dict[int, int]] = [{} for _ in range(points)]
+    for number, i in place.items():
+        members[number][i] = scales[i]
+    for number, row in solved.bound.items():
+        for source, value in row.items():
+            i = place[source]
+            members[number][i] = int(value.p) * (scales[i] // int(value.q))
+    return members
 
 
 def _key(cell: Exponents, index: Exponents) -> tuple[tuple[int, int], ...]:

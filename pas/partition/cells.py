@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from math import floor, log2
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, plain, to_floats, vector
+from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats, vector
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 
@@ -118,7 +119,7 @@ class Partition:
         """The local frame of this region."""
         if not self.vertices:
             return Frame((fmpq(0), fmpq(0), fmpq(0)), fmpq(1))
-        return Frame.around(self.center or _mean(self.vertices), self.vertices)
+        return Frame.around(self.center or _middle(self.vertices), self.vertices)
 
     @cached_property
     def local(self) -> Partition:
@@ -227,8 +228,11 @@ class Partition:
         return 1 if value > 0 else -1
 
 
-def _mean(points: Sequence[Vector]) -> Vector:
-    x, y, z = (sum(column, fmpq(0)) / len(points) for column in zip(*points, strict=True))
+def _middle(points: Sequence[Vector]) -> Vector:
+    """The middle of the bounding box, rounded to few binary digits: any origin nearby will do."""
+    ends = [(min(column), max(column)) for column in zip(*points, strict=True)]
+    step = fmpq(2) ** floor(log2(max(to_float(high - low) for low, high in ends)) - 4)
+    x, y, z = (fmpq(round(to_float((low + high) / (2 * step)))) * step for low, high in ends)
     return x, y, z
 
 

@@ -1,0 +1,140 @@
+"""Nullspaces by dense and by sparse elimination, against a naive one and sympy."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy
+from flint import fmpq, fmpq_mat
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pas
+from pas.algebra import nullspace as module
+from pas.algebra.nullspace import nullspace
+from pas.algebra.sparse import integral, solve_sparse
+
+NUMBERS = st.builds(Fraction, st.integers(-9, 9), st.integers(1, 5))
+SYSTEMS = st.integers(1, 9).flatmap(
+    lambda n: st.tuples(st.lists(st.dictionaries(st.integers(0, n - 1), NUMBERS, max_size=4), max_size=12), st.just(n))
+)
+
+
+def exact(rows):
+    return [{j: fmpq(v.numerator, v.denominator) for j, v in row.items()} for row in rows]
+
+
+def reduced(rows, unknowns) -> list[list[Fraction]]:
+    """The reduced basis by naive elimination from the last unknown, in fractions."""
+    table = [[Fraction(row.get(j, 0)) for j in reversed(range(unknowns))] for row in rows]
+    pivots: list[int] = []
+    for column in range(unknowns):
+        rank = len(pivots)
+        lead = next((i for i in range(rank, len(table)) if table[i][column]), None)
+        if lead is None:
+            continue
+        table[rank], table[lead] = table[lead], table[rank]
+        table[rank] = [v / table[rank][column] for v in table[rank]]
+        for i in range(len(table)):
+            if i != rank and table[i][column]:
+                table[i] = [a - table[i][column] * b for a, b in zip(table[i], table[rank], strict=True)]
+        pivots.append(column)
+    basis = []
+    for free in sorted(set(range(unknowns)) - set(pivots), reverse=True):
+        member = [Fraction(0)] * unknowns
+        member[unknowns - 1 - free] = Fraction(1)
+        for i, pivot in enumerate(pivots):
+            member[unknowns - 1 - pivot] = -table[i][free]
+        basis.append(member)
+    return basis
+
+
+def as_fractions(matrix: fmpq_mat) -> list[list[Fraction]]:
+    return [[Fraction(int(v.p), int(v.q)) for v in row] for row in matrix.tolist()]
+
+
+@pytest.mark.parametrize("dense", [True, False])
+@settings(max_examples=60, deadline=None)
+@given(system=SYSTEMS)
+def test_the_reduced_basis_is_that_of_naive_elimination(dense, system):
+    rows, unknowns = system
+    old, module.DENSE = module.DENSE, (10**6 if dense else 0)
+    try:
+        assert as_fractions(nullspace(exact(rows), unknowns)) == reduced(rows, unknowns)
+    finally:
+        module.DENSE = old
+
+
+@settings(max_examples=60, deadline=None)
+@given(SYSTEMS)
+def test_sparse_solutions_are_all_of_them(system):
+    rows, unknowns = system
+    solved = solve_sparse(exact(rows), unknowns)
+    assert len(solved.free) + len(solved.bound) == unknowns
+    matrix = sympy.Matrix(len(rows), unknowns, lambda i, j: sympy.Rational(rows[i].get(j, 0))) if rows else None
+    assert len(solved.bound) == (matrix.rank() if matrix is not None else 0)
+    for free in solved.free:
+        member = [Fraction(0)] * unknowns
+        member[free] = Fraction(1)
+        for j, values in solved.bound.items():
+            value = values.get(free, fmpq(0))
+            member[j] = Fraction(int(value.p), int(value.q))
+        assert all(sum(v * member[j] for j, v in row.items()) == 0 for row in rows)
+
+
+def test_a_larger_system_both_ways(monkeypatch):
+    """60 equations in 50 unknowns of rank 35, with numerators of a hundred digits."""
+    generator = np.random.default_rng(11)
+    left = [[int(v) for v in row] for row in generator.integers(-3, 4, (60, 35))]
+    big = 10**100 + 3
+    right = [
+        {int(j): Fraction(int(generator.integers(1, 9)) * big + 1, 7) for j in generator.choice(50, 4)}
+        for _ in range(35)
+    ]
+    rows = []
+    for combination in left:
+        total: dict[int, Fraction] = {}
+        for a, row in zip(combination, right, strict=True):
+            for j, v in row.items():
+                total[j] = total.get(j, 0) + a * v
+        rows.append({j: v for j, v in total.items() if v})
+    dense = nullspace(exact(rows), 50)
+    monkeypatch.setattr(module, "DENSE", 0)
+    assert nullspace(exact(rows), 50) == dense
+    rank = fmpq_mat(
+        [[fmpq(r.get(j, Fraction(0)).numerator, r.get(j, Fraction(0)).denominator) for j in range(50)] for r in right]
+    ).rank()
+    assert dense.nrows() == 50 - rank
+
+
+def test_an_unlucky_prime_does_not_matter(monkeypatch):
+    """Modulo 5 the first rank is too small, and 5 x = y has another pivot."""
+    monkeypatch.setattr(module, "DENSE", 0)
+    for rows, unknowns in (([{0: 5, 1: 1, 2: 5}], 3), ([{0: 1, 1: 5}], 2), ([{0: 5}, {1: 3}], 2)):
+        given = [{j: fmpq(v) for j, v in row.items()} for row in rows]
+        expected = reduced([{j: Fraction(v) for j, v in row.items()} for row in rows], unknowns)
+        for prime in (5, 3, 2**62 - 57):
+            monkeypatch.setattr(module, "PRIME", prime)
+            monkeypatch.setattr(module, "_prime_below", lambda _: 2**61 - 1)
+            assert as_fractions(nullspace(given, unknowns)) == expected
+
+
+def test_degenerate_systems():
+    assert nullspace([], 3) == fmpq_mat(3, 3, [1, 0, 0, 0, 1, 0, 0, 0, 1])
+    assert nullspace([{}], 2).nrows() == 2
+    assert nullspace([{0: fmpq(2)}, {1: fmpq(1, 3)}], 2).nrows() == 0
+    assert integral({0: fmpq(2, 3), 4: fmpq(4, 9), 5: fmpq(0)}) == {0: 3, 4: 2}
+
+
+def test_limits_stop_sparse_elimination_and_break_nothing():
+    rows = [{i: fmpq(1), i + 1: fmpq(2), (i * 7) % 200: fmpq(3)} for i in range(199)]
+    before = [dict(row) for row in rows]
+    with (
+        pas.limit(seconds=1e-9),
+        pytest.raises(pas.LimitError, match="while eliminating 199 equations in 200 unknowns"),
+    ):
+        solve_sparse(rows, 200)
+    assert rows == before
+    assert len(solve_sparse(rows, 200).free) >= 1
