@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
     from pas.blending.generators import Generator as Generator
+    from pas.blending.multipliers import Multipliers as Multipliers
     from pas.blending.normal_form_system import NormalFormSystem as NormalFormSystem
     from pas.blending.normal_form_system import normal_form_system as normal_form_system
     from pas.blending.project import load as load
@@ -74,6 +75,7 @@ _HOMES = {
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
     "pas.blending.generators": ("Generator",),
+    "pas.blending.multipliers": ("Multipliers",),
     "pas.blending.normal_form_system": ("NormalFormSystem", "normal_form_system"),
     "pas.blending.project": ("load",),
     "pas.blending.shaping": ("LeastSquares", "Optimum"),

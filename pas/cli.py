@@ -114,6 +114,7 @@ def _solve_parser(commands: Commands) -> None:
     parser.add_argument("--degree", type=int, metavar="N", help="this degree, instead of the lowest with solutions")
     parser.add_argument("--method", default="linear", help="linear, syzygy, normal-form or intersection")
     parser.add_argument("--regular", action="store_true", help="the lowest degree with regular solutions")
+    parser.add_argument("--generators", action="store_true", help="of several pieces: the generators of the module too")
     parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
     form = parser.add_mutually_exclusive_group()
     for name in ("json", "latex", "sympy"):
@@ -207,7 +208,7 @@ def _solve(options: argparse.Namespace) -> int:
             method=options.method,
             regular=options.regular,
         )
-        print(report(space, options.form))
+        print(report(space, options.form, module=options.generators))
     return DONE
 
 

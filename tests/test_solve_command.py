@@ -84,7 +84,11 @@ def test_a_corner(tmp_path, capsys):
     assert main(["solve", str(path)]) == 0
     out = capsys.readouterr().out
     assert "b3, piece 6:" in out
-    assert "generators of the module" in out
+    assert "generators of the module of all solutions: asked for with --generators" in out
+    assert main(["solve", str(path), "--generators", "--method", "syzygy", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert [g["degree"] for g in data["generators"]].count(3) == data["dimension"] == 3
+    assert data["generators"][0]["regular"] == [False] * 3
 
 
 @pytest.mark.parametrize(

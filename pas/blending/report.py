@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,12 +14,17 @@ from pas.blending.space import SolutionSpace
 FORMATS = ("text", "json", "latex", "sympy")
 
 
-def report(space: SolutionSpace, form: str = "text") -> str:
-    """The degree, dimension, generators and remarks of a space in one of `FORMATS`."""
-    return {"text": _text, "json": _json, "latex": _latex, "sympy": _sympy}[form](space)
+def report(space: SolutionSpace, form: str = "text", *, module: bool = False) -> str:
+    """The degree, dimension, generators and remarks of a space in one of `FORMATS`.
+
+    The generators of the ideal of a single cell are always among it; those of the module of
+    several pieces, which may be long to read and to find, with `module` only.
+    """
+    shown = space.generators if module or len(space.patches) == 1 else ()
+    return {"text": _text, "json": _json, "latex": _latex, "sympy": _sympy}[form](space, shown)
 
 
-def record(space: SolutionSpace) -> dict[str, Any]:
+def record(space: SolutionSpace, generators: Sequence[Generator]) -> dict[str, Any]:
     """Everything as JSON-ready data; polynomials as strings in x, y, z."""
     return {
         "contacts": [{"surface": str(c.surface), "clip": str(c.clip)} for c in space.contacts],
@@ -32,12 +38,12 @@ def record(space: SolutionSpace) -> dict[str, Any]:
         "basis": [[str(p) for p in member] for member in space.basis],
         "generators": [
             {"degree": g.degree, "regular": list(g.regular), "polynomials": [str(p) for p in g.polynomials]}
-            for g in space.generators
+            for g in generators
         ],
     }
 
 
-def _text(space: SolutionSpace) -> str:
+def _text(space: SolutionSpace, generators: Sequence[Generator]) -> str:
     tried = ", ".join(f"{n} (dimension {m})" for n, m in space.degrees_tried.items() if n != space.degree)
     rows = [(f"contact {i}", str(c)) for i, c in enumerate(space.contacts, start=1)]
     rows += [
@@ -55,8 +61,8 @@ def _text(space: SolutionSpace) -> str:
     for number, member in enumerate(space.basis, start=1):
         lines += _lines(f"b{number}", member)
     kind = "ideal" if single else "module"
-    lines += ["", f"generators of the {kind} of all solutions"]
-    for number, generator in enumerate(space.generators, start=1):
+    lines += ["", f"generators of the {kind} of all solutions{'' if generators else ': asked for with --generators'}"]
+    for number, generator in enumerate(generators, start=1):
         lines += _lines(f"g{number}", generator.polynomials)
         lines.append(f"      degree {generator.degree}, {_regularity(generator)}")
     return "\n".join(lines)
@@ -75,18 +81,18 @@ def _regularity(generator: Generator) -> str:
     return f"singular along contact{'s' * (len(singular) > 1)} {', '.join(singular)}"
 
 
-def _json(space: SolutionSpace) -> str:
-    return json.dumps(record(space), indent=1)
+def _json(space: SolutionSpace, generators: Sequence[Generator]) -> str:
+    return json.dumps(record(space, generators), indent=1)
 
 
-def _latex(space: SolutionSpace) -> str:
+def _latex(space: SolutionSpace, generators: Sequence[Generator]) -> str:
     import sympy
 
     lines = [
         f"% GC^{space.order}, degree {space.degree}, dimension {space.dimension}",
         r"\begin{align*}",
     ]
-    for name, members in (("b", space.basis), ("g", [g.polynomials for g in space.generators])):
+    for name, members in (("b", space.basis), ("g", [g.polynomials for g in generators])):
         for number, member in enumerate(members, start=1):
             for piece, polynomial in enumerate(member, start=1):
                 mark = f"{name}_{{{number}}}" if len(member) == 1 else f"{name}_{{{number}}}|_{{{piece}}}"
@@ -94,7 +100,7 @@ def _latex(space: SolutionSpace) -> str:
     return "\n".join([*lines, r"\end{align*}"])
 
 
-def _sympy(space: SolutionSpace) -> str:
+def _sympy(space: SolutionSpace, generators: Sequence[Generator]) -> str:
     def written(member: Sequence[Polynomial]) -> str:
         return f"({', '.join(str(p.to_sympy()) for p in member)},)"
 
@@ -106,7 +112,7 @@ def _sympy(space: SolutionSpace) -> str:
         *(f"    {_exact(written(member))}," for member in space.basis),
         "]",
         "generators = [",
-        *(f"    {_exact(written(g.polynomials))}," for g in space.generators),
+        *(f"    {_exact(written(g.polynomials))}," for g in generators),
         "]",
     ]
     return "\n".join(lines)
@@ -114,6 +120,4 @@ def _sympy(space: SolutionSpace) -> str:
 
 def _exact(text: str) -> str:
     """Fractions that Python reads exactly: 3/7 as Rational(3, 7), not x/7 as a division of a symbol."""
-    import re
-
     return re.sub(r"(?<![\w)])(\d+)/(\d+)", r"Rational(\1, \2)", text)
