@@ -66,6 +66,8 @@ if TYPE_CHECKING:
     from pas.surface.contact import Contact as Contact
     from pas.surface.contact import Pipe as Pipe
     from pas.surface.contact import contact_ideal as contact_ideal
+    from pas.surface.curvature import CurvatureContact as CurvatureContact
+    from pas.surface.curvature import curvature_contact as curvature_contact
     from pas.surface.piecewise import PiecewiseSurface as PiecewiseSurface
 
 _HOMES = {
@@ -106,6 +108,7 @@ _HOMES = {
     "pas.render.picture": ("Style", "draw"),
     "pas.surface.certificate": ("Certificate", "Verdict"),
     "pas.surface.contact": ("Contact", "Pipe", "contact_ideal"),
+    "pas.surface.curvature": ("CurvatureContact", "curvature_contact"),
     "pas.surface.piecewise": ("PiecewiseSurface",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
