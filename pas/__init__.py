@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
+    from pas.blending.existence import Existence as Existence
+    from pas.blending.existence import ExistenceCase as ExistenceCase
+    from pas.blending.existence import existence as existence
     from pas.blending.generators import Generator as Generator
     from pas.blending.multipliers import Multipliers as Multipliers
     from pas.blending.normal_form_system import NormalFormSystem as NormalFormSystem
@@ -76,6 +79,7 @@ _HOMES = {
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
     "pas.blending.blend": ("Blend", "blend"),
+    "pas.blending.existence": ("Existence", "ExistenceCase", "existence"),
     "pas.blending.generators": ("Generator",),
     "pas.blending.multipliers": ("Multipliers",),
     "pas.blending.normal_form_system": ("NormalFormSystem", "normal_form_system"),

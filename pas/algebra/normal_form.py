@@ -115,6 +115,7 @@ def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
 
 def divmod_all(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
     """The remainder of multivariate division of `polynomial` by `divisors`."""
+    context = polynomial.context()
     remainder: Sparse = {}
     rest = polynomial
     while not rest.is_zero():
@@ -123,12 +124,12 @@ def divmod_all(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> fmpq_m
             head, head_coefficient = next(iter(divisor.terms()))
             shift = tuple(a - b for a, b in zip(lead, head, strict=True))
             if min(shift) >= 0:
-                rest -= divisor * RING.from_dict({shift: coefficient / head_coefficient})
+                rest -= divisor * context.from_dict({shift: coefficient / head_coefficient})
                 break
         else:
             remainder[lead] = coefficient
-            rest -= RING.from_dict({lead: coefficient})
-    return RING.from_dict(remainder)
+            rest -= context.from_dict({lead: coefficient})
+    return context.from_dict(remainder)
 
 
 def _monic(polynomial: fmpq_mpoly) -> fmpq_mpoly:

@@ -1,6 +1,6 @@
-"""Reads a polynomial in x, y, z from a string, exactly.
+"""Reads a polynomial from a string, exactly.
 
-The grammar is Python's expression grammar restricted to numbers, the names x, y, z, the
+The grammar is Python's expression grammar restricted to numbers, the variables' names, the
 operators + - * / and ** (or ^), and parentheses.  Decimals are the decimals written (0.1 is
 1/10).  Nothing is evaluated but arithmetic, so a string from a file is harmless.
 """
@@ -58,11 +58,11 @@ class _Reader:
         if isinstance(node, ast.Name):
             if node.id in self.names:
                 return self.names[node.id]
-            raise self._error(f"the variable {node.id!r} is not one of x, y, z")
+            raise self._error(f"the variable {node.id!r} is not one of {', '.join(self.names)}")
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
             literal = Fraction(self._segment(node).replace("_", ""))
             return self.one * fmpq(literal.numerator, literal.denominator)
-        raise self._error(f"{self._segment(node)!r} is not a polynomial expression in x, y, z")
+        raise self._error(f"{self._segment(node)!r} is not a polynomial expression in {', '.join(self.names)}")
 
     def _sum(self, node: ast.expr) -> fmpq_mpoly:
         """A sum of many terms, which the parser nests to the left, without deep recursion."""

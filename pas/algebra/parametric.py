@@ -1,0 +1,185 @@
+"""Nullspaces of linear systems whose entries are polynomials in real parameters, case by case.
+
+Fraction-free Gaussian elimination.  A pivot is used where it is known to vanish nowhere: a
+constant, a polynomial of definite sign, or one that the case excludes.  Where no such entry is
+left, the case is split on an irreducible factor of an entry (Sit 1992).  Pivots of the same case
+are therefore nonzero at each of its points, so dimension and basis hold at each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+
+from flint import fmpq_mpoly
+
+from pas.algebra.locus import Locus, primitive
+from pas.limits import checkpoint
+
+Row = dict[int, fmpq_mpoly]
+
+
+@dataclass(frozen=True)
+class ParametricNullspace:
+    """The solutions on one locus: `basis` holds them as {unknown: polynomial in the parameters}."""
+
+    locus: Locus
+    basis: tuple[Row, ...]
+
+
+def parametric_nullspaces(
+    rows: Sequence[Mapping[int, fmpq_mpoly]], unknowns: int, locus: Locus
+) -> Iterator[ParametricNullspace]:
+    """The solutions v of `row . v = 0` for every row, on disjoint loci that together are `locus`."""
+    pending = [(locus, [dict(row) for row in rows], list[tuple[int, Row]]())]
+    while pending:
+        case, open_rows, solved = pending.pop()
+        open_rows = _simplified(open_rows, case)
+        doubt = _eliminate(open_rows, solved, case)
+        if doubt is None:
+            yield ParametricNullspace(case, _basis(solved, unknowns, case))
+            continue
+        for part in (*case.where_zero(doubt), *case.where_nonzero(doubt)):
+            pending.append((part, open_rows, list(solved)))
+
+
+def independent(vectors: Sequence[Mapping[int, fmpq_mpoly]], locus: Locus) -> list[int]:
+    """Positions of vectors that are linearly independent at each point of the locus.
+
+    As many as pivots that are known not to vanish will show; earlier vectors are preferred.
+    """
+    chosen: list[int] = []
+    solved: list[tuple[int, Row]] = []
+    for number, vector in enumerate(vectors):
+        row = _reduced(dict(vector), case=locus)
+        for column, other in solved:
+            row = _cancelled(row, other, column, locus)
+        pivot = min((c for c in row if locus.excludes(row[c])), key=lambda c: len(row[c]), default=None)
+        if pivot is not None:
+            chosen.append(number)
+            solved.append((pivot, row))
+    return chosen
+
+
+def _eliminate(rows: list[Row], solved: list[tuple[int, Row]], case: Locus) -> fmpq_mpoly | None:
+    """Eliminate in place; the factor to split on where no safe pivot is left, None at the end."""
+    while rows:
+        checkpoint(f"eliminating with parameters ({len(rows)} rows left)")
+        place = _constant_pivot(rows) or _safe_pivot(rows, case)
+        if place is None:
+            return _doubtful_factor(rows, case)
+        number, column = place
+        pivot = rows.pop(number)
+        rows[:] = _simplified([_cancelled(row, pivot, column, case) for row in rows], case)
+        solved.append((column, pivot))
+    return None
+
+
+def _constant_pivot(rows: Sequence[Row]) -> tuple[int, int] | None:
+    """Row and column of the constant entry that fills in least (Markowitz 1957)."""
+    return _cheapest(rows, lambda entry: entry.is_constant())
+
+
+def _safe_pivot(rows: Sequence[Row], case: Locus) -> tuple[int, int] | None:
+    """The same for an entry that vanishes nowhere on the case."""
+    return _cheapest(rows, lambda entry: not case.doubtful(entry))
+
+
+def _cheapest(rows: Sequence[Row], admits: object) -> tuple[int, int] | None:
+    uses: dict[int, int] = {}
+    for row in rows:
+        for column in row:
+            uses[column] = uses.get(column, 0) + 1
+    best, place = inf, None
+    for number, row in enumerate(rows):
+        for column, entry in row.items():
+            cost = (len(row) - 1) * (uses[column] - 1) + len(entry) - 1
+            if cost < best and admits(entry):  # type: ignore[operator]
+                best, place = cost, (number, column)
+    return place
+
+
+def _doubtful_factor(rows: Sequence[Row], case: Locus) -> fmpq_mpoly:
+    """What to split on: contents of rows first, then the factor of lowest degree that occurs most."""
+    contents = [q for row in rows for q in case.doubtful(_content(row))]
+    factors = contents or [q for row in rows for entry in row.values() for q in case.doubtful(entry)]
+    times: dict[str, int] = {}
+    for q in factors:
+        times[str(q)] = times.get(str(q), 0) + 1
+    return min(factors, key=lambda q: (q.total_degree(), len(q), -times[str(q)], str(q)))
+
+
+def _simplified(rows: Sequence[Row], case: Locus) -> list[Row]:
+    """The rows modulo the equations, without zeros, repetitions and contents that do not vanish."""
+    distinct: dict[str, Row] = {}
+    for row in rows:
+        reduced = _stripped(_reduced(row, case), case)
+        if reduced:
+            distinct[str(sorted((c, str(p)) for c, p in reduced.items()))] = reduced
+    return list(distinct.values())
+
+
+def _reduced(row: Row, case: Locus) -> Row:
+    reduced = ((column, case.reduce(entry)) for column, entry in row.items())
+    return {column: entry for column, entry in reduced if not entry.is_zero()}
+
+
+def _content(row: Row) -> fmpq_mpoly:
+    common, *others = sorted(row.values(), key=len)
+    for entry in others:
+        common = common.gcd(entry)
+        if common.is_constant():
+            break
+    return common
+
+
+def _stripped(row: Row, case: Locus) -> Row:
+    """The row divided by the factors of its content that vanish nowhere."""
+    if not row:
+        return row
+    content = _content(row)
+    for q in case.doubtful(content):
+        while True:
+            quotient, rest = divmod(content, q)
+            if not rest.is_zero():
+                break
+            content = quotient
+    scale = primitive(content)
+    first = next(iter(row.values())) / scale
+    unit = primitive(first).leading_coefficient() / first.leading_coefficient()
+    return {column: entry / scale * unit for column, entry in row.items()}
+
+
+def _cancelled(row: Row, pivot: Row, column: int, case: Locus) -> Row:
+    """A combination of the row and the pivot's row without the column; equivalent to the row."""
+    if column not in row:
+        return row
+    common = row[column].gcd(pivot[column])
+    mine, theirs = pivot[column] / common, row[column] / common
+    result = {c: entry * mine for c, entry in row.items() if c != column}
+    for c, entry in pivot.items():
+        if c != column:
+            result[c] = result[c] - entry * theirs if c in result else -(entry * theirs)
+    return _reduced(result, case)
+
+
+def _basis(solved: list[tuple[int, Row]], unknowns: int, case: Locus) -> tuple[Row, ...]:
+    """One solution for each unknown without a pivot, by substitution backwards."""
+    done: list[tuple[int, Row]] = []
+    for column, raw in reversed(solved):
+        row = _reduced(raw, case)
+        for other_column, other in done:
+            row = _stripped(_cancelled(row, other, other_column, case), case)
+        done.append((column, row))
+    bound = {column for column, _ in done}
+    return tuple(_solution(free, done, case) for free in range(unknowns) if free not in bound)
+
+
+def _solution(free: int, solved: Sequence[tuple[int, Row]], case: Locus) -> Row:
+    using = [(column, row) for column, row in solved if free in row]
+    scale = case.parameters.one
+    for column, row in using:
+        scale = scale * (row[column] / scale.gcd(row[column]))
+    vector = {free: scale} | {column: -row[free] * (scale / row[column]) for column, row in using}
+    return _stripped(_reduced(vector, case), case)

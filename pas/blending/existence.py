@@ -1,0 +1,304 @@
+"""For which parameters is there a blend at all?  Conditions of existence, case by case.
+
+With symbols in the data (radii, distances) the conditions of contact are a linear system in the
+coefficients of one polynomial whose entries are polynomials in the parameters.  Elimination splits
+the parameters into cases; each comes with the dimension and with all solutions in closed form.
+For two perpendicular cylinders of radii r_i at distances d_i a cubic exists iff
+r1^2 + d1^2 = r2^2 + d2^2; published as a condition for blends of any degree, it holds for cubics only.
+
+Guaranteed: the cases do not overlap and together are all real parameters that the assumptions
+allow; in each the solutions satisfy every contact identically (each is multiplied out again) and
+are linearly independent.  Not guaranteed: that a case has a real point; what the signs of the
+parameters or an ideal that is the whole ring show to be empty is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
+
+from pas.algebra.locus import ANY, Locus, Parameters, Sign
+from pas.algebra.monomials import exponents
+from pas.algebra.parametric import ParametricNullspace, independent, parametric_nullspaces
+from pas.algebra.parse import parse_polynomial
+from pas.algebra.polynomial import VARIABLES
+from pas.algebra.rational import rational
+from pas.algebra.remainders import Remainders, Terms, membership_rows, power
+from pas.blending.checks import check_degree, check_order
+from pas.errors import GeometryError
+
+
+@dataclass(frozen=True, eq=False)
+class ExistenceCase:
+    """One case: where all `conditions` are zero and no inequation is (sympy polynomials).
+
+    `basis` holds `dimension` independent solutions there, sympy expressions in x, y, z and the
+    parameters.
+    """
+
+    conditions: tuple[Any, ...]
+    inequations: tuple[Any, ...]
+    dimension: int
+    basis: tuple[Any, ...]
+
+    def __str__(self) -> str:
+        where = [f"{c} = 0" for c in self.conditions] + [f"{c} != 0" for c in self.inequations]
+        lines = [f"{', '.join(where) or 'always'}: dimension {self.dimension}"]
+        return "\n".join(lines + [f"    {g}" for g in self.basis])
+
+    def _repr_latex_(self) -> str:
+        import sympy
+
+        where = [f"{sympy.latex(c)} = 0" for c in self.conditions]
+        where += [f"{sympy.latex(c)} \\ne 0" for c in self.inequations]
+        solutions = ", ".join(sympy.latex(g) for g in self.basis)
+        return f"${', '.join(where) or chr(92) + 'text{always}'}: \\dim = {self.dimension} \\quad {solutions}$"
+
+
+@dataclass(frozen=True, eq=False)
+class Existence:
+    """All cases of one question: polynomials of degree <= `degree` with GC^`order` at each contact."""
+
+    order: int
+    degree: int
+    parameters: tuple[Any, ...]
+    cases: tuple[ExistenceCase, ...]
+
+    @property
+    def exists(self) -> tuple[ExistenceCase, ...]:
+        """The cases in which there is a solution."""
+        return tuple(case for case in self.cases if case.dimension)
+
+    def at(self, values: Mapping[Any, Any]) -> ExistenceCase:
+        """The case that holds for given exact values of all parameters (by symbol or name).
+
+        Raises `ValueError` for missing parameters or values that the assumptions exclude.
+        """
+        import sympy
+
+        named = {str(key): value for key, value in values.items()}
+        missing = [str(p) for p in self.parameters if str(p) not in named]
+        if missing:
+            raise ValueError(f"values must have a number for each parameter; {', '.join(missing)} is missing")
+        numbers = {}
+        for p in self.parameters:
+            exact = rational(named[str(p)], f"the value of {p}")
+            number = sympy.Rational(int(exact.p), int(exact.q))
+            if int(sympy.sign(number)) not in _allowed(p):
+                raise ValueError(f"the value {number} of {p} contradicts what is assumed of it")
+            numbers[p] = number
+        for case in self.cases:
+            if all(c.subs(numbers) == 0 for c in case.conditions) and all(
+                c.subs(numbers) != 0 for c in case.inequations
+            ):
+                return case
+        raise ValueError("the values belong to no case, though the cases are complete: please report this")
+
+    def __str__(self) -> str:
+        head = f"GC^{self.order}, degree <= {self.degree}: "
+        if not self.exists:
+            return f"{head}never a solution"
+        return head + "\n" + "\n".join(f"  {line}" for case in self.cases for line in str(case).splitlines())
+
+    def _repr_latex_(self) -> str:
+        return "\n\n".join(case._repr_latex_() for case in self.cases)
+
+
+def existence(contacts: Sequence[Any], order: int, degree: int, parameters: Sequence[Any]) -> Existence:
+    """The conditions under which a polynomial of degree <= `degree` meets all contacts with GC^`order`.
+
+    `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the
+    `parameters`, which are sympy symbols (positive, negative, nonnegative, nonzero or real) or
+    names (real).
+
+    Raises `ValueError` for other symbols, expressions that are not polynomial or no parameters,
+    `GeometryError` where leading terms depend on the parameters, `LimitError` past a deadline.
+    """
+    check_order(order)
+    check_degree(degree)
+    symbols = _symbols(parameters)
+    ring = Parameters({str(p): _allowed(p) for p in symbols})
+    pairs = [_pair(contact, i, symbols, ring) for i, contact in enumerate(contacts)]
+    if not pairs:
+        raise ValueError("contacts must hold at least one pair (surface, clip)")
+    rows = []
+    for number, (surface, clip) in enumerate(pairs, start=1):
+        try:
+            remainders = Remainders([surface, power(clip, order + 1)])
+        except ValueError as error:
+            raise GeometryError(
+                f"contact {number}: {error}; write the surface and the clip so that the terms of highest degree "
+                "are free of parameters and have no common variable, as in y^2 + z^2 - r^2 and x - d"
+            ) from None
+        rows += membership_rows(remainders, degree)
+    unknowns = len(exponents(degree))
+    found = list(parametric_nullspaces(rows, unknowns, Locus(ring)))
+    for solution in found:
+        _check(solution, rows)
+    ideals = [(_expression(f, symbols), _expression(h, symbols) ** (order + 1)) for f, h in pairs]
+    return Existence(order, degree, symbols, tuple(_case(s, degree, symbols, ideals) for s in _merged(found)))
+
+
+def _symbols(parameters: Sequence[Any]) -> tuple[Any, ...]:
+    import sympy
+
+    given = (parameters,) if isinstance(parameters, str | sympy.Symbol) else parameters
+    symbols = tuple(sympy.Symbol(p, real=True) if isinstance(p, str) else p for p in given)
+    if not symbols:
+        raise ValueError("parameters must hold at least one symbol; without any, ask pas.solutions")
+    for p in symbols:
+        if not isinstance(p, sympy.Symbol):
+            raise TypeError(f"parameters must be sympy symbols or names, not {p!r}")
+        if str(p) in VARIABLES:
+            raise ValueError(f"a parameter must not be called {p}: x, y, z are the variables")
+    if len({str(p) for p in symbols}) < len(symbols):
+        raise ValueError("parameters must have different names")
+    return symbols
+
+
+def _allowed(symbol: Any) -> Sign:
+    """The signs that a symbol's assumptions leave."""
+    known = {1: symbol.is_positive, -1: symbol.is_negative, 0: symbol.is_zero}
+    return frozenset(sign for sign, holds in known.items() if holds is not False) or ANY
+
+
+def _pair(contact: Any, number: int, symbols: Sequence[Any], ring: Parameters) -> tuple[Terms, Terms]:
+    if not isinstance(contact, tuple | list) or len(contact) != 2:
+        raise TypeError(f"contacts[{number}] must be a pair (surface, clip), not {contact!r}")
+    surface, clip = (
+        _terms(expression, f"the {name} of contact {number + 1}", symbols, ring)
+        for expression, name in zip(contact, ("surface", "clip"), strict=True)
+    )
+    return surface, clip
+
+
+def _terms(expression: Any, name: str, symbols: Sequence[Any], ring: Parameters) -> Terms:
+    """An expression as a polynomial in x, y, z over the parameters."""
+    names = (*VARIABLES, *(str(p) for p in symbols))
+    context = fmpq_mpoly_ctx.get(names, Ordering.degrevlex)
+    if not isinstance(expression, str):
+        strange = sorted(str(s) for s in getattr(expression, "free_symbols", ()) if str(s) not in names)
+        if strange:
+            raise ValueError(f"{name}: {', '.join(strange)} is neither x, y, z nor a parameter")
+    try:
+        whole = parse_polynomial(str(expression), dict(zip(names, context.gens(), strict=True)))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    collected: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}
+    for e, c in whole.to_dict().items():
+        powers = tuple(map(int, e))
+        collected.setdefault(powers[:3], {})[powers[3:]] = c
+    if max((sum(e) for e in collected), default=0) < 1:
+        raise ValueError(f"{name} must be a polynomial in x, y, z that is not constant, not {expression}")
+    return {e: ring.ring.from_dict(terms) for e, terms in collected.items()}
+
+
+def _check(solution: ParametricNullspace, rows: Sequence[Mapping[int, fmpq_mpoly]]) -> None:
+    """That each basis member satisfies every equation on its locus, exactly, and none depends on others."""
+    for vector in solution.basis:
+        for row in rows:
+            shared = row.keys() & vector.keys()
+            total = sum((row[u] * vector[u] for u in shared), solution.locus.parameters.one * 0)
+            if not solution.locus.reduce(total).is_zero():
+                raise ArithmeticError("a solution with parameters fails its own conditions")
+    if len(independent(solution.basis, solution.locus)) < len(solution.basis):
+        raise ArithmeticError("solutions with parameters are not shown to be independent")
+
+
+def _merged(solutions: list[ParametricNullspace]) -> list[ParametricNullspace]:
+    """Cases widened over an inequation where the case beyond it has the same solutions.
+
+    Each step takes an inequation away and adds none, so it ends.
+    """
+    merged = list(solutions)
+    while True:
+        wider = next((w for case in merged if (w := _widened(case, merged)) is not None), None)
+        if wider is None:
+            return sorted(merged, key=lambda s: (len(s.locus.equations), len(s.basis)))
+        merged = wider
+
+
+def _widened(case: ParametricNullspace, cases: list[ParametricNullspace]) -> list[ParametricNullspace] | None:
+    """All cases with one inequation of `case` dropped, and others cut down to what is left of them."""
+    alike = [c for c in cases if c is not case and len(c.basis) == len(case.basis)]
+    for q in case.locus.inequations:
+        rest = tuple(p for p in case.locus.inequations if p is not q)
+        whole = Locus(case.locus.parameters, case.locus.equations, rest)
+        parts = whole.where_zero(q)
+        touched = [c for c in alike if any(part.within(c.locus) for part in parts)]
+        covered = all(any(part.within(c.locus) for c in touched) for part in parts)
+        if not covered or any(len(independent(case.basis, part)) < len(case.basis) for part in parts):
+            continue
+        cut = [(c, _difference(c.locus, whole)) for c in touched]
+        if all(len(left) <= 1 and all(len(p.inequations) <= len(c.locus.inequations) for p in left) for c, left in cut):
+            others = [c for c in cases if c is not case and all(c is not t for t in touched)]
+            smaller = [ParametricNullspace(p, c.basis) for c, left in cut for p in left]
+            return [*others, ParametricNullspace(whole, case.basis), *smaller]
+    return None
+
+
+def _difference(locus: Locus, other: Locus) -> list[Locus]:
+    """The part of a locus outside another, as disjoint loci."""
+    outside: list[Locus] = []
+    inside = [locus]
+    for q in other.equations:
+        outside += [part for piece in inside for part in piece.where_nonzero(q)]
+        inside = [part for piece in inside for part in piece.where_zero(q)]
+    for q in other.inequations:
+        outside += [part for piece in inside for part in piece.where_zero(q)]
+        inside = [part for piece in inside for part in piece.where_nonzero(q)]
+    return outside
+
+
+def _case(
+    solution: ParametricNullspace, degree: int, symbols: Sequence[Any], ideals: Sequence[tuple[Any, Any]]
+) -> ExistenceCase:
+    locus = solution.locus.tidied()
+    monomials = exponents(degree)
+    members = [_expression({monomials[u]: c for u, c in vector.items()}, symbols) for vector in solution.basis]
+    basis = [_readable(g, ideals) for g in members]
+    return ExistenceCase(
+        tuple(_to_sympy(q, symbols) for q in locus.equations),
+        tuple(_to_sympy(q, symbols) for q in locus.inequations),
+        len(basis),
+        tuple(basis),
+    )
+
+
+def _expression(terms: Mapping[tuple[int, ...], fmpq_mpoly], symbols: Sequence[Any]) -> Any:
+    """A polynomial over the parameters as a sympy expression."""
+    import sympy
+
+    variables = sympy.symbols(VARIABLES)
+    return sympy.Add(
+        *(_to_sympy(c, symbols) * sympy.prod(v**k for v, k in zip(variables, e, strict=True)) for e, c in terms.items())
+    )
+
+
+def _readable(polynomial: Any, ideals: Sequence[tuple[Any, Any]]) -> Any:
+    """Factored where that is possible, else as gamma f + beta h^(k+1) for some contact."""
+    import sympy
+
+    variables = sympy.symbols(VARIABLES)
+    content, factored = sympy.factor(polynomial).as_content_primitive()
+    if isinstance(factored, sympy.Mul | sympy.Pow):
+        return -factored if factored.could_extract_minus_sign() else factored
+    whole = sympy.expand(polynomial / content)
+    for surface, clip in ideals:
+        (gamma, beta), rest = sympy.reduced(whole, [surface, clip], *variables, order="grevlex")
+        if rest == 0:
+            return sympy.factor(gamma) * sympy.factor(surface) + sympy.factor(beta) * sympy.factor(clip)
+    return whole
+
+
+def _to_sympy(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:
+    import sympy
+
+    terms = (
+        sympy.Rational(int(c.p), int(c.q)) * sympy.prod(s ** int(k) for s, k in zip(symbols, e, strict=True))
+        for e, c in polynomial.to_dict().items()
+    )
+    return sympy.Add(*terms)
