@@ -20,7 +20,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.locus import ANY, Locus, Parameters, Sign
+from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
 from pas.algebra.monomials import exponents
 from pas.algebra.parametric import ParametricNullspace, independent, parametric_nullspaces
 from pas.algebra.parse import parse_polynomial
@@ -138,7 +138,7 @@ def existence(contacts: Sequence[Any], order: int, degree: int, parameters: Sequ
     found = list(parametric_nullspaces(rows, unknowns, Locus(ring)))
     for solution in found:
         _check(solution, rows)
-    ideals = [(_expression(f, symbols), _expression(h, symbols) ** (order + 1)) for f, h in pairs]
+    ideals = [(_whole(f, symbols), _whole(h, symbols) ** (order + 1)) for f, h in pairs]
     return Existence(order, degree, symbols, tuple(_case(s, degree, symbols, ideals) for s in _merged(found)))
 
 
@@ -177,8 +177,8 @@ def _pair(contact: Any, number: int, symbols: Sequence[Any], ring: Parameters) -
 
 def _terms(expression: Any, name: str, symbols: Sequence[Any], ring: Parameters) -> Terms:
     """An expression as a polynomial in x, y, z over the parameters."""
+    context = _ring(symbols)
     names = (*VARIABLES, *(str(p) for p in symbols))
-    context = fmpq_mpoly_ctx.get(names, Ordering.degrevlex)
     if not isinstance(expression, str):
         strange = sorted(str(s) for s in getattr(expression, "free_symbols", ()) if str(s) not in names)
         if strange:
@@ -254,44 +254,77 @@ def _difference(locus: Locus, other: Locus) -> list[Locus]:
 
 
 def _case(
-    solution: ParametricNullspace, degree: int, symbols: Sequence[Any], ideals: Sequence[tuple[Any, Any]]
+    solution: ParametricNullspace, degree: int, symbols: Sequence[Any], ideals: Sequence[tuple[fmpq_mpoly, fmpq_mpoly]]
 ) -> ExistenceCase:
     locus = solution.locus.tidied()
     monomials = exponents(degree)
-    members = [_expression({monomials[u]: c for u, c in vector.items()}, symbols) for vector in solution.basis]
-    basis = [_readable(g, ideals) for g in members]
+    members = [_whole({monomials[u]: c for u, c in vector.items()}, symbols) for vector in solution.basis]
     return ExistenceCase(
         tuple(_to_sympy(q, symbols) for q in locus.equations),
         tuple(_to_sympy(q, symbols) for q in locus.inequations),
-        len(basis),
-        tuple(basis),
+        len(members),
+        tuple(_readable(g, ideals, (*_variables(), *symbols)) for g in members),
     )
 
 
-def _expression(terms: Mapping[tuple[int, ...], fmpq_mpoly], symbols: Sequence[Any]) -> Any:
-    """A polynomial over the parameters as a sympy expression."""
-    import sympy
-
-    variables = sympy.symbols(VARIABLES)
-    return sympy.Add(
-        *(_to_sympy(c, symbols) * sympy.prod(v**k for v, k in zip(variables, e, strict=True)) for e, c in terms.items())
-    )
+def _ring(symbols: Sequence[Any]) -> fmpq_mpoly_ctx:
+    """The ring in x, y, z and the parameters."""
+    return fmpq_mpoly_ctx.get((*VARIABLES, *(str(p) for p in symbols)), Ordering.degrevlex)
 
 
-def _readable(polynomial: Any, ideals: Sequence[tuple[Any, Any]]) -> Any:
+def _whole(terms: Mapping[tuple[int, ...], fmpq_mpoly], symbols: Sequence[Any]) -> fmpq_mpoly:
+    """A polynomial over the parameters as one in x, y, z and the parameters."""
+    pairs = ((e, c.to_dict().items()) for e, c in terms.items())
+    return _ring(symbols).from_dict({(*e, *map(int, f)): v for e, items in pairs for f, v in items})
+
+
+def _readable(polynomial: fmpq_mpoly, ideals: Sequence[tuple[fmpq_mpoly, fmpq_mpoly]], symbols: Sequence[Any]) -> Any:
     """Factored where that is possible, else as gamma f + beta h^(k+1) for some contact."""
+    whole = primitive(polynomial)
+    if sum(int(times) for _, times in whole.factor()[1]) == 1:
+        for surface, clip in ideals:
+            gamma, beta, rest = _divided(whole, surface, clip)
+            if rest.is_zero():
+                return sum(_factored(a, symbols) * _factored(b, symbols) for a, b in ((gamma, surface), (beta, clip)))
+    return _factored(whole, symbols)
+
+
+def _divided(polynomial: fmpq_mpoly, *divisors: fmpq_mpoly) -> list[fmpq_mpoly]:
+    """Quotients by the divisors and the remainder of multivariate division."""
+    context = polynomial.context()
+    result = [context.constant(0) for _ in (*divisors, None)]
+    rest = polynomial
+    while not rest.is_zero():
+        lead, value = next(iter(rest.terms()))
+        for number, divisor in enumerate(divisors):
+            head, scale = next(iter(divisor.terms()))
+            shift = tuple(a - b for a, b in zip(lead, head, strict=True))
+            if min(shift) >= 0:
+                term = context.from_dict({shift: value / scale})
+                result[number], rest = result[number] + term, rest - term * divisor
+                break
+        else:
+            term = context.from_dict({lead: value})
+            result[-1], rest = result[-1] + term, rest - term
+    return result
+
+
+def _factored(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:
+    """The product of the irreducible factors as a sympy expression.
+
+    By flint: sympy's own factorisation of these takes minutes now and then.
+    """
     import sympy
 
-    variables = sympy.symbols(VARIABLES)
-    content, factored = sympy.factor(polynomial).as_content_primitive()
-    if isinstance(factored, sympy.Mul | sympy.Pow):
-        return -factored if factored.could_extract_minus_sign() else factored
-    whole = sympy.expand(polynomial / content)
-    for surface, clip in ideals:
-        (gamma, beta), rest = sympy.reduced(whole, [surface, clip], *variables, order="grevlex")
-        if rest == 0:
-            return sympy.factor(gamma) * sympy.factor(surface) + sympy.factor(beta) * sympy.factor(clip)
-    return whole
+    content, factors = polynomial.factor()
+    powers = (_to_sympy(p, symbols) ** int(times) for p, times in factors)
+    return sympy.prod(powers, start=sympy.Rational(int(content.p), int(content.q)))
+
+
+def _variables() -> tuple[Any, ...]:
+    import sympy
+
+    return tuple(sympy.symbols(VARIABLES))
 
 
 def _to_sympy(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:
