@@ -48,9 +48,11 @@ lint: setup
 
 examples: setup
 	$(BIN)/python examples/corners/corners.py
+	for script in examples/gallery/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup
 	$(BIN)/python benchmarks/corner.py
+	$(BIN)/python benchmarks/solutions.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -6,8 +6,8 @@ for cubics alone: from degree 4 on there are blends for all radii and distances.
 
 Xu, Chen and Deng (example 3) choose among five of the quartics by thin-plate energy with the point
 (-1/4, -1/4, 0) inside.  The four numbers printed there are not the optimum; the exact one, found
-here, has energy 449.23.  It leaves the box through a wall; the member drawn is the fairest one that
-is proved not to.
+here, has energy 449.23.  Its certificate is refuted (it reaches the walls of the box); the member
+drawn is the fairest one that was found with a proof.
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pas.blending.blend import Blend
+from pas.surface.piecewise import PiecewiseSurface
 
 
 def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
@@ -13,7 +14,7 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     rows = [(f"contact {i}", str(contact)) for i, contact in enumerate(surface.contacts, start=1)]
     rows += [
         ("partition", surface.partition.name),
-        ("order", f"GC^{surface.order} at the contacts, C^{surface.order} between cells"),
+        ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
         ("energy", f"{blend.energy:.6g}"),
@@ -26,6 +27,10 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     proved = sum(v.proved for v in certificate.verdicts)
     lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
     return "\n".join(lines)
+
+
+def _between(surface: PiecewiseSurface) -> str:
+    return f", C^{surface.order} between pieces" if len(surface.patches) > 1 else ""
 
 
 def _tried(blend: Blend) -> str:
