@@ -8,6 +8,7 @@ interpolant unless snapping pinched it, which the caller checks.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.lattice import Lattice
@@ -21,28 +22,48 @@ def march(lattice: Lattice, snap: float) -> tuple[Floats, Integers]:
     Crossings within the share `snap` of an edge from a node are merged into one for that node
     (no merging for 0).  Triangles are oriented with their normals to the positive side.
     """
-    edges, triangles = _triangles(lattice)
+    negative = lattice.values < 0
+    edges, triangles = crossings(negative, lattice.tetrahedra)
     a, b = edges[:, 0], edges[:, 1]
     t = lattice.values[a] / (lattice.values[a] - lattice.values[b])
     points = lattice.points[a] + t[:, None] * (lattice.points[b] - lattice.points[a])
-    triangles = _oriented(lattice, edges, points, triangles)
-    group = np.arange(len(edges)) + len(lattice.points)
+    triangles = oriented(lattice.points, negative, edges, points, triangles)
+    points, triangles, _ = snapped(points, triangles, edges, t, snap, len(lattice.points))
+    return points, triangles
+
+
+def snapped(
+    points: Floats, triangles: Integers, edges: Integers, t: Floats, snap: float, nodes: int
+) -> tuple[Floats, Integers, Integers]:
+    """The mesh with all crossings within the share `snap` of their edge from a node merged.
+
+    Also the crossing (a row of `edges`, the one nearest to its node) that each vertex comes from.
+    """
+    a, b = edges[:, 0], edges[:, 1]
+    group = np.arange(len(edges)) + nodes
     group = np.where(t < snap, a, np.where(t > 1 - snap, b, group))
-    _, label = np.unique(group, return_inverse=True)
-    merged = np.zeros((label.max() + 1, 3))
-    np.add.at(merged, label, points)
-    merged /= np.bincount(label)[:, None]
-    corners = label[triangles]
+    order = np.argsort(np.minimum(t, 1 - t), kind="stable")
+    _, first, label = np.unique(group[order], return_index=True, return_inverse=True)
+    back = np.empty(len(order), dtype=np.intp)
+    back[order] = label
+    merged = np.zeros((len(first), 3))
+    np.add.at(merged, back, points)
+    merged /= np.bincount(back)[:, None]
+    corners = back[triangles]
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    return _compact(merged, _without_doubles(corners[distinct]))
+    used, inverse = np.unique(_without_doubles(corners[distinct]), return_inverse=True)
+    return merged[used], inverse.reshape(-1, 3), order[first][used]
 
 
-def _triangles(lattice: Lattice) -> tuple[Integers, Integers]:
-    """The crossed edges (E, 2) as node numbers and triangles (T, 3) as edge numbers."""
-    tets = lattice.tetrahedra
-    negative = lattice.values[tets] < 0
+def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, Integers]:
+    """The crossed edges (E, 2) as node numbers and triangles (T, 3) as edge numbers.
+
+    `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
+    """
+    size = len(negative)
+    negative = negative[tets]
     ends = np.sort(tets[:, EDGES], axis=2)
-    keys = ends[..., 0] * len(lattice.points) + ends[..., 1]
+    keys = ends[..., 0] * size + ends[..., 1]
     corners: list[Integers] = []
     for inside in (1, 3):
         chosen = negative.sum(axis=1) == inside
@@ -60,15 +81,20 @@ def _triangles(lattice: Lattice) -> tuple[Integers, Integers]:
         quad = rows[:, ring]
         corners += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
     unique, inverse = np.unique(np.concatenate(corners), return_inverse=True)
-    size = len(lattice.points)
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 
 
-def _oriented(lattice: Lattice, edges: Integers, points: Floats, triangles: Integers) -> Integers:
-    """Before snapping, a triangle is normal to the interpolant's gradient, which points from the
-    negative to the positive ends of the edges through its corners."""
-    ends = lattice.points[edges]
-    rise = (ends[:, 1] - ends[:, 0]) * np.where(lattice.values[edges[:, 0]] < 0, 1.0, -1.0)[:, None]
+def oriented(
+    nodes: Floats, negative: NDArray[np.bool_], edges: Integers, points: Floats, triangles: Integers
+) -> Integers:
+    """The triangles turned so that their normals point to the positive side.
+
+    Before snapping, a triangle of the interpolant is normal to its gradient, which points from the
+    negative to the positive ends of the edges through its corners; moving a corner along its edge
+    does not change the side.
+    """
+    ends = nodes[edges]
+    rise = (ends[:, 1] - ends[:, 0]) * np.where(negative[edges[:, 0]], 1.0, -1.0)[:, None]
     p = points[triangles]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     wrong = np.einsum("tx,tkx->t", normal, rise[triangles]) < 0
@@ -80,8 +106,3 @@ def _without_doubles(triangles: Integers) -> Integers:
     ordered = np.sort(triangles, axis=1)
     _, inverse, times = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
     return triangles[times[inverse.ravel()] == 1]
-
-
-def _compact(points: Floats, triangles: Integers) -> tuple[Floats, Integers]:
-    used, inverse = np.unique(triangles, return_inverse=True)
-    return points[used], inverse.reshape(-1, 3)

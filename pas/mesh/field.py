@@ -47,6 +47,41 @@ class CellField(Protocol):
         """Values and gradients (N, 4) of given cells' functions at points (N, 3)."""
 
 
+class FaceField(Protocol):
+    """A set in space whose boundary consists of faces, each on the zero set of a function.
+
+    A label names a function and the side of it that is inside; the label's function is negative
+    inside and positive outside.
+    """
+
+    @property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that holds the set."""
+
+    @property
+    def special_points(self) -> Floats:
+        """Points (S, 3) where faces may be singular, such as a cone's apex."""
+
+    def cubes(self, origin: Floats, spacing: float, halvings: int, counts: tuple[int, int, int]) -> Integers:
+        """The cubes (K, 3) of a grid that the boundary may pass through; all others it does not.
+
+        `counts` coarse cubes of edge `spacing * 2**halvings` from `origin`; the result counts cubes of
+        edge `spacing`.
+        """
+
+    def signs(self, points: Floats) -> NDArray[np.bool_]:
+        """For each function (M, N), whether it is <= 0 at points (N, 3)."""
+
+    def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Whether points with given signs (M, N) are in the set (N,)."""
+
+    def jets(self, points: Floats, label: int) -> Floats:
+        """Values and gradients (N, 4) of a label's function at points (N, 3)."""
+
+    def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
+        """The labels whose functions' common zeros are where faces of given labels meet."""
+
+
 @dataclass(frozen=True)
 class TriangleMesh:
     """Points (N, 3), triangles (T, 3) and unit normals (N, 3), pointing to where f > 0."""

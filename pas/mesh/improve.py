@@ -7,6 +7,7 @@ angles of sum at most pi), positions by tangential averaging.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,20 +106,34 @@ def flip(points: Floats, triangles: Integers, normals: Floats) -> Integers:
     """Edges flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
     triangles = triangles.copy()
     for _ in range(FLIP_PASSES):
-        if not _flip_once(points, triangles, normals):
+        if not flip_once(points, triangles, lambda i, j: (normals[triangles[i]] + normals[triangles[j]]).sum(axis=1)):
             break
     return triangles
 
 
-def _flip_once(points: Floats, triangles: Integers, normals: Floats) -> bool:
+def flip_once(
+    points: Floats,
+    triangles: Integers,
+    normal: Callable[[Integers, Integers], Floats],
+    labels: Integers | None = None,
+) -> bool:
+    """Flip an independent set of edges in place; returns whether there was any.
+
+    `normal(i, j)` is the surface's normal (of any length) about the triangles i and j; edges
+    between triangles of different `labels` stay.
+    """
     pairs, owners, opposite = _interior_edges(triangles)
+    if labels is not None:
+        inside = labels[owners[:, 0]] == labels[owners[:, 1]]
+        pairs, owners, opposite = pairs[inside], owners[inside], opposite[inside]
     (a, b), (c, d) = pairs.T, opposite.T
     (cos_c, sin_c), (cos_d, sin_d) = _cosine_and_sine(points, c, a, b), _cosine_and_sine(points, d, a, b)
     # the angles at c and d add up to more than pi iff the sine of their sum is negative
     size = np.sqrt((cos_c**2 + sin_c**2) * (cos_d**2 + sin_d**2))
     gain = -(sin_c * cos_d + cos_c * sin_d) / np.maximum(size, 1e-300)
     wanted = np.flatnonzero(gain > 1e-6)
-    wanted = wanted[_flippable(points, normals, a[wanted], b[wanted], c[wanted], d[wanted])]
+    about = normal(owners[wanted, 0], owners[wanted, 1])
+    wanted = wanted[_flippable(points, about, a[wanted], b[wanted], c[wanted], d[wanted])]
     wanted = wanted[~_connected(triangles, c[wanted], d[wanted])]
     wanted = wanted[np.argsort(-gain[wanted])]
     chosen = _independent(owners[wanted], np.stack([c, d], axis=1)[wanted], len(triangles))
@@ -163,9 +178,8 @@ def _cosine_and_sine(points: Floats, at: Integers, a: Integers, b: Integers) -> 
     return np.einsum("ni,ni->n", u, v), np.sqrt(np.einsum("ni,ni->n", w, w))
 
 
-def _flippable(points: Floats, normals: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> np.ndarray:
+def _flippable(points: Floats, normal: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> np.ndarray:
     """Whether both new triangles (c, a, d) and (c, d, b) keep the surface's orientation."""
-    normal = normals[a] + normals[b] + normals[c] + normals[d]
     good = np.ones(len(a), dtype=bool)
     for p, q, r in ((c, a, d), (c, d, b)):
         area = cross(points[q] - points[p], points[r] - points[p])

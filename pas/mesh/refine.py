@@ -7,11 +7,11 @@ import numpy as np
 from pas.mesh.field import Floats, Integers
 
 
-def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats, Integers]:
+def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats, Integers, Integers]:
     """The mesh with a vertex in the middle of each of `edges` (E, 2), distinct vertex pairs.
 
     Triangles with one, two or three split edges become two, three or four, with the same
-    orientation.
+    orientation.  Returns the points, the triangles, and the old triangle that each is part of.
     """
     size = len(points)
     low, high = edges.min(axis=1), edges.max(axis=1)
@@ -20,7 +20,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     middles = points[edges].mean(axis=1)[order]
     marks = np.stack([_lookup(keys, triangles[:, i], triangles[:, (i + 1) % 3], size) for i in range(3)], axis=1)
     count = (marks >= 0).sum(axis=1)
-    pieces = [triangles[count == 0]]
+    pieces, parents = [triangles[count == 0]], [np.flatnonzero(count == 0)]
     # turned so that the one split edge is the first, or the one unsplit edge the last
     for number in (1, 2, 3):
         rows = count == number
@@ -37,7 +37,8 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
         else:
             corners = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
         pieces += [np.stack(corner, axis=1) for corner in corners]
-    return np.concatenate([points, middles]), np.concatenate(pieces)
+        parents += [np.flatnonzero(rows)] * len(corners)
+    return np.concatenate([points, middles]), np.concatenate(pieces), np.concatenate(parents)
 
 
 def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:

@@ -157,7 +157,7 @@ def _shows_curves(field: CellField, mesh: TriangleMesh) -> bool:
 
 
 def _refined(field: CellField, mesh: TriangleMesh, edges: Integers) -> TriangleMesh:
-    points, triangles = split(mesh.points, mesh.triangles, edges)
+    points, triangles, _ = split(mesh.points, mesh.triangles, edges)
     return _improved(field, points, triangles, LATER_SMOOTHINGS)
 
 

@@ -1,0 +1,1 @@
+"""Solids by script: primitives, set operations, patches and joints, assemblies."""

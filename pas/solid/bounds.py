@@ -1,0 +1,111 @@
+"""Where a set of inequalities lies: a box that certainly holds it.
+
+Linear inequalities are bounded by linear programmes; then boxes in which the set certainly has no
+point are cut away, from a very large box down, until the rest is tight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.errors import GeometryError
+from pas.solid.program import Program
+from pas.solid.tree import Node, Tree, atoms
+
+FARTHEST = 2.0**24
+"""Coordinates beyond which a set counts as unbounded."""
+
+LEVELS, MOST_BOXES = 60, 60_000
+TIGHT = 1.02
+"""A box is tight enough when a level of halving shrinks its sides by less than this."""
+
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
+
+
+def bounding_box(tree: Tree) -> Floats:
+    """A box (2, 3) that holds the set.
+
+    Raises `GeometryError` where the set is empty or extends too far to be bounded.
+    """
+    boxes = [box for part in _branches(tree) if (box := _branch_box(part)) is not None]
+    if not boxes:
+        raise GeometryError("the solid is empty: no point satisfies all of its inequalities")
+    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
+def _branches(tree: Tree) -> list[Tree]:
+    """Sets whose union is the set, opened up at the top only."""
+    if isinstance(tree, Node) and tree.union:
+        return [b for part in tree.parts for b in _branches(part)]
+    return [tree]
+
+
+def _branch_box(tree: Tree) -> Floats | None:
+    start = _linear_box(tree)
+    return None if start is None else _shrunk(Program(tree, ORIGIN, fmpq(1)), start)
+
+
+def _linear_box(tree: Tree) -> Floats | None:
+    """The box of the linear inequalities that all hold, by linear programmes; None where empty."""
+    parts = tree.parts if isinstance(tree, Node) and not tree.union else (tree,)
+    rows = []
+    for part in parts:
+        if isinstance(part, Node) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
+            continue
+        row = part.function.dense(1) * (-1 if part.outside else 1)
+        rows.append(row / np.abs(row[1:]).max())
+    box = np.array([[-FARTHEST] * 3, [FARTHEST] * 3])
+    if not rows:
+        return box
+    from scipy.optimize import linprog
+
+    matrix = np.array(rows)
+    for axis in range(3):
+        for side in (0, 1):
+            cost = np.zeros(3)
+            cost[axis] = 1 - 2 * side
+            found = linprog(cost, matrix[:, 1:], -matrix[:, 0], bounds=[(-FARTHEST, FARTHEST)] * 3)
+            if found.status == 2:
+                return None
+            if found.status == 0:
+                slack = 1e-9 * (1 + abs(found.fun))
+                box[side, axis] = (1 - 2 * side) * found.fun - (1 - 2 * side) * slack
+    return box
+
+
+def _shrunk(program: Program, box: Floats) -> Floats | None:
+    """The hull of the boxes that cannot be ruled out, halved until it hardly shrinks."""
+    outer = box
+    centers, half = box.mean(axis=0)[None], np.maximum((box[1] - box[0]) / 2, 1e-300)
+    hull = box
+    for _ in range(LEVELS):
+        cut = half >= half.max() / 2
+        corners = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], dtype=float)
+        corners = np.unique(corners * cut, axis=0)
+        half = np.where(cut, half / 2, half)
+        centers = (centers[:, None] + corners * half).reshape(-1, 3)
+        yes, no, _ = program.taylor(centers, half)
+        centers = centers[program.holds(~no, ~yes)]
+        if not len(centers):
+            return None
+        if len(centers) > MOST_BOXES:
+            break
+        smaller = np.stack([centers.min(axis=0) - half, centers.max(axis=0) + half])
+        before, after = np.ptp(hull, axis=0), np.ptp(smaller, axis=0)
+        hull = smaller
+        if (after * TIGHT > before).all() and (half * 8 < after).all():
+            break
+    if ((np.abs(hull) > FARTHEST / 2) & (np.abs(hull) >= np.abs(outer) * 0.9)).any():
+        raise GeometryError(
+            "the solid is unbounded or too large: it goes on beyond "
+            f"{_describe(hull)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"
+        )
+    return hull
+
+
+def _describe(hull: Floats) -> str:
+    side, axis = np.unravel_index(int(np.abs(hull).argmax()), (2, 3))
+    return f"{'xyz'[axis]} = {hull[side, axis]:.3g}"

@@ -1,0 +1,121 @@
+"""A solid as the mesher wants it: labels are columns and the side that is inside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.ideal import Ideal
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import rational
+from pas.solid.program import Program
+from pas.solid.tree import Function, Tree
+
+Integers = NDArray[np.intp]
+
+
+class SolidField:
+    """The boundary of a tree inside a box; see `pas.mesh.field.FaceField`.
+
+    `seams` maps pairs of faces to the two functions of the curve along which they are joined: where
+    two faces touch, their own two functions do not say where.
+    """
+
+    def __init__(
+        self,
+        tree: Tree,
+        box: Floats,
+        seams: Mapping[frozenset[str], tuple[Polynomial, Polynomial]],
+        special_points: Floats,
+    ) -> None:
+        self.box = box
+        self.special_points = special_points
+        center = tuple(rational(float(c)) for c in np.round(box.mean(axis=0), 6))
+        scale = rational(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
+        extra: list[Function] = [f for pair in seams.values() for f in pair]
+        self.program = Program(tree, center, scale, tuple(extra))  # type: ignore[arg-type]
+        self._seams = {key: self.program.used + 2 * i for i, key in enumerate(seams)}
+
+    def cubes(self, origin: Floats, spacing: float, halvings: int, counts: tuple[int, int, int]) -> Integers:
+        """The cubes (K, 3) that the boundary may pass through."""
+        cubes = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 3)
+        half = spacing * 2**halvings / 2
+        yes, no, second = self.program.taylor(origin + (2 * cubes + 1) * half, np.full(3, half))
+        kept = self._undecided(yes, no)
+        cubes, second = cubes[kept], second[:, kept]
+        eighths = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        for _ in range(halvings):
+            half /= 2
+            cubes = (2 * cubes[:, None] + eighths).reshape(-1, 3)
+            second = np.repeat(second, 8, axis=1) / 4
+            kept = self._undecided(*self.program.gradient_bounds(origin + (2 * cubes + 1) * half, half, second))
+            cubes, second = cubes[kept], second[:, kept]
+        return cubes
+
+    def _undecided(self, yes: NDArray[np.bool_], no: NDArray[np.bool_]) -> Integers:
+        """Boxes neither certainly inside nor certainly outside."""
+        return np.flatnonzero(self.program.holds(~no, ~yes) & ~self.program.holds(yes, no))
+
+    def signs(self, points: Floats) -> NDArray[np.bool_]:
+        """Which columns are <= 0 (M, N)."""
+        return self.program.signs(points)
+
+    def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Whether points with given signs are in the solid."""
+        return self.program.inside(signs)
+
+    def jets(self, points: Floats, label: int) -> Floats:
+        """Values and gradients (N, 4) of a label's function, positive outside."""
+        jets = self.program.jets(points, label // 2)
+        return -jets if label % 2 else jets
+
+    def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
+        """The labels whose common zeros are where faces of given labels meet."""
+        if len(labels) == 1:
+            return labels
+        columns = sorted({label // 2 for label in labels})
+        known: list[int] = []
+        free = set(columns)
+        for i, a in enumerate(columns):
+            for b in columns[i + 1 :]:
+                seam = self._seam(a, b)
+                if seam:
+                    known += seam
+                    free -= {a, b}
+        return tuple(dict.fromkeys([*(2 * c for c in known), *(2 * c for c in sorted(free))]))
+
+    def face(self, label: int) -> str:
+        """The name of a label's face."""
+        return self.program.columns[label // 2].face
+
+    def _seam(self, a: int, b: int) -> tuple[int, ...]:
+        """The columns of the curve in which two columns' faces touch, or nothing where they cross."""
+        if (a, b) not in self._found:
+            self._found[a, b] = self._find_seam(a, b)
+        return self._found[a, b]
+
+    @cached_property
+    def _found(self) -> dict[tuple[int, int], tuple[int, ...]]:
+        return {}
+
+    def _find_seam(self, a: int, b: int) -> tuple[int, ...]:
+        first, second = self.program.columns[a], self.program.columns[b]
+        claimed = self._seams.get(frozenset((first.face, second.face)))
+        if claimed is not None and first.face and second.face:
+            return claimed, claimed + 1
+        f, g = first.function, second.function
+        if not isinstance(f, Polynomial) or not isinstance(g, Polynomial):
+            return ()
+        for number, wall in enumerate(self.program.columns[: self.program.used]):
+            w = wall.function
+            if wall.face or not isinstance(w, Polynomial) or number in (a, b):
+                continue
+            if Ideal(f, w).contains(g):
+                return a, number
+            if Ideal(g, w).contains(f):
+                return b, number
+        return ()
