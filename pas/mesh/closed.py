@@ -2,18 +2,22 @@
 
 Guarantees, each checked on the result: the mesh is closed and a manifold, vertices lie on their
 faces, curves and corners, no triangle is turned away from its face, and the measured deviation is
-below the tolerance.  Not guaranteed: that details below the lattice's spacing are seen; cubes that
-the boundary provably misses are the only ones left out, but one that it enters and leaves through
-one side may be missed.  The lattice is made finer until the faces' curves come out where they are.
+below the tolerance.  Not guaranteed: that details below the lattice's spacing are seen.  Cubes that
+the boundary provably misses are the only ones left out, and the lattice is made finer until the next
+finer one has the same number of pieces and holes and the same faces, and all curves and corners come
+out where they are.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.faces import march_faces
 from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh, edge_table
@@ -22,10 +26,10 @@ from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, collapse, face_normals, flip, least_norm, pair_normals, project, smooth
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
-FIRST_PARTS, FINEST_PARTS = 56, 420
-"""Cubes along the longest side of the box in the first lattice and the finest."""
+FIRST_PARTS, FINER, LATTICES = 32, 1.6, 7
+"""Cubes along the longest side of the box in the first lattice, how many times more in each further
+one, and how many are tried."""
 
-FINER = 1.6
 SNAP = 0.3
 HALVINGS = 3
 SHORT = 0.4
@@ -44,7 +48,7 @@ class FaceMesh:
     """A closed mesh whose triangles carry labels, with outward unit normals of each vertex's faces.
 
     `mesh` holds points (N, 3), triangles (T, 3) and labels (T,); `normals` (P, 3) belongs to the rows
-    of `mesh.pairs`, the (vertex, label) pairs.
+    of `mesh.topology.pairs`, the (vertex, label) pairs.
     """
 
     mesh: Labelled
@@ -54,7 +58,7 @@ class FaceMesh:
     def triangle_mesh(self) -> TriangleMesh:
         """The same without labels; a vertex's normal is the mean of its faces'."""
         total = np.zeros_like(self.mesh.points)
-        np.add.at(total, self.mesh.pairs[:, 0], self.normals)
+        np.add.at(total, self.mesh.topology.pairs[:, 0], self.normals)
         length = np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
         return TriangleMesh(self.mesh.points, self.mesh.triangles, total / length)
 
@@ -76,10 +80,10 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
                 f"{worst:.2g} is reached with {len(mesh.triangles)}"
             )
         points, triangles, parents = split(mesh.points, mesh.triangles, far)
-        mesh = project(Labelled(points, triangles, mesh.labels[parents]), field, spacing)
+        mesh = project(Labelled.of(points, triangles, mesh.labels[parents]), field, spacing)
         for _ in range(LATER_SMOOTHINGS):
-            mesh = flip(mesh, field)
-            mesh = smooth(mesh, field, pair_normals(mesh, field), spacing / 4)
+            mesh = flip(mesh, field, 2)
+            mesh = smooth(mesh, field, spacing / 4)
         mesh = flip(mesh, field)
     raise MeshError(
         f"the tolerance {tolerance:g} was not reached with {len(mesh.triangles)} triangles ({worst:.2g} was); "
@@ -88,31 +92,41 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
 
 
 def _first(field: FaceField) -> tuple[Labelled, float]:
-    """The mesh of the coarsest lattice that shows all faces soundly."""
+    """The mesh of the coarsest lattice that shows all faces soundly, and as the next finer one does."""
     extent = float(np.ptp(field.box, axis=0).max())
-    parts = float(FIRST_PARTS)
-    reason = "it has no inside point"
-    while parts <= FINEST_PARTS:
-        spacing = extent / parts
-        parts *= FINER
-        for snap in (SNAP, 0.0):
-            raw = march_faces(field, spacing, HALVINGS, snap)
-            if raw is None:
-                break
-            if (raw.labels < 0).any():
-                reason = "too many faces meet in one place"
-                continue
-            if not is_closed_manifold(raw.triangles):
-                reason = "its mesh is not a manifold"
-                continue
-            mesh = _improved(raw, field, spacing)
-            problem = _unsound(mesh, field, spacing)
-            if not problem:
-                return mesh, spacing
-            reason = problem
-    if reason == "it has no inside point":
-        raise MeshError("the solid is empty, or thinner than 1/400 of its bounding box everywhere")
-    raise MeshError(f"the solid could not be meshed with {FINEST_PARTS} cubes along its box: {reason}")
+    lattices = [extent / (FIRST_PARTS * FINER**i) for i in range(LATTICES)]
+    reason = ""
+    finer = march_faces(field, lattices[0], HALVINGS, SNAP)
+    for spacing, next_spacing in pairwise(lattices):
+        raw, finer = finer, march_faces(field, next_spacing, HALVINGS, SNAP)
+        if raw is None or finer is None or _shape(raw) != _shape(finer):
+            reason = "its pieces, holes or faces are too small" if finer is not None else reason
+            continue
+        if not is_closed_manifold(raw.triangles):
+            raw = march_faces(field, spacing, HALVINGS, 0.0)
+        if raw is None or (raw.labels < 0).any() or not is_closed_manifold(raw.triangles):
+            reason = "too many faces meet in one place"
+            continue
+        mesh = _improved(raw, field, spacing)
+        reason = _unsound(mesh, field, spacing)
+        if not reason:
+            return mesh, spacing
+    if not reason:
+        raise MeshError(f"the solid is empty, or thinner everywhere than {_parts(lattices)} of its bounding box")
+    raise MeshError(f"the solid could not be meshed with a lattice of {_parts(lattices)} of its bounding box: {reason}")
+
+
+def _parts(lattices: list[float]) -> str:
+    return f"1/{round(FIRST_PARTS * lattices[0] / lattices[-1])}"
+
+
+def _shape(mesh: Labelled) -> tuple[int, int, tuple[int, ...]]:
+    """The number of components, the Euler characteristic, and the labels."""
+    edges = mesh.topology.edges
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(mesh.topology.size,) * 2)
+    components = connected_components(graph, directed=False)[0]
+    euler = mesh.topology.size - len(edges) + len(mesh.triangles)
+    return int(components), euler, tuple(np.unique(mesh.labels).tolist())
 
 
 def _improved(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
@@ -126,7 +140,7 @@ def _improved(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
     for _ in range(SMOOTHINGS):
         mesh = collapse(mesh, field, short)
         mesh = flip(mesh, field)
-        mesh = smooth(mesh, field, pair_normals(mesh, field), spacing / 4)
+        mesh = smooth(mesh, field, spacing / 4)
     mesh = collapse(mesh, field, short)
     return flip(mesh, field)
 
@@ -139,7 +153,7 @@ def _with_special_points(mesh: Labelled, field: FaceField, spacing: float) -> La
         nearest = int(square.argmin())
         if square[nearest] < 4 * spacing**2:
             points[nearest] = special
-    return Labelled(points, mesh.triangles, mesh.labels)
+    return mesh.moved(points)
 
 
 def is_closed_manifold(triangles: Integers) -> bool:
@@ -160,7 +174,7 @@ def _unsound(mesh: Labelled, field: FaceField, spacing: float) -> str:
     folded = np.flatnonzero(side < FOLD * size)
     if len(folded):
         return f"near {_place(p[folded[0]].mean(axis=0))} it is too thin or two faces meet too flatly"
-    for labels, vertices in mesh.groups():
+    for labels, vertices in mesh.topology.groups:
         away = np.sqrt((least_norm(field, field.functions(labels), mesh.points[vertices]) ** 2).sum(axis=1))
         if away.max() > ON_FACE * spacing:
             worst = mesh.points[vertices[away.argmax()]]
@@ -174,8 +188,8 @@ def _place(point: Floats) -> str:
 
 def _far_edges(field: FaceField, mesh: Labelled, tolerance: float) -> tuple[Integers, Integers, float]:
     """All edges; those to split: too far themselves, or the longest of a triangle that is; the largest distance."""
-    edges, _ = edge_table(mesh.triangles)
-    distances = edge_distances(field, mesh, edges)
+    edges = mesh.topology.edges
+    distances = edge_distances(field, mesh)
     inner = inner_distances(field, mesh)
     worst = float(max(distances.max(), inner.max()))
     far = edges[distances > AIM * tolerance]
@@ -190,38 +204,22 @@ def _far_edges(field: FaceField, mesh: Labelled, tolerance: float) -> tuple[Inte
     return edges, np.unique(np.sort(np.concatenate([far, pairs]), axis=1), axis=0), worst
 
 
-def edge_distances(field: FaceField, mesh: Labelled, edges: Integers) -> Floats:
+def edge_distances(field: FaceField, mesh: Labelled) -> Floats:
     """First-order distances of the edges' midpoints from their face or curve (E,)."""
+    edges = mesh.topology.edges
     result = np.zeros(len(edges))
-    labels = edge_labels(mesh, edges)
-    rows, inverse = np.unique(labels, axis=0, return_inverse=True)
-    middles = mesh.points[edges].mean(axis=1)
-    for number, row in enumerate(rows):
-        at = np.flatnonzero(inverse.ravel() == number)
-        functions = field.functions(tuple(int(v) for v in np.unique(row)))
-        result[at] = np.sqrt((least_norm(field, functions, middles[at]) ** 2).sum(axis=1))
+    for labels, rows in mesh.topology.edge_groups:
+        middles = (mesh.points[edges[rows, 0]] + mesh.points[edges[rows, 1]]) / 2
+        step = least_norm(field, field.functions(labels), middles)
+        result[rows] = np.sqrt((step * step).sum(axis=1))
     return result
-
-
-def edge_labels(mesh: Labelled, edges: Integers) -> Integers:
-    """The two labels (E, 2), ascending, of the triangles at each of all the mesh's edges."""
-    size = len(mesh.points)
-    start, end = mesh.triangles.ravel(), mesh.triangles[:, [1, 2, 0]].ravel()
-    key = np.minimum(start, end) * size + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    labels = np.repeat(mesh.labels, 3)[order]
-    pairs = np.sort(np.stack([labels[::2], labels[1::2]], axis=1), axis=1)
-    at = np.searchsorted(key[order][::2], edges.min(axis=1) * size + edges.max(axis=1))
-    return pairs[at]
 
 
 def inner_distances(field: FaceField, mesh: Labelled) -> Floats:
     """The largest first-order distance of some inner points of each triangle from its face (T,)."""
     result = np.zeros(len(mesh.triangles))
-    for label in np.unique(mesh.labels):
-        rows = np.flatnonzero(mesh.labels == label)
+    for label, _, rows in mesh.topology.label_rows:
         points = np.einsum("wk,tkx->twx", INNER, mesh.points[mesh.triangles[rows]]).reshape(-1, 3)
-        steps = least_norm(field, (int(label),), points)
+        steps = least_norm(field, (label,), points)
         result[rows] = np.sqrt((steps * steps).sum(axis=1)).reshape(-1, len(INNER)).max(axis=1)
     return result
-

@@ -19,9 +19,13 @@ from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers, edge_table
 from pas.mesh.remesh import Labelled
 
-ROOT_STEPS = 8
+ROOT_STEPS = 10
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
+
+NEAR, BISECTIONS = 1e-6, 40
+"""How far before and after a crossing, over the edge's length, the side is checked; and how often an
+edge is halved where it is not what it should be."""
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
 """Where the grid starts, in spacings before the box: irrational, so that the planes and axes that
@@ -107,7 +111,39 @@ def _crossing(
         open_edges = open_edges[~turned]
         if not len(open_edges):
             break
+    _check_crossings(field, points[a], points[b], inside[a], result, label)
     return np.clip(result, 1e-6, 1 - 1e-6), label
+
+
+def _check_crossings(
+    field: FaceField, a: Floats, b: Floats, start: NDArray[np.bool_], t: Floats, label: Integers
+) -> None:
+    """Correct, in place, the crossings where the side does not change: a function vanished twice."""
+
+    def signs(rows: Integers, at: Floats) -> NDArray[np.bool_]:
+        return field.signs(a[rows] + at[:, None] * (b[rows] - a[rows]))
+
+    everything = np.arange(len(t))
+    before = field.inside(signs(everything, np.maximum(t - NEAR, 0.0))) == start
+    after = field.inside(signs(everything, np.minimum(t + NEAR, 1.0))) != start
+    rows = np.flatnonzero(~(before & after) | (label < 0))
+    if not len(rows):
+        return
+    low, high = np.zeros(len(rows)), np.ones(len(rows))
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        same = field.inside(signs(rows, middle)) == start[rows]
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    first, last = signs(rows, low), signs(rows, high)
+    changes = first != last
+    found = np.full(len(rows), -1)
+    for column in range(len(changes)):
+        alone = last.copy()
+        alone[column] = first[column]
+        decides = changes[column] & (found < 0) & (field.inside(alone) == start[rows])
+        inner_sign = np.where(start[rows], first[column], last[column])
+        found = np.where(decides, 2 * column + ~inner_sign, found)
+    t[rows], label[rows] = (low + high) / 2, found
 
 
 def _roots(field: FaceField, label: int, a: Floats, b: Floats) -> Floats:
@@ -153,4 +189,4 @@ def _cut(points: Floats, triangles: Integers, labels: Integers) -> Labelled:
         pieces += [np.stack([a, between(a, b), center], axis=1), np.stack([a, center, between(a, c)], axis=1)]
         names += [corner_labels[rows, i]] * 2
     everything = np.concatenate([points, middle, points[triangles[rows]].mean(axis=1)])
-    return Labelled(everything, np.concatenate(pieces), np.concatenate(names))
+    return Labelled.of(everything, np.concatenate(pieces), np.concatenate(names))

@@ -106,7 +106,8 @@ def flip(points: Floats, triangles: Integers, normals: Floats) -> Integers:
     """Edges flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
     triangles = triangles.copy()
     for _ in range(FLIP_PASSES):
-        if not flip_once(points, triangles, lambda i, j: (normals[triangles[i]] + normals[triangles[j]]).sum(axis=1)):
+        about = lambda i, j: (normals[triangles[i]] + normals[triangles[j]]).sum(axis=1)  # noqa: E731
+        if not len(flip_once(points, triangles, about)):
             break
     return triangles
 
@@ -116,13 +117,13 @@ def flip_once(
     triangles: Integers,
     normal: Callable[[Integers, Integers], Floats],
     labels: Integers | None = None,
-) -> bool:
-    """Flip an independent set of edges in place; returns whether there was any.
+) -> Integers:
+    """Flip an independent set of edges in place; returns the pairs of triangles that changed (F, 2).
 
     `normal(i, j)` is the surface's normal (of any length) about the triangles i and j; edges
     between triangles of different `labels` stay.
     """
-    pairs, owners, opposite = _interior_edges(triangles)
+    pairs, owners, opposite, keys = _interior_edges(triangles)
     if labels is not None:
         inside = labels[owners[:, 0]] == labels[owners[:, 1]]
         pairs, owners, opposite = pairs[inside], owners[inside], opposite[inside]
@@ -134,20 +135,21 @@ def flip_once(
     wanted = np.flatnonzero(gain > 1e-6)
     about = normal(owners[wanted, 0], owners[wanted, 1])
     wanted = wanted[_flippable(points, about, a[wanted], b[wanted], c[wanted], d[wanted])]
-    wanted = wanted[~_connected(triangles, c[wanted], d[wanted])]
+    wanted = wanted[~_connected(keys, int(triangles.max()) + 1, c[wanted], d[wanted])]
     wanted = wanted[np.argsort(-gain[wanted])]
     chosen = _independent(owners[wanted], np.stack([c, d], axis=1)[wanted], len(triangles))
     rows = wanted[chosen]
-    if not len(rows):
-        return False
     # the first owner holds the edge as a -> b with c opposite, the second as b -> a with d
     triangles[owners[rows, 0]] = np.stack([c[rows], a[rows], d[rows]], axis=1)
     triangles[owners[rows, 1]] = np.stack([c[rows], d[rows], b[rows]], axis=1)
-    return True
+    return owners[rows]
 
 
-def _interior_edges(triangles: Integers) -> tuple[Integers, Integers, Integers]:
-    """Edges (E, 2) directed as in their first triangle, its two triangles, the opposite vertices."""
+def _interior_edges(triangles: Integers) -> tuple[Integers, Integers, Integers, Integers]:
+    """Edges (E, 2) directed as in their first triangle, its two triangles, the opposite vertices.
+
+    Also the sorted keys of all edges, `lower * size + upper`.
+    """
     size = int(triangles.max()) + 1
     start = np.concatenate([triangles[:, 0], triangles[:, 1], triangles[:, 2]])
     end = np.concatenate([triangles[:, 1], triangles[:, 2], triangles[:, 0]])
@@ -155,12 +157,14 @@ def _interior_edges(triangles: Integers) -> tuple[Integers, Integers, Integers]:
     owner = np.tile(np.arange(len(triangles)), 3)
     key = np.minimum(start, end) * size + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
-    twin = np.flatnonzero(key[order][1:] == key[order][:-1])
+    keys = key[order]
+    twin = np.flatnonzero(keys[1:] == keys[:-1])
     i, j = order[twin], order[twin + 1]
     return (
         np.stack([start[i], end[i]], axis=1),
         np.stack([owner[i], owner[j]], axis=1),
         np.stack([apex[i], apex[j]], axis=1),
+        keys,
     )
 
 
@@ -187,10 +191,10 @@ def _flippable(points: Floats, normal: Floats, a: Integers, b: Integers, c: Inte
     return good
 
 
-def _connected(triangles: Integers, c: Integers, d: Integers) -> np.ndarray:
-    size = int(triangles.max()) + 1
-    edges, _ = edge_table(triangles)
-    return np.isin(np.minimum(c, d) * size + np.maximum(c, d), edges[:, 0] * size + edges[:, 1])
+def _connected(keys: Integers, size: int, c: Integers, d: Integers) -> np.ndarray:
+    wanted = np.minimum(c, d) * size + np.maximum(c, d)
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.asarray(keys[at] == wanted)
 
 
 def _independent(owners: Integers, ends: Integers, triangles: int) -> Integers:

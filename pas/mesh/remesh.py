@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from pas.mesh.field import FaceField, Floats, Integers, edge_table
-from pas.mesh.improve import FLIP_PASSES, cross, flip_once
+from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.improve import cross, flip_once
 
 NEWTON_STEPS = 16
 KEPT = 0.35
@@ -28,13 +28,16 @@ FUNCTIONS = 3
 """A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
 
 
-@dataclass(frozen=True)
-class Labelled:
-    """A closed mesh: points (N, 3), triangles (T, 3), and the label of each triangle (T,)."""
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """Triangles (T, 3), the label of each (T,), and the number of vertices.
 
-    points: Floats
+    The triangles form a closed manifold.
+    """
+
     triangles: Integers
     labels: Integers
+    size: int
 
     @cached_property
     def pairs(self) -> Integers:
@@ -52,68 +55,124 @@ class Labelled:
     def _span(self) -> int:
         return int(self.labels.max(initial=0)) + 1
 
-    @property
+    @cached_property
     def _corner_keys(self) -> Integers:
         return (self.triangles * self._span + self.labels[:, None]).ravel()
 
     @cached_property
-    def vertex_labels(self) -> Integers:
-        """Up to three labels of each vertex (N, 3), ascending, -1 where there are fewer."""
-        vertices, labels = self.pairs.T
-        first = np.searchsorted(vertices, vertices)
-        place = np.arange(len(vertices)) - first
-        result = np.full((len(self.points), FUNCTIONS), -1, dtype=np.intp)
-        kept = place < FUNCTIONS
-        result[vertices[kept], place[kept]] = labels[kept]
-        return result
-
-    @cached_property
     def label_count(self) -> Integers:
         """The number of labels around each vertex (N,)."""
-        return np.bincount(self.pairs[:, 0], minlength=len(self.points))
+        return np.bincount(self.pairs[:, 0], minlength=self.size)
+
+    @cached_property
+    def valence(self) -> Integers:
+        """The number of triangles around each vertex (N,)."""
+        return np.bincount(self.triangles.ravel(), minlength=self.size)
+
+    @cached_property
+    def edge_table(self) -> tuple[Integers, Integers]:
+        """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
+        start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
+        key = np.minimum(start, end) * self.size + np.maximum(start, end)
+        order = np.argsort(key, kind="stable")
+        labels = np.repeat(self.labels, 3)[order]
+        keys = key[order][::2]
+        edges = np.stack([keys // self.size, keys % self.size], axis=1)
+        return edges, np.sort(np.stack([labels[::2], labels[1::2]], axis=1), axis=1)
+
+    @property
+    def edges(self) -> Integers:
+        """The edges (E, 2), the lower vertex first, sorted."""
+        return self.edge_table[0]
+
+    @cached_property
+    def seam_mask(self) -> NDArray[np.bool_]:
+        """Which edges (E,) are between different labels."""
+        labels = self.edge_table[1]
+        return np.asarray(labels[:, 0] != labels[:, 1])
 
     @cached_property
     def seams(self) -> Integers:
-        """The edges (S, 2) between triangles of different labels."""
-        return self.seam_table[0]
-
-    @cached_property
-    def seam_table(self) -> tuple[Integers, Integers]:
-        """The edges (S, 2) between different labels, and their two labels (S, 2), ascending."""
-        start = self.triangles.ravel()
-        end = self.triangles[:, [1, 2, 0]].ravel()
-        key = np.minimum(start, end) * len(self.points) + np.maximum(start, end)
-        order = np.argsort(key, kind="stable")
-        i, j = order[::2], order[1::2]
-        labels = np.repeat(self.labels, 3)
-        differ = labels[i] != labels[j]
-        ends = np.stack([start[i], end[i]], axis=1)[differ]
-        return ends, np.sort(np.stack([labels[i], labels[j]], axis=1)[differ], axis=1)
+        """The edges (S, 2) between different labels."""
+        return self.edges[self.seam_mask]
 
     @cached_property
     def fixed(self) -> NDArray[np.bool_]:
         """The corners: vertices with three labels or more, or where seams end or cross."""
-        degree = np.bincount(self.seams.ravel(), minlength=len(self.points))
-        return (self.label_count > 2) | ((degree != 2) & (degree != 0))
+        degree = np.bincount(self.seams.ravel(), minlength=self.size)
+        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)))
 
+    @cached_property
     def groups(self) -> list[tuple[tuple[int, ...], Integers]]:
-        """The vertices by their labels: (labels, vertex numbers)."""
+        """The vertices by their labels, three at most: (labels, vertex numbers)."""
+        vertices, labels = self.pairs.T
+        place = np.arange(len(vertices)) - np.searchsorted(vertices, vertices)
+        rows = np.full((self.size, FUNCTIONS), -1, dtype=np.intp)
+        kept = place < FUNCTIONS
+        rows[vertices[kept], place[kept]] = labels[kept]
         used = np.flatnonzero(self.label_count > 0)
-        rows, inverse = np.unique(self.vertex_labels[used], axis=0, return_inverse=True)
-        order = np.argsort(inverse.ravel(), kind="stable")
-        starts = np.searchsorted(inverse.ravel()[order], np.arange(len(rows) + 1))
         return [
-            (tuple(int(v) for v in row if v >= 0), used[order[starts[i] : starts[i + 1]]]) for i, row in enumerate(rows)
+            (tuple(int(v) for v in row if v >= 0), used[at]) for row, at in grouped(rows[used], self._span + 1)
         ]
+
+    @cached_property
+    def edge_groups(self) -> list[tuple[tuple[int, ...], Integers]]:
+        """The edges by their labels: (labels, rows of `edges`)."""
+        found = grouped(self.edge_table[1], self._span + 1)
+        return [(tuple(int(v) for v in np.unique(row)), at) for row, at in found]
+
+    @cached_property
+    def label_rows(self) -> list[tuple[int, Integers, Integers]]:
+        """For each label its rows in `pairs` and its triangles."""
+        return [
+            (int(label), np.flatnonzero(self.pairs[:, 1] == label), np.flatnonzero(self.labels == label))
+            for label in np.unique(self.labels)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class Labelled:
+    """A closed mesh: points (N, 3) and the topology of its triangles."""
+
+    points: Floats
+    topology: Topology
+
+    @classmethod
+    def of(cls, points: Floats, triangles: Integers, labels: Integers) -> Labelled:
+        """The mesh of points (N, 3), triangles (T, 3) and labels (T,)."""
+        return cls(points, Topology(triangles, labels, len(points)))
+
+    @property
+    def triangles(self) -> Integers:
+        """The triangles as vertex numbers (T, 3)."""
+        return self.topology.triangles
+
+    @property
+    def labels(self) -> Integers:
+        """The label of each triangle (T,)."""
+        return self.topology.labels
+
+    def moved(self, points: Floats) -> Labelled:
+        """The same triangles on other points."""
+        return Labelled(points, self.topology)
+
+
+def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
+    """The distinct rows of numbers from -1 to span - 2, and where each stands."""
+    key = np.zeros(len(rows), dtype=np.intp)
+    for column in rows.T:
+        key = key * span + column + 1
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0])) if len(key) else np.empty(0, dtype=int)
+    return [(rows[part[0]], part) for part in np.split(order, starts[1:])] if len(key) else []
 
 
 def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     """Unit outward normals (P, 3) of each vertex's faces; zero at singular points."""
-    result = np.zeros((len(mesh.pairs), 3))
-    labels = mesh.pairs[:, 1]
-    for label in np.unique(labels):
-        rows = np.flatnonzero(labels == label)
-        gradient = field.jets(mesh.points[mesh.pairs[rows, 0]], int(label))[:, 1:]
+    pairs = mesh.topology.pairs
+    result = np.zeros((len(pairs), 3))
+    for label, rows, _ in mesh.topology.label_rows:
+        gradient = field.jets(mesh.points[pairs[rows, 0]], label)[:, 1:]
         length = np.sqrt((gradient * gradient).sum(axis=1, keepdims=True))
         result[rows] = gradient / np.maximum(length, 1e-300)
     return result
@@ -121,16 +180,15 @@ def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
 
 def face_normals(mesh: Labelled, normals: Floats) -> Floats:
     """The sum of the face's normals at the three corners of each triangle (T, 3)."""
-    return normals[mesh.corner_pairs].sum(axis=1)
+    return normals[mesh.topology.corner_pairs].sum(axis=1)
 
 
 def project(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
     """Vertices moved onto their faces, curves and corners; none further than `reach` a step."""
     points = mesh.points.copy()
-    for labels, vertices in mesh.groups():
-        moved = newton(points[vertices], field, labels, reach)
-        points[vertices] = moved
-    return Labelled(points, mesh.triangles, mesh.labels)
+    for labels, vertices in mesh.topology.groups:
+        points[vertices] = newton(points[vertices], field, labels, reach)
+    return mesh.moved(points)
 
 
 def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: float) -> Floats:
@@ -160,40 +218,45 @@ def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> 
     return np.einsum("nij,nj->ni", np.linalg.pinv(matrix / size[..., None], rcond=1e-6), values / size)
 
 
-def smooth(mesh: Labelled, field: FaceField, normals: Floats, reach: float) -> Labelled:
+def smooth(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
     """Each vertex moved to the mean of its triangles' centres, or along its curve, then projected."""
-    points, size = mesh.points, len(mesh.points)
-    corners = mesh.triangles.ravel()
-    weight = np.bincount(corners, minlength=size)
-    centres = np.repeat(points[mesh.triangles].mean(axis=1), 3, axis=0)
+    points, topology = mesh.points, mesh.topology
+    size = topology.size
+    corners = topology.triangles.ravel()
+    centres = np.repeat(points[topology.triangles].mean(axis=1), 3, axis=0)
     total = np.stack([np.bincount(corners, c, minlength=size) for c in centres.T], axis=1)
-    move = total / np.maximum(weight, 1)[:, None] - points
-    inner = mesh.label_count[mesh.pairs[:, 0]] == 1
-    vertices = mesh.pairs[inner, 0]
-    normal = normals[inner]
+    move = total / np.maximum(topology.valence, 1)[:, None] - points
+    inner = topology.label_count[topology.pairs[:, 0]] == 1
+    vertices = topology.pairs[inner, 0]
+    normal = pair_normals(mesh, field)[inner]
     move[vertices] -= (move[vertices] * normal).sum(axis=1, keepdims=True) * normal
-    seams = mesh.seams
-    both = np.concatenate([seams, seams[:, ::-1]])
+    both = np.concatenate([topology.seams, topology.seams[:, ::-1]])
     along = np.stack([np.bincount(both[:, 0], points[both[:, 1], i], minlength=size) for i in range(3)], axis=1)
-    on_curve = mesh.label_count > 1
+    on_curve = topology.label_count > 1
     move[on_curve] = along[on_curve] / 4 - points[on_curve] / 2
-    move[mesh.fixed] = 0.0
-    return project(Labelled(points + move, mesh.triangles, mesh.labels), field, reach)
+    move[topology.fixed] = 0.0
+    return project(mesh.moved(points + move), field, reach)
 
 
-def flip(mesh: Labelled, field: FaceField) -> Labelled:
+def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
     """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
-    for _ in range(FLIP_PASSES):
-        triangles = mesh.triangles.copy()
-        normals = face_normals(mesh, pair_normals(mesh, field))
-        if not flip_once(mesh.points, triangles, lambda i, j, n=normals: n[i] + n[j], mesh.labels):
+    normals = face_normals(mesh, pair_normals(mesh, field))
+    triangles, changed = mesh.triangles.copy(), False
+
+    def about(first: Integers, second: Integers) -> Floats:
+        return normals[first] + normals[second]
+
+    for _ in range(passes):
+        owners = flip_once(mesh.points, triangles, about, mesh.labels)
+        if not len(owners):
             break
-        mesh = Labelled(mesh.points, triangles, mesh.labels)
-    return mesh
+        normals[owners] = about(owners[:, 0], owners[:, 1])[:, None] / 2
+        changed = True
+    return Labelled.of(mesh.points, triangles, mesh.labels) if changed else mesh
 
 
 def collapse(
-    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]], passes: int = 6
+    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]], passes: int = 4
 ) -> Labelled:
     """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first."""
     for _ in range(passes):
@@ -207,11 +270,11 @@ def collapse(
 def _collapse_once(
     mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]]
 ) -> Labelled | None:
-    edges, _ = edge_table(mesh.triangles)
+    edges = mesh.topology.edges
     lengths = np.sqrt(((mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]) ** 2).sum(axis=1))
     chosen = np.flatnonzero(short(mesh, edges))
     chosen = chosen[np.argsort(lengths[chosen], kind="stable")]
-    removed, kept = _directed(mesh, edges[chosen])
+    removed, kept = _directed(mesh.topology, chosen)
     valid = removed >= 0
     removed, kept = removed[valid], kept[valid]
     if not len(removed):
@@ -236,18 +299,16 @@ def _collapse_once(
         & (triangles[:, 2] != triangles[:, 0])
     )
     used, inverse = np.unique(triangles[distinct], return_inverse=True)
-    return Labelled(mesh.points[used], inverse.reshape(-1, 3), mesh.labels[distinct])
+    return Labelled.of(mesh.points[used], inverse.reshape(-1, 3), mesh.labels[distinct])
 
 
-def _directed(mesh: Labelled, edges: Integers) -> tuple[Integers, Integers]:
-    """Which end goes and which stays (-1 where neither may go).
+def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
+    """Which end of the edges in given rows goes and which stays (-1 where neither may go).
 
     A vertex inside a face may go anywhere; one on a curve only along it; a corner stays.
     """
-    size = len(mesh.points)
-    seam_keys = np.sort(mesh.seams, axis=1) @ np.array([size, 1])
-    is_seam = np.isin(edges.min(axis=1) * size + edges.max(axis=1), seam_keys)
-    inner, fixed = mesh.label_count == 1, mesh.fixed
+    edges, is_seam = topology.edges[rows], topology.seam_mask[rows]
+    inner, fixed = topology.label_count == 1, topology.fixed
     removed, kept = np.full(len(edges), -1), np.full(len(edges), -1)
     for a, b in ((edges[:, 0], edges[:, 1]), (edges[:, 1], edges[:, 0])):
         may = (inner[a] | (is_seam & ~fixed[a])) & (removed < 0)

@@ -18,9 +18,9 @@ from pas.solid.tree import Node, Tree, atoms
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
 
-LEVELS, MOST_BOXES = 60, 60_000
-TIGHT = 1.02
-"""A box is tight enough when a level of halving shrinks its sides by less than this."""
+LEVELS, MOST_BOXES = 160, 60_000
+PARTS = 40
+"""Boxes are small enough when that many halves fit into each side of their hull."""
 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -76,29 +76,24 @@ def _linear_box(tree: Tree) -> Floats | None:
     return box
 
 
-def _shrunk(program: Program, box: Floats) -> Floats | None:
-    """The hull of the boxes that cannot be ruled out, halved until it hardly shrinks."""
-    outer = box
-    centers, half = box.mean(axis=0)[None], np.maximum((box[1] - box[0]) / 2, 1e-300)
-    hull = box
+def _shrunk(program: Program, start: Floats) -> Floats | None:
+    """The hull of the boxes that cannot be ruled out, halved until they are small beside it."""
+    hull = start
+    centers, half = start.mean(axis=0)[None], np.maximum((start[1] - start[0]) / 2, 1e-300)
     for _ in range(LEVELS):
-        cut = half >= half.max() / 2
-        corners = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], dtype=float)
-        corners = np.unique(corners * cut, axis=0)
-        half = np.where(cut, half / 2, half)
-        centers = (centers[:, None] + corners * half).reshape(-1, 3)
-        yes, no, _ = program.taylor(centers, half)
-        centers = centers[program.holds(~no, ~yes)]
+        yes, no, second = program.taylor(centers, half)
+        possible = program.holds(~no, ~yes)
+        centers = centers[possible]
         if not len(centers):
             return None
-        if len(centers) > MOST_BOXES:
+        hull = np.stack([centers.min(axis=0) - half, centers.max(axis=0) + half])
+        axis = int(program.widest(centers, half, ~(yes | no)[:, possible], hull).argmax())
+        if (half * PARTS < np.ptp(hull, axis=0)).all() or len(centers) > MOST_BOXES:
             break
-        smaller = np.stack([centers.min(axis=0) - half, centers.max(axis=0) + half])
-        before, after = np.ptp(hull, axis=0), np.ptp(smaller, axis=0)
-        hull = smaller
-        if (after * TIGHT > before).all() and (half * 8 < after).all():
-            break
-    if ((np.abs(hull) > FARTHEST / 2) & (np.abs(hull) >= np.abs(outer) * 0.9)).any():
+        half = np.where(np.arange(3) == axis, half / 2, half)
+        shift = np.where(np.arange(3) == axis, half, 0.0)
+        centers = np.concatenate([centers - shift, centers + shift])
+    if ((np.abs(hull) > FARTHEST / 2) & (np.abs(hull) >= np.abs(start) * 0.9)).any():
         raise GeometryError(
             "the solid is unbounded or too large: it goes on beyond "
             f"{_describe(hull)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"

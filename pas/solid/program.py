@@ -22,6 +22,9 @@ from pas.solid.tree import Atom, Distance, Function, Tree
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.intp]
 
+SAMPLE = 200
+"""Boxes that are looked at to choose the side to halve."""
+
 BOX_CHUNK = 1 << 22
 """Numbers held at once while boxes are bounded."""
 
@@ -187,6 +190,24 @@ class Program:
             value = self.columns[number].function.jets(centers)[:, 0]  # type: ignore[union-attr]
             yes[number], no[number] = value + reach <= 0, value - reach > 0
         return yes, no, second
+
+    def widest(self, centers: Floats, half: Floats, undecided: Bools, hull: Floats) -> Floats:
+        """How much each side of boxes (N, 3) adds to what the undecided columns (M, N) change in them (3,).
+
+        Sides that are small beside the hull (2, 3) of all boxes count less.
+        """
+        rows, table = self._derivatives
+        if not len(rows):
+            return half / np.ptp(hull, axis=0)
+        some = np.linspace(0, len(centers) - 1, min(len(centers), SAMPLE)).astype(int)
+        values = evaluate(self.local(centers[some]), table.reshape(table.shape[0], -1))
+        values = np.abs(values.reshape(len(some), len(rows), -1))
+        terms = values * _powers(np.broadcast_to(half / to_float(self.scale), (len(some), 3)), self._degree)[:, None]
+        share = np.array(exponents(self._degree), dtype=float)
+        parts = terms @ share
+        total = np.maximum(parts.sum(axis=2, keepdims=True), 1e-300)
+        weight = (parts / total * undecided[rows][:, some].T[:, :, None]).sum(axis=(0, 1))
+        return weight + 1e-6 * half / np.ptp(hull, axis=0)
 
     def gradient_bounds(self, centers: Floats, half: float, second: Floats) -> tuple[Bools, Bools]:
         """As `taylor` for cubes, given bounds (M, N) of second-order changes for cubes of this size."""
