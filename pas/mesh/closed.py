@@ -21,9 +21,8 @@ from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.faces import march_faces
 from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh, edge_table
-from pas.mesh.improve import cross
 from pas.mesh.refine import split
-from pas.mesh.remesh import Labelled, collapse, face_normals, flip, least_norm, pair_normals, project, smooth
+from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
 FIRST_PARTS, FINER, LATTICES = 32, 1.6, 7
@@ -141,8 +140,8 @@ def _improved(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
         mesh = collapse(mesh, field, short)
         mesh = flip(mesh, field)
         mesh = smooth(mesh, field, spacing / 4)
-    mesh = collapse(mesh, field, short)
-    return flip(mesh, field)
+    mesh = flip(collapse(mesh, field, short), field)
+    return untangle(mesh, field, FOLD, spacing / 4)
 
 
 def _with_special_points(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
@@ -166,14 +165,10 @@ def is_closed_manifold(triangles: Integers) -> bool:
 
 def _unsound(mesh: Labelled, field: FaceField, spacing: float) -> str:
     """Why the mesh cannot be trusted, or an empty string."""
-    p = mesh.points[mesh.triangles]
-    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    normal = face_normals(mesh, pair_normals(mesh, field))
-    side = (area * normal).sum(axis=1)
-    size = np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
-    folded = np.flatnonzero(side < FOLD * size)
+    folded = np.flatnonzero(cosines(mesh, field) < FOLD)
     if len(folded):
-        return f"near {_place(p[folded[0]].mean(axis=0))} it is too thin or two faces meet too flatly"
+        place = mesh.points[mesh.triangles[folded[0]]].mean(axis=0)
+        return f"near {_place(place)} it is too thin or two faces meet too flatly"
     for labels, vertices in mesh.topology.groups:
         away = np.sqrt((least_norm(field, field.functions(labels), mesh.points[vertices]) ** 2).sum(axis=1))
         if away.max() > ON_FACE * spacing:

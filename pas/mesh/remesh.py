@@ -24,6 +24,7 @@ NEWTON_STEPS = 16
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
 
+UNTANGLINGS = 8
 FUNCTIONS = 3
 """A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
 
@@ -316,8 +317,34 @@ def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
     return removed, kept
 
 
+def cosines(mesh: Labelled, field: FaceField) -> Floats:
+    """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
+    p = mesh.points[mesh.triangles]
+    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    normal = face_normals(mesh, pair_normals(mesh, field))
+    size = np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
+    return np.asarray((area * normal).sum(axis=1) / np.maximum(size, 1e-300))
+
+
+def untangle(mesh: Labelled, field: FaceField, fold: float, reach: float) -> Labelled:
+    """The mesh without folded triangles, as far as collapsing their edges and smoothing removes them."""
+    for _ in range(UNTANGLINGS):
+        folded = cosines(mesh, field) < fold
+        if not folded.any():
+            break
+        keys = np.sort(mesh.triangles[folded][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        marked = np.unique(keys @ np.array([mesh.topology.size, 1]))
+
+        def short(m: Labelled, edges: Integers, marked: Integers = marked) -> NDArray[np.bool_]:
+            return np.isin(edges @ np.array([m.topology.size, 1]), marked)
+
+        mesh = collapse(mesh, field, short, 1)
+        mesh = smooth(flip(mesh, field), field, reach)
+    return mesh
+
+
 def _keeps_orientation(mesh: Labelled, field: FaceField, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
-    """Whether every triangle around `removed` keeps its side when that vertex moves to `kept`."""
+    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`."""
     corners = mesh.triangles.ravel()
     order = np.argsort(corners, kind="stable")
     starts = np.searchsorted(corners[order], removed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -21,24 +21,24 @@ Integers = NDArray[np.intp]
 class SolidField:
     """The boundary of a tree inside a box; see `pas.mesh.field.FaceField`.
 
-    `seams` maps pairs of faces to the two functions of the curve along which they are joined: where
-    two faces touch, their own two functions do not say where.
+    `seams` are curves, each given by two functions, along which faces are joined: where two faces
+    touch, their own two functions do not say where.
     """
 
     def __init__(
         self,
         tree: Tree,
         box: Floats,
-        seams: Mapping[frozenset[str], tuple[Polynomial, Polynomial]],
+        seams: Sequence[tuple[Polynomial, Polynomial]],
         special_points: Floats,
     ) -> None:
         self.box = box
         self.special_points = special_points
         center = tuple(rational(float(c)) for c in np.round(box.mean(axis=0), 6))
         scale = rational(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
-        extra: list[Function] = [f for pair in seams.values() for f in pair]
+        extra: list[Function] = [f for pair in seams for f in pair]
         self.program = Program(tree, center, scale, tuple(extra))  # type: ignore[arg-type]
-        self._seams = {key: self.program.used + 2 * i for i, key in enumerate(seams)}
+        self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
 
     def cubes(self, origin: Floats, spacing: float, halvings: int, counts: tuple[int, int, int]) -> Integers:
         """The cubes (K, 3) that the boundary may pass through."""
@@ -104,18 +104,18 @@ class SolidField:
 
     def _find_seam(self, a: int, b: int) -> tuple[int, ...]:
         first, second = self.program.columns[a], self.program.columns[b]
-        claimed = self._seams.get(frozenset((first.face, second.face)))
-        if claimed is not None and first.face and second.face:
-            return claimed, claimed + 1
         f, g = first.function, second.function
         if not isinstance(f, Polynomial) or not isinstance(g, Polynomial):
             return ()
+        for number, ideal in self._seams:
+            if ideal.contains(f) and ideal.contains(g):
+                return number, number + 1
         for number, wall in enumerate(self.program.columns[: self.program.used]):
             w = wall.function
             if wall.face or not isinstance(w, Polynomial) or number in (a, b):
                 continue
-            if Ideal(f, w).contains(g):
-                return a, number
-            if Ideal(g, w).contains(f):
-                return b, number
+            for kept, p, q in ((a, f, g), (b, g, f)):
+                ideal = Ideal(p, w)
+                if ideal.contains(q) and not ideal.is_whole_ring:
+                    return kept, number
         return ()
