@@ -16,11 +16,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.faces import march_faces
-from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh, edge_table
+from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh
 from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
@@ -29,7 +27,9 @@ FIRST_PARTS, FINER, LATTICES = 32, 1.6, 7
 """Cubes along the longest side of the box in the first lattice, how many times more in each further
 one, and how many are tried."""
 
-SNAP = 0.3
+SNAPS = (0.3, 0.15, 0.0)
+"""Shares of a lattice edge within which crossings merge, tried in turn."""
+
 HALVINGS = 3
 SHORT = 0.4
 """Edges below this share of the lattice's spacing are collapsed."""
@@ -95,15 +95,14 @@ def _first(field: FaceField) -> tuple[Labelled, float]:
     extent = float(np.ptp(field.box, axis=0).max())
     lattices = [extent / (FIRST_PARTS * FINER**i) for i in range(LATTICES)]
     reason = ""
-    finer = march_faces(field, lattices[0], HALVINGS, SNAP)
+    finer = march_faces(field, lattices[0], HALVINGS)
     for spacing, next_spacing in pairwise(lattices):
-        raw, finer = finer, march_faces(field, next_spacing, HALVINGS, SNAP)
-        if raw is None or finer is None or _shape(raw) != _shape(finer):
+        crossings, finer = finer, march_faces(field, next_spacing, HALVINGS)
+        if crossings is None or finer is None or crossings.shape != finer.shape:
             reason = "its pieces, holes or faces are too small" if finer is not None else reason
             continue
-        if not is_closed_manifold(raw.triangles):
-            raw = march_faces(field, spacing, HALVINGS, 0.0)
-        if raw is None or (raw.labels < 0).any() or not is_closed_manifold(raw.triangles):
+        raw = next((m for snap in SNAPS if (m := crossings.mesh(snap)) is not None), None)
+        if raw is None or (raw.labels < 0).any():
             reason = "too many faces meet in one place"
             continue
         mesh = _improved(raw, field, spacing)
@@ -117,15 +116,6 @@ def _first(field: FaceField) -> tuple[Labelled, float]:
 
 def _parts(lattices: list[float]) -> str:
     return f"1/{round(FIRST_PARTS * lattices[0] / lattices[-1])}"
-
-
-def _shape(mesh: Labelled) -> tuple[int, int, tuple[int, ...]]:
-    """The number of components, the Euler characteristic, and the labels."""
-    edges = mesh.topology.edges
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(mesh.topology.size,) * 2)
-    components = connected_components(graph, directed=False)[0]
-    euler = mesh.topology.size - len(edges) + len(mesh.triangles)
-    return int(components), euler, tuple(np.unique(mesh.labels).tolist())
 
 
 def _improved(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
@@ -153,14 +143,6 @@ def _with_special_points(mesh: Labelled, field: FaceField, spacing: float) -> La
         if square[nearest] < 4 * spacing**2:
             points[nearest] = special
     return mesh.moved(points)
-
-
-def is_closed_manifold(triangles: Integers) -> bool:
-    """Whether every edge has two triangles and every vertex one fan of them."""
-    if not len(triangles) or (edge_table(triangles)[1] != 2).any():
-        return False
-    empty = np.empty((0, 3))
-    return TriangleMesh(empty, triangles, empty).is_manifold
 
 
 def _unsound(mesh: Labelled, field: FaceField, spacing: float) -> str:

@@ -10,13 +10,17 @@ it is made by labels alone, whatever the geometry.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.contour import crossings, oriented, snapped
-from pas.mesh.field import FaceField, Floats, Integers, edge_table
+from pas.mesh.field import FaceField, Floats, Integers, edge_table, is_closed_manifold
 from pas.mesh.remesh import Labelled
 
 ROOT_STEPS = 10
@@ -49,8 +53,42 @@ def _kuhn() -> Integers:
 _TETRAHEDRA = _kuhn()
 
 
-def march_faces(field: FaceField, spacing: float, halvings: int, snap: float) -> Labelled | None:
-    """The labelled mesh of one lattice, not yet on the surface; None where nothing is crossed."""
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
+
+    `points` (E, 3), `triangles` (T, 3); each vertex lies on the lattice edge `edges` (E, 2) at parameter
+    `t` (E,), on the face `labels` (E,); `nodes` is the number of lattice nodes.
+    """
+
+    points: Floats
+    triangles: Integers
+    edges: Integers
+    t: Floats
+    labels: Integers
+    nodes: int
+
+    @cached_property
+    def shape(self) -> tuple[int, int, tuple[int, ...]]:
+        """The number of components, the Euler characteristic, and the labels."""
+        rows, columns = self.triangles[:, [0, 1]].ravel(), self.triangles[:, [1, 2]].ravel()
+        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(self.points),) * 2)
+        components = connected_components(graph, directed=False)[0]
+        return int(components), len(self.points) - len(self.triangles) // 2, tuple(np.unique(self.labels).tolist())
+
+    def mesh(self, snap: float) -> Labelled | None:
+        """The mesh, cut along the curves between faces, with crossings close to nodes merged.
+
+        None where merging pinched it, so that it is no manifold.
+        """
+        vertices, triangles, source = snapped(self.points, self.triangles, self.edges, self.t, snap, self.nodes)
+        if not is_closed_manifold(triangles):
+            return None
+        return _cut(vertices, triangles, self.labels[source])
+
+
+def march_faces(field: FaceField, spacing: float, halvings: int) -> Crossings | None:
+    """The crossings of one lattice; None where nothing is crossed."""
     box = field.box
     coarse = spacing * 2**halvings
     origin = box[0] - (1 + SHIFT) * spacing
@@ -70,8 +108,7 @@ def march_faces(field: FaceField, spacing: float, halvings: int, snap: float) ->
     triangles = oriented(points, inside, edges, points[edges].mean(axis=1), triangles)
     t, labels = _crossing(field, points, edges, signs, inside)
     on_edge = points[edges[:, 0]] + t[:, None] * (points[edges[:, 1]] - points[edges[:, 0]])
-    vertices, triangles, source = snapped(on_edge, triangles, edges, t, snap, len(points))
-    return _cut(vertices, triangles, labels[source])
+    return Crossings(on_edge, triangles, edges, t, labels, len(points))
 
 
 def _nodes(cubes: Integers) -> tuple[Integers, Integers]:

@@ -133,6 +133,14 @@ class TriangleMesh:
         return np.min(angles, axis=0)
 
 
+def is_closed_manifold(triangles: Integers) -> bool:
+    """Whether every edge has two triangles and every vertex one fan of them."""
+    if not len(triangles) or (edge_table(triangles)[1] != 2).any():
+        return False
+    empty = np.empty((0, 3))
+    return TriangleMesh(empty, triangles, empty).is_manifold
+
+
 def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
     """The distinct edges (E, 2) of triangles (T, 3) and their numbers of triangles."""
     size = int(triangles.max(initial=0)) + 1

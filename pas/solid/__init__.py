@@ -1,1 +1,15 @@
-"""Solids by script: primitives, set operations, patches and joints, assemblies."""
+"""Solids by script: primitives, set operations, patches and joints, assemblies.
+
+    from pas import solid
+
+    cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1)
+    part = cross - solid.ball((0, 0, 0), "3/4")
+    part.mesh(1e-3)
+"""
+
+from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
+from pas.solid.solid import Solid, intersection, patch, union
+
+__all__ = [
+    "Solid", "ball", "box", "cone", "cylinder", "half_space", "implicit", "intersection", "patch", "torus", "union"
+]  # fmt: skip

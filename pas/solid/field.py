@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
+from pas.errors import GeometryError
 from pas.solid.program import Program
 from pas.solid.tree import Function, Tree
 
@@ -89,8 +91,19 @@ class SolidField:
         return tuple(dict.fromkeys([*(2 * c for c in known), *(2 * c for c in sorted(free))]))
 
     def face(self, label: int) -> str:
-        """The name of a label's face."""
-        return self.program.columns[label // 2].face
+        """The name of a label's face; of an end left open by walls, its equation."""
+        column = self.program.columns[label // 2]
+        return column.face or f"{column.function} = 0"
+
+    def refuse_coincident(self) -> None:
+        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
+        faces = [c for c in self.program.columns[: self.program.used] if c.face and isinstance(c.function, Polynomial)]
+        for a, b in combinations(faces, 2):
+            common = a.function.raw.gcd(b.function.raw)  # type: ignore[union-attr]
+            if not common.is_constant():
+                raise GeometryError(
+                    f"the faces {a.face!r} and {b.face!r} coincide on {common} = 0; write one of them without that factor"
+                )
 
     def _seam(self, a: int, b: int) -> tuple[int, ...]:
         """The columns of the curve in which two columns' faces touch, or nothing where they cross."""

@@ -22,6 +22,9 @@ from pas.solid.tree import Atom, Distance, Function, Tree
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.intp]
 
+SEPARATOR = " + "
+"""Between the names of faces that lie on one surface."""
+
 SAMPLE = 200
 """Boxes that are looked at to choose the side to halve."""
 
@@ -59,13 +62,14 @@ Code = Leaf | Branch
 class Program:
     """The columns of a tree and the code that combines their signs.
 
-    A polynomial and its negative, with the same face, are one column, so that `{w <= 0}` and `{w >= 0}`
-    leave no gap between them.  `extra` functions are columns that the code does not use.
+    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between
+    them; the column has the names of all faces on it.  `extra` functions are columns that the code
+    does not use.
     """
 
     def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
-        self._numbers: dict[tuple[object, str], int] = {}
+        self._numbers: dict[object, int] = {}
         self.columns: list[Column] = []
         self._signs: list[int] = []
         self.code = self._compile(tree)
@@ -73,18 +77,16 @@ class Program:
         for function in extra:
             self.columns.append(Column(function, ""))
 
-    def column_of(self, function: Function, face: str) -> int | None:
-        """The number of a function's column, None where the tree does not have it."""
-        return self._numbers.get((_key(function)[0], face))
-
     def _compile(self, tree: Tree) -> Code:
         if not isinstance(tree, Atom):
             return Branch(tuple(map(self._compile, tree.parts)), tree.union)
         key, sign = _key(tree.function)
-        number = self._numbers.setdefault((key, tree.face), len(self.columns))
+        number = self._numbers.setdefault(key, len(self.columns))
         if number == len(self.columns):
             self.columns.append(Column(tree.function, tree.face))
             self._signs.append(sign)
+        names = dict.fromkeys(filter(None, (*self.columns[number].face.split(SEPARATOR), tree.face)))
+        self.columns[number] = Column(self.columns[number].function, SEPARATOR.join(names))
         return Leaf(number, tree.outside != (sign != self._signs[number]))
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
@@ -121,6 +123,19 @@ class Program:
         for number in self._distances:
             result[number] = self.columns[number].function.jets(points)[:, 0]  # type: ignore[union-attr]
         return result
+
+    def field(self, points: Floats) -> Floats:
+        """Minimum and maximum of the columns (N,) at points (N, 3).
+
+        Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
+        """
+        values = self.values(points)
+        plain = _extremes(self.code, values)
+        walls = [i for i in range(self.used) if not self.columns[i].face]
+        selecting = values.copy()
+        selecting[walls] = np.where(values[walls] <= 0, -np.inf, np.inf)
+        chosen = _extremes(self.code, selecting)
+        return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
     def jets(self, points: Floats, number: int) -> Floats:
         """Values and gradients (N, 4) of a column at points (N, 3)."""
@@ -269,6 +284,16 @@ def _holds(code: Code, yes: Bools, no: Bools) -> Bools:
             result |= _holds(part, yes, no)
         else:
             result &= _holds(part, yes, no)
+    return result
+
+
+def _extremes(code: Code, values: Floats) -> Floats:
+    if isinstance(code, Leaf):
+        return -values[code.column] if code.negated else values[code.column]
+    parts = (_extremes(part, values) for part in code.parts)
+    result = next(parts).copy()
+    for part in parts:
+        (np.minimum if code.union else np.maximum)(result, part, out=result)
     return result
 
 

@@ -1,0 +1,150 @@
+"""Exact affine maps of space, and what they do to polynomials, distances and points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, dot, rational, to_float, vector
+from pas.solid.tree import Distance, Function
+
+LARGEST_DENOMINATOR = 10**9
+"""Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
+double can say, and the rotation is exactly a rotation."""
+
+
+@dataclass(frozen=True)
+class Affine:
+    """The map `x -> matrix x + shift`, exact; rows of the matrix as tuples."""
+
+    matrix: tuple[Vector, Vector, Vector]
+    shift: Vector
+
+    @cached_property
+    def inverse(self) -> Affine:
+        """The inverse map."""
+        inverse = fmpq_mat([list(row) for row in self.matrix]).inv()
+        rows = tuple((inverse[i, 0], inverse[i, 1], inverse[i, 2]) for i in range(3))
+        moved = tuple(-dot(row, self.shift) for row in rows)
+        return Affine(rows, moved)  # type: ignore[arg-type]
+
+    def polynomial(self, polynomial: Polynomial) -> Polynomial:
+        """The polynomial whose zero set is the image of that of `polynomial`."""
+        inverse = self.inverse
+        images = [
+            Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), GENERATORS[0] * 0) + s)
+            for row, s in zip(inverse.matrix, inverse.shift, strict=True)
+        ]
+        return polynomial.compose(*images)
+
+    def function(self, function: Function) -> Function:
+        """The image of a polynomial or of a distance (for similarities only)."""
+        if isinstance(function, Polynomial):
+            return self.polynomial(function)
+        return Moved(function, self, self.similarity())
+
+    def points(self, points: Floats) -> Floats:
+        """Images of points (..., 3)."""
+        return points @ self.floats[0].T + self.floats[1]
+
+    @cached_property
+    def floats(self) -> tuple[Floats, Floats]:
+        """Matrix and shift rounded to doubles."""
+        return np.array([[to_float(c) for c in row] for row in self.matrix]), np.array([to_float(c) for c in self.shift])
+
+    def similarity(self) -> float:
+        """The factor by which lengths change; `ValueError` where it depends on the direction."""
+        squares = {dot(a, a) for a in zip(*self.matrix, strict=True)}
+        columns = list(zip(*self.matrix, strict=True))
+        if len(squares) > 1 or any(dot(columns[i], columns[j]) != 0 for i, j in ((0, 1), (0, 2), (1, 2))):
+            raise ValueError("a solid with a tube or a shell can only be scaled by the same factor in all directions")
+        return math.sqrt(to_float(squares.pop()))
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """A distance function after a similarity."""
+
+    inner: Distance
+    map: Affine
+    factor: float
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4)."""
+        jets = self.inner.jets(self.map.inverse.points(points))
+        jets[:, 0] *= self.factor
+        jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
+        return jets
+
+
+IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), fmpq(0), fmpq(1)))
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
+
+
+def translation(offset: Any) -> Affine:
+    """The map that adds `offset`."""
+    return Affine(IDENTITY, vector(offset, "offset"))
+
+
+def about(matrix: tuple[Vector, Vector, Vector], center: Any) -> Affine:
+    """The linear map with `center` kept in place."""
+    c = vector(center, "center")
+    moved = tuple(a - dot(row, c) for a, row in zip(c, matrix, strict=True))
+    return Affine(matrix, moved)  # type: ignore[arg-type]
+
+
+def rotation(axis: Any, degrees: Any, center: Any) -> Affine:
+    """The rotation about an axis through `center`, exactly a rotation with rational entries.
+
+    The angle is `degrees` to within rounding of a double; multiples of 90 degrees about axes of
+    rational length, and whatever else has a rational tangent of its half, are exact.
+    """
+    a = vector(axis, "axis")
+    square = dot(a, a)
+    if square == 0:
+        raise ValueError("axis must not be the zero vector")
+    angle = to_float(rational(degrees, "degrees")) % 360.0
+    if angle == 180.0:
+        w, v = fmpq(0), a
+    else:
+        tangent = math.tan(math.radians(angle) / 2) / math.sqrt(to_float(square))
+        near = Fraction(tangent).limit_denominator(LARGEST_DENOMINATOR)
+        w, v = fmpq(1), tuple(c * fmpq(near.numerator, near.denominator) for c in a)  # type: ignore[assignment]
+    x, y, z = v
+    n = w * w + x * x + y * y + z * z
+    rows = (
+        (w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
+    )
+    return about(tuple(tuple(c / n for c in row) for row in rows), center)  # type: ignore[arg-type]
+
+
+def scaling(factors: Any, center: Any) -> Affine:
+    """Scaling by one number or three, all positive, with `center` kept in place."""
+    three = vector(factors, "factors") if hasattr(factors, "__len__") and not isinstance(factors, str) else None
+    if three is None:
+        one = rational(factors, "the factor")
+        three = (one, one, one)
+    if any(f <= 0 for f in three):
+        raise ValueError(f"the factor must be positive, not {factors!r}; use mirror to reflect")
+    zero = fmpq(0)
+    return about(((three[0], zero, zero), (zero, three[1], zero), (zero, zero, three[2])), center)
+
+
+def reflection(normal: Any, center: Any) -> Affine:
+    """The reflection in the plane through `center` with a normal (any nonzero rational vector)."""
+    n = vector(normal, "normal")
+    square = dot(n, n)
+    if square == 0:
+        raise ValueError("normal must not be the zero vector")
+    rows = tuple(tuple(IDENTITY[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3))
+    return about(rows, center)  # type: ignore[arg-type]

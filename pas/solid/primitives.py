@@ -1,0 +1,112 @@
+"""The usual solids, exact: half spaces, boxes, balls, cylinders, cones, tori, and any polynomial."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, dot, plain, rational, to_float, vector
+from pas.solid.solid import Solid, patch
+from pas.solid.tree import Atom, combined
+
+ZERO = GENERATORS[0] * 0
+
+
+def half_space(plane: Any, face: str = "plane") -> Solid:
+    """The points where a linear polynomial is <= 0, such as `"x + y - 1"`."""
+    solid = patch(face, plane)
+    if solid.polynomials[face][0].degree != 1:
+        raise ValueError(f"plane must be a linear polynomial, not {solid.polynomials[face][0]}; use implicit for others")
+    return solid
+
+
+def implicit(polynomial: Any, *region: Any, face: str = "surface") -> Solid:
+    """The points where a polynomial is <= 0, in a region given by polynomials that must be >= 0."""
+    return patch(face, polynomial, *region)
+
+
+def box(lower: Any, upper: Any, face: str = "box") -> Solid:
+    """The box between two corners, with sides along the axes."""
+    low, high = vector(lower, "lower"), vector(upper, "upper")
+    for axis, a, b in zip("xyz", low, high, strict=True):
+        if a >= b:
+            raise ValueError(f"lower must be below upper: they are {plain(a)} and {plain(b)} in {axis}")
+    walls = []
+    for name, g, a, b in zip("xyz", GENERATORS, low, high, strict=True):
+        walls += [Atom(Polynomial.from_raw(a - g), f"{face} {name}-"), Atom(Polynomial.from_raw(g - b), f"{face} {name}+")]
+    return Solid(combined(False, *walls))
+
+
+def ball(center: Any, radius: Any, face: str = "ball") -> Solid:
+    """The ball of a radius about a centre."""
+    r = _positive(radius, "radius")
+    w = _from(vector(center, "center"))
+    return patch(face, Polynomial.from_raw(_square(w) - r * r))
+
+
+def cylinder(start: Any, end: Any, radius: Any, face: str = "cylinder") -> Solid:
+    """The circular cylinder around the segment from start to end, with flat ends."""
+    return cone(start, end, radius, radius, face)
+
+
+def cone(start: Any, end: Any, radius: Any, end_radius: Any = 0, face: str = "cone") -> Solid:
+    """The cone, or truncated cone, around the segment from start to end, with flat ends.
+
+    `radius` is that at the start, `end_radius` that at the end; one of them may be 0 (an apex).
+    """
+    a, b = vector(start, "start"), vector(end, "end")
+    axis: Vector = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    square = dot(axis, axis)
+    if square == 0:
+        raise ValueError("start and end must be different points")
+    r0, r1 = rational(radius, "radius"), rational(end_radius, "end_radius")
+    if r0 < 0 or r1 < 0 or r0 == r1 == 0:
+        raise ValueError(f"radius must be positive and end_radius not negative, not {plain(r0)} and {plain(r1)}")
+    w = _from(a)
+    along = sum((x * c for x, c in zip(w, axis, strict=True)), ZERO) * (1 / square)
+    surface = _square(w) - along * along * square - (r0 + along * (r1 - r0)) ** 2
+    parts = [Atom(Polynomial.from_raw(surface), face)]
+    if r0 > 0:
+        parts.append(Atom(Polynomial.from_raw(-along), f"{face} start"))
+    if r1 > 0:
+        parts.append(Atom(Polynomial.from_raw(along - 1), f"{face} end"))
+    if r0 == 0:
+        parts.append(Atom(Polynomial.from_raw(-along), ""))
+    if r1 == 0:
+        parts.append(Atom(Polynomial.from_raw(along - 1), ""))
+    apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
+    special = tuple((to_float(p[0]), to_float(p[1]), to_float(p[2])) for p in apexes)
+    return Solid(combined(False, *parts), (), special)
+
+
+def torus(center: Any, axis: Any, major: Any, minor: Any, face: str = "torus") -> Solid:
+    """The ring torus: points up to `minor` from the circle of radius `major` about a centre and axis."""
+    big, small = _positive(major, "major"), _positive(minor, "minor")
+    if small >= big:
+        raise ValueError(f"minor must be smaller than major, not {plain(small)} >= {plain(big)}")
+    a = vector(axis, "axis")
+    square = dot(a, a)
+    if square == 0:
+        raise ValueError("axis must not be the zero vector")
+    w = _from(vector(center, "center"))
+    along = sum((x * c for x, c in zip(w, a, strict=True)), ZERO)
+    total = _square(w)
+    flat = total - along * along * (1 / square)
+    return patch(face, Polynomial.from_raw((total + big * big - small * small) ** 2 - 4 * big * big * flat))
+
+
+def _positive(value: Any, name: str) -> fmpq:
+    number = rational(value, name)
+    if number <= 0:
+        raise ValueError(f"{name} must be positive, not {plain(number)}")
+    return number
+
+
+def _from(point: Vector) -> list[fmpq_mpoly]:
+    return [g - p for g, p in zip(GENERATORS, point, strict=True)]
+
+
+def _square(w: list[fmpq_mpoly]) -> fmpq_mpoly:
+    return sum((x * x for x in w), ZERO)

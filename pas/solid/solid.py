@@ -1,0 +1,321 @@
+"""Solids: sets of points bounded by algebraic patches, as values with set operations.
+
+    pipe = pas.solid.cylinder((0, 0, -2), (0, 0, 2), radius="1/2")
+    part = (pas.solid.ball((0, 0, 0), 1) - pipe).translate((0, 0, 1))
+
+A solid is a tree of inequalities; nothing is approximated until it is meshed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.errors import GeometryError
+from pas.mesh.closed import FaceMesh, triangulate_faces
+from pas.solid.affine import Affine, reflection, rotation, scaling, translation
+from pas.solid.bounds import bounding_box
+from pas.solid.field import SolidField
+from pas.solid.joints import Joint, Side, prove, refuse_unknown
+from pas.solid.mesh import SolidMesh, curved_measures
+from pas.solid.tree import Atom, Function, Node, Tree, atoms, combined, complement, mapped
+from pas.surface.certificate import Verdict
+
+DEFAULT_TOLERANCE = 1e-3
+"""Of meshes, over the longest side of the bounding box."""
+
+CHUNK = 1 << 18
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A closed set of points with named faces; made by the functions of `pas.solid`.
+
+    `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
+    methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.
+    """
+
+    tree: Tree
+    joints: tuple[Joint, ...] = ()
+    special_points: tuple[tuple[float, float, float], ...] = ()
+    _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    def __or__(self, other: Any) -> Solid:
+        return self._with(other, lambda a, b: combined(True, a, b))
+
+    def __and__(self, other: Any) -> Solid:
+        return self._with(other, lambda a, b: combined(False, a, b))
+
+    def __sub__(self, other: Any) -> Solid:
+        return self._with(other, lambda a, b: combined(False, a, complement(b)))
+
+    def _with(self, other: Any, operation: Callable[[Tree, Tree], Tree]) -> Solid:
+        if not isinstance(other, Solid):
+            return NotImplemented
+        joints = tuple(dict.fromkeys(self.joints + other.joints))
+        return Solid(operation(self.tree, other.tree), joints, self.special_points + other.special_points)
+
+    def translate(self, offset: Any) -> Solid:
+        """The solid moved by three numbers."""
+        return self._moved(translation(offset))
+
+    def rotate(self, axis: Any, degrees: Any, center: Any = (0, 0, 0)) -> Solid:
+        """The solid turned about an axis through `center`, counterclockwise seen from the axis' tip.
+
+        Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
+        multiples of 90 about an axis of rational length.
+        """
+        return self._moved(rotation(axis, degrees, center))
+
+    def scale(self, factor: Any, center: Any = (0, 0, 0)) -> Solid:
+        """The solid scaled by a positive number, or by three, one for each axis."""
+        return self._moved(scaling(factor, center))
+
+    def mirror(self, normal: Any, center: Any = (0, 0, 0)) -> Solid:
+        """The solid reflected in the plane through `center` with the given normal."""
+        return self._moved(reflection(normal, center))
+
+    def _moved(self, map_: Affine) -> Solid:
+        images: dict[Function, Function] = {}
+
+        def move(atom: Atom) -> Atom:
+            if atom.function not in images:
+                images[atom.function] = map_.function(atom.function)
+            return replace(atom, function=images[atom.function])
+
+        joints = tuple(
+            Joint(j.first, j.second, tuple(map_.polynomial(p) for p in j.along), j.order) for j in self.joints
+        )
+        moved = map_.points(np.array(self.special_points).reshape(-1, 3))
+        return Solid(mapped(self.tree, move), joints, tuple((x, y, z) for x, y, z in moved.tolist()))
+
+    def cap(self, plane: Any, name: str = "cap") -> Solid:
+        """The part where `plane <= 0`, with a face of that name where it is cut.
+
+        Where the solid already ends on that surface, its end gets the name.
+        """
+        polynomial = _inequality(plane, "plane")
+
+        def rename(atom: Atom) -> Atom:
+            same = isinstance(atom.function, Polynomial) and not atom.face and _same_zeros(atom.function, polynomial)
+            return replace(atom, face=name) if same else atom
+
+        renamed = mapped(self.tree, rename)
+        if renamed == self.tree:
+            renamed = combined(False, self.tree, Atom(polynomial, name))
+        return replace(self, tree=renamed, _cache={})
+
+    def renamed(self, name: str) -> Solid:
+        """The solid with all its faces, walls included, under one name."""
+        return Solid(mapped(self.tree, lambda atom: replace(atom, face=name)), (), self.special_points)
+
+    def joined(self, first: str, second: str, along: Any, order: int) -> Solid:
+        """The solid with the claim that two faces meet with GC^`order` along V(g, h), `along = (g, h)`.
+
+        The claim is proved by `verdicts`; meshes use the curve.  Raises `GeometryError` where a face
+        does not exist.
+        """
+        joint = Joint(first, second, along, order)
+        refuse_unknown(joint, self.faces)
+        return replace(self, joints=(*self.joints, joint), _cache={})
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """The names of the faces in the order in which they were made."""
+        return tuple(dict.fromkeys(atom.face for atom in atoms(self.tree) if atom.face))
+
+    @property
+    def polynomials(self) -> dict[str, tuple[Polynomial, ...]]:
+        """The polynomials, negative inside, that carry each face."""
+        result: dict[str, dict[Polynomial, None]] = {}
+        for atom in atoms(self.tree):
+            if atom.face and isinstance(atom.function, Polynomial):
+                result.setdefault(atom.face, {})[-atom.function if atom.outside else atom.function] = None
+        return {face: tuple(found) for face, found in result.items()}
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """The exact verdict on each claimed joint, in the order of the claims."""
+        return tuple(prove(j, self._sides(j.first), self._sides(j.second), self.box) for j in self.joints)
+
+    @property
+    def proved(self) -> bool:
+        """Whether joints are claimed and all of them are proved."""
+        return bool(self.joints) and all(v.proved for v in self.verdicts)
+
+    def require_joints(self) -> Solid:
+        """The solid itself; raises `GeometryError` for the first joint that is not proved."""
+        for verdict in self.verdicts:
+            if not verdict.proved:
+                raise GeometryError(f"joint not there: {verdict}")
+        return self
+
+    def _sides(self, face: str) -> tuple[Side, ...]:
+        found: dict[Polynomial, list[tuple[Polynomial, ...]]] = {}
+        for atom, region in _with_regions(self.tree):
+            if atom.face == face and isinstance(atom.function, Polynomial):
+                found.setdefault(-atom.function if atom.outside else atom.function, []).append(region)
+        return tuple(Side(p, tuple(regions)) for p, regions in found.items())
+
+    @cached_property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that certainly holds the solid, a little larger than it.
+
+        Raises `GeometryError` for an empty or unbounded solid.
+        """
+        return bounding_box(self.tree)
+
+    @property
+    def bounding_box(self) -> Floats:
+        """Two corners (2, 3) of the smallest box with sides along the axes, up to the default tolerance."""
+        points = self.mesh().points
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    @cached_property
+    def field(self) -> SolidField:
+        """The solid as the mesher and evaluation want it."""
+        curves = list(dict.fromkeys(j.along for j in self.joints))
+        return SolidField(self.tree, self.box, curves, np.array(self.special_points).reshape(-1, 3))
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Whether points (..., 3) are inside or on the boundary, shape (...)."""
+        array = _points(points)
+        flat = array.reshape(-1, 3)
+        near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
+        result = np.zeros(len(flat), dtype=bool)
+        rows = np.flatnonzero(near)
+        for start in range(0, len(rows), CHUNK):
+            part = rows[start : start + CHUNK]
+            result[part] = self.field.inside(self.field.signs(flat[part]))
+        return result.reshape(array.shape[:-1])
+
+    def value(self, points: Any) -> Floats:
+        """A signed field at points (..., 3), shape (...): negative inside, positive outside, 0 on the boundary.
+
+        The polynomials of the faces combined by minimum and maximum; not a distance, and not continuous
+        across walls between patches.
+        """
+        array = _points(points)
+        program = self.field.program
+        return program.field(array.reshape(-1, 3)).reshape(array.shape[:-1])
+
+    def mesh(self, tolerance: float | None = None) -> SolidMesh:
+        """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
+
+        Every triangle lies on one face; edges between faces lie on their common curve.  By default
+        the tolerance is 1e-3 of the longest side of the box.  Raises `MeshError` where the solid is
+        too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
+        """
+        found = self._face_mesh(tolerance)
+        return SolidMesh.of(found, self._label_names(found))
+
+    def _label_names(self, found: FaceMesh) -> dict[int, str]:
+        return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
+
+    def _face_mesh(self, tolerance: float | None) -> FaceMesh:
+        wanted = self._tolerance(tolerance)
+        if wanted not in self._cache:
+            self.field.refuse_coincident()
+            self._cache[wanted] = triangulate_faces(self.field, wanted)
+        return self._cache[wanted]
+
+    def _tolerance(self, tolerance: float | None) -> float:
+        if tolerance is None:
+            return DEFAULT_TOLERANCE * float(np.ptp(self.box, axis=0).max())
+        if not 0 < tolerance < np.inf:
+            raise ValueError(f"tolerance must be a positive number, not {tolerance}")
+        return float(tolerance)
+
+    def volume(self, tolerance: float | None = None) -> float:
+        """The volume, with an error of second order in the tolerance of the mesh that it is worked out on."""
+        return self._measures(tolerance)[0]
+
+    def area(self, tolerance: float | None = None) -> float:
+        """The area of the boundary, with an error of second order in the tolerance."""
+        return self._measures(tolerance)[1]
+
+    def _measures(self, tolerance: float | None) -> tuple[float, float]:
+        key = ("measures", self._tolerance(tolerance))
+        if key not in self._cache:
+            self._cache[key] = curved_measures(self._face_mesh(tolerance), self.field)
+        return self._cache[key]
+
+    def __str__(self) -> str:
+        from pas.solid.parts import part_list
+
+        return part_list(self)
+
+    def __repr__(self) -> str:
+        return f"<Solid with faces {', '.join(self.faces)}>"
+
+
+def patch(name: str, polynomial: Any, *region: Any) -> Solid:
+    """The set `polynomial <= 0` inside a region, each inequality of which reads `r >= 0`.
+
+    The face `polynomial = 0` gets the name; the region's walls have none and are meant to be shared
+    with other patches (what is left open ends flat).  Raises `ValueError` for a constant.
+    """
+    walls = [Atom(-_inequality(r, f"region[{i}]"), "") for i, r in enumerate(region)]
+    return Solid(combined(False, Atom(_inequality(polynomial, "polynomial"), name), *walls))
+
+
+def union(solids: Sequence[Solid]) -> Solid:
+    """The union of at least one solid."""
+    return _fold(solids, Solid.__or__)
+
+
+def intersection(solids: Sequence[Solid]) -> Solid:
+    """The intersection of at least one solid."""
+    return _fold(solids, Solid.__and__)
+
+
+def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -> Solid:
+    items = list(solids)
+    if not items:
+        raise ValueError("there must be at least one solid")
+    result = items[0]
+    for item in items[1:]:
+        result = operation(result, item)
+    return result
+
+
+def _inequality(expression: Any, name: str) -> Polynomial:
+    try:
+        polynomial = Polynomial(expression)
+    except (ValueError, TypeError) as error:
+        raise type(error)(f"{name}: {error}") from None
+    if polynomial.degree < 1:
+        raise ValueError(f"{name} must be a polynomial that is not constant, not {polynomial}")
+    return polynomial
+
+
+def _same_zeros(a: Polynomial, b: Polynomial) -> bool:
+    return a.primitive() == b.primitive()
+
+
+def _with_regions(tree: Tree) -> list[tuple[Atom, tuple[Polynomial, ...]]]:
+    """Each atom with the walls (as `r >= 0`) of the intersection that it is part of."""
+    if isinstance(tree, Atom):
+        return [(tree, ())]
+    result = []
+    for part in tree.parts:
+        if isinstance(part, Node):
+            result += _with_regions(part)
+            continue
+        others = () if tree.union else (p for p in tree.parts if p is not part and isinstance(p, Atom) and not p.face)
+        region = tuple((o.function if o.outside else -o.function) for o in others if isinstance(o.function, Polynomial))
+        result.append((part, region))
+    return result
+
+
+def _points(points: Any) -> Floats:
+    array = np.asarray(points, dtype=float)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+    return array
