@@ -23,7 +23,7 @@ from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
-FIRST_PARTS, FINER, LATTICES = 32, 1.6, 7
+FIRST_PARTS, FINER, LATTICES = 40, 1.6, 7
 """Cubes along the longest side of the box in the first lattice, how many times more in each further
 one, and how many are tried."""
 
@@ -31,8 +31,8 @@ SNAPS = (0.3, 0.15, 0.0)
 """Shares of a lattice edge within which crossings merge, tried in turn."""
 
 HALVINGS = 3
-SHORT = 0.4
-"""Edges below this share of the lattice's spacing are collapsed."""
+SHORT = 0.55
+"""Edges below this share of the mean length about both their ends are collapsed."""
 
 SMOOTHINGS, LATER_SMOOTHINGS, REFINEMENTS = 3, 1, 16
 FOLD = 0.2
@@ -101,7 +101,7 @@ def _first(field: FaceField) -> tuple[Labelled, float]:
         if crossings is None or finer is None or crossings.shape != finer.shape:
             reason = "its pieces, holes or faces are too small" if finer is not None else reason
             continue
-        raw = next((m for snap in SNAPS if (m := crossings.mesh(snap)) is not None), None)
+        raw = next((m for snap in SNAPS if (m := crossings.mesh(field, snap)) is not None), None)
         if raw is None or (raw.labels < 0).any():
             reason = "too many faces meet in one place"
             continue
@@ -124,7 +124,11 @@ def _improved(mesh: Labelled, field: FaceField, spacing: float) -> Labelled:
 
     def short(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
         d = m.points[edges[:, 0]] - m.points[edges[:, 1]]
-        return np.asarray((d * d).sum(axis=1) < (SHORT * spacing) ** 2)
+        length = np.sqrt((d * d).sum(axis=1))
+        size = m.topology.size
+        total = np.bincount(edges[:, 0], length, minlength=size) + np.bincount(edges[:, 1], length, minlength=size)
+        mean = total / np.maximum(m.topology.valence, 1)
+        return np.asarray(length < SHORT * np.minimum(mean[edges[:, 0]], mean[edges[:, 1]]))
 
     for _ in range(SMOOTHINGS):
         mesh = collapse(mesh, field, short)

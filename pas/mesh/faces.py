@@ -21,11 +21,18 @@ from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers, edge_table, is_closed_manifold
-from pas.mesh.remesh import Labelled
+from pas.mesh.improve import cross
+from pas.mesh.refine import split
+from pas.mesh.remesh import Labelled, grouped, least_norm, newton
 
 ROOT_STEPS = 10
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
+
+LOCAL_HALVINGS = 6
+FOUND, FARTHEST = 0.6, 4.0
+"""How far from the middle of an edge or triangle, over its size, the faces' common point may be: up to
+the first anywhere, up to the second where it is on the boundary."""
 
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
@@ -76,15 +83,22 @@ class Crossings:
         components = connected_components(graph, directed=False)[0]
         return int(components), len(self.points) - len(self.triangles) // 2, tuple(np.unique(self.labels).tolist())
 
-    def mesh(self, snap: float) -> Labelled | None:
+    def mesh(self, field: FaceField, snap: float) -> Labelled | None:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
-        None where merging pinched it, so that it is no manifold.
+        Where curves come closer than the lattice shows, triangles are made smaller until each
+        curve and corner is found.  None where merging pinched the mesh, so that it is no manifold.
         """
-        vertices, triangles, source = snapped(self.points, self.triangles, self.edges, self.t, snap, self.nodes)
+        points, triangles, source = snapped(self.points, self.triangles, self.edges, self.t, snap, self.nodes)
         if not is_closed_manifold(triangles):
             return None
-        return _cut(vertices, triangles, self.labels[source])
+        labels = self.labels[source]
+        for _ in range(LOCAL_HALVINGS):
+            unclear = _unclear(field, points, triangles, labels)
+            if not len(unclear):
+                break
+            points, triangles, labels = _refined(field, points, triangles, labels, unclear)
+        return _cut(points, triangles, labels)
 
 
 def march_faces(field: FaceField, spacing: float, halvings: int) -> Crossings | None:
@@ -109,6 +123,93 @@ def march_faces(field: FaceField, spacing: float, halvings: int) -> Crossings | 
     t, labels = _crossing(field, points, edges, signs, inside)
     on_edge = points[edges[:, 0]] + t[:, None] * (points[edges[:, 1]] - points[edges[:, 0]])
     return Crossings(on_edge, triangles, edges, t, labels, len(points))
+
+
+def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> Integers:
+    """The triangles in which a curve or corner between faces is not found near where it should be."""
+    corner_labels = labels[triangles]
+    doubtful = np.zeros(len(triangles), dtype=bool)
+    mixed = np.flatnonzero((corner_labels != corner_labels[:, :1]).any(axis=1))
+    for i in range(3):
+        ends = triangles[mixed][:, [i, (i + 1) % 3]]
+        differ = labels[ends[:, 0]] != labels[ends[:, 1]]
+        doubtful[mixed[differ]] |= _lost(field, points, ends[differ], labels)
+    triple = mixed[
+        (corner_labels[mixed, 0] != corner_labels[mixed, 2])
+        & (corner_labels[mixed, 1] != corner_labels[mixed, 2])
+        & (corner_labels[mixed, 0] != corner_labels[mixed, 1])
+    ]
+    doubtful[triple] |= _lost(field, points, triangles[triple], labels)
+    return np.flatnonzero(doubtful)
+
+
+def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) -> NDArray[np.bool_]:
+    """For groups (K, m) of vertices on different faces, whether the faces' common point is not close."""
+    result = np.zeros(len(groups), dtype=bool)
+    p = points[groups]
+    size = np.sqrt(((p - p.mean(axis=1, keepdims=True)) ** 2).sum(axis=2)).max(axis=1) * 2
+    for row, at in grouped(np.sort(labels[groups], axis=1), int(labels.max()) + 2):
+        names = tuple(int(v) for v in row)
+        start = p[at].mean(axis=1)
+        end = newton(start, field, names, float(size[at].max()))
+        rest = np.sqrt((least_norm(field, field.functions(names), end) ** 2).sum(axis=1))
+        moved = np.sqrt(((end - start) ** 2).sum(axis=1))
+        result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
+        far = np.flatnonzero(~result[at] & (moved > FOUND * size[at]))
+        result[at[far]] = ~_on_boundary(field, end[far], names, 1e-3 * size[at[far]])
+    return result
+
+
+def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach: Floats) -> NDArray[np.bool_]:
+    """Whether points (N, 3) have the inside on one side and the outside on the other.
+
+    The sides are along the mean of the faces' normals, which points out of every edge and corner
+    between two faces, convex or not, and out of most between three.
+    """
+    outwards = np.zeros_like(points)
+    for label in names:
+        gradient = field.jets(points, label)[:, 1:]
+        outwards += gradient / np.maximum(np.sqrt((gradient * gradient).sum(axis=1, keepdims=True)), 1e-300)
+    outwards /= np.maximum(np.sqrt((outwards * outwards).sum(axis=1, keepdims=True)), 1e-300)
+    step = reach[:, None] * outwards
+    inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))
+    return np.asarray(inside & ~outside)
+
+
+def _refined(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, chosen: Integers
+) -> tuple[Floats, Integers, Integers]:
+    """The triangles around the chosen ones split in four, new vertices on the boundary with their labels."""
+    vertices = np.unique(triangles[chosen])
+    near = np.isin(triangles, vertices).any(axis=1)
+    edges = np.unique(np.sort(triangles[near][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    p = points[triangles]
+    normals = np.zeros_like(points)
+    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    for i in range(3):
+        np.add.at(normals, triangles[:, i], area)
+    middle = points[edges].mean(axis=1)
+    length = np.sqrt(((points[edges[:, 0]] - points[edges[:, 1]]) ** 2).sum(axis=1))
+    normal = normals[edges].sum(axis=1)
+    normal /= np.maximum(np.sqrt((normal * normal).sum(axis=1, keepdims=True)), 1e-300)
+    inner, outer = middle.copy(), middle.copy()
+    valid = np.zeros(len(edges), dtype=bool)
+    for share in (0.05, 0.15, 0.4):
+        rows = np.flatnonzero(~valid)
+        step = share * length[rows, None] * normal[rows]
+        inner[rows], outer[rows] = middle[rows] - step, middle[rows] + step
+        ends = [field.inside(field.signs(side[rows])) for side in (inner, outer)]
+        valid[rows] = ends[0] & ~ends[1]
+    edges, inner, outer = edges[valid], inner[valid], outer[valid]
+    both = np.concatenate([inner, outer])
+    signs = field.signs(both)
+    pairs = np.stack([np.arange(len(edges)), np.arange(len(edges)) + len(edges)], axis=1)
+    t, found = _crossing(field, both, pairs, signs, field.inside(signs))
+    size = len(points)
+    everything, smaller, _ = split(points, triangles, edges)
+    order = np.argsort(edges[:, 0] * size + edges[:, 1])
+    everything[size:] = (inner + t[:, None] * (outer - inner))[order]
+    return everything, smaller, np.concatenate([labels, found[order]])
 
 
 def _nodes(cubes: Integers) -> tuple[Integers, Integers]:

@@ -112,9 +112,7 @@ class Topology:
         kept = place < FUNCTIONS
         rows[vertices[kept], place[kept]] = labels[kept]
         used = np.flatnonzero(self.label_count > 0)
-        return [
-            (tuple(int(v) for v in row if v >= 0), used[at]) for row, at in grouped(rows[used], self._span + 1)
-        ]
+        return [(tuple(int(v) for v in row if v >= 0), used[at]) for row, at in grouped(rows[used], self._span + 1)]
 
     @cached_property
     def edge_groups(self) -> list[tuple[tuple[int, ...], Integers]]:

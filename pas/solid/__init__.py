@@ -1,15 +1,33 @@
 """Solids by script: primitives, set operations, patches and joints, assemblies.
 
-    from pas import solid
+from pas import solid
 
-    cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1)
-    part = cross - solid.ball((0, 0, 0), "3/4")
-    part.mesh(1e-3)
+cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1)
+part = cross - solid.ball((0, 0, 0), "3/4")
+part.mesh(1e-3)
 """
 
+from pas.solid.assembly import Assembly, Part, assembly
+from pas.solid.joints import Joint
+from pas.solid.mesh import SolidMesh
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.solid import Solid, intersection, patch, union
 
 __all__ = [
-    "Solid", "ball", "box", "cone", "cylinder", "half_space", "implicit", "intersection", "patch", "torus", "union"
-]  # fmt: skip
+    "Assembly",
+    "Joint",
+    "Part",
+    "Solid",
+    "SolidMesh",
+    "assembly",
+    "ball",
+    "box",
+    "cone",
+    "cylinder",
+    "half_space",
+    "implicit",
+    "intersection",
+    "patch",
+    "torus",
+    "union",
+]

@@ -58,7 +58,9 @@ class Affine:
     @cached_property
     def floats(self) -> tuple[Floats, Floats]:
         """Matrix and shift rounded to doubles."""
-        return np.array([[to_float(c) for c in row] for row in self.matrix]), np.array([to_float(c) for c in self.shift])
+        return np.array([[to_float(c) for c in row] for row in self.matrix]), np.array(
+            [to_float(c) for c in self.shift]
+        )
 
     def similarity(self) -> float:
         """The factor by which lengths change; `ValueError` where it depends on the direction."""

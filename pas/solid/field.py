@@ -21,7 +21,7 @@ Integers = NDArray[np.intp]
 
 
 class SolidField:
-    """The boundary of a tree inside a box; see `pas.mesh.field.FaceField`.
+    """The boundary of a tree inside a box, in the program's local coordinates; see `pas.mesh.field.FaceField`.
 
     `seams` are curves, each given by two functions, along which faces are joined: where two faces
     touch, their own two functions do not say where.
@@ -34,12 +34,12 @@ class SolidField:
         seams: Sequence[tuple[Polynomial, Polynomial]],
         special_points: Floats,
     ) -> None:
-        self.box = box
-        self.special_points = special_points
         center = tuple(rational(float(c)) for c in np.round(box.mean(axis=0), 6))
         scale = rational(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         extra: list[Function] = [f for pair in seams for f in pair]
         self.program = Program(tree, center, scale, tuple(extra))  # type: ignore[arg-type]
+        self.box = self.program.local(box)
+        self.special_points = self.program.local(special_points)
         self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
 
     def cubes(self, origin: Floats, spacing: float, halvings: int, counts: tuple[int, int, int]) -> Integers:

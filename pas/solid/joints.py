@@ -93,9 +93,7 @@ def prove(joint: Joint, firsts: Sequence[Side], seconds: Sequence[Side], box: Fl
     if not (near[0] & near[1]).any():
         witness = points[near[0] | near[1]]
         place = tuple(float(v) for v in witness[0]) if len(witness) else None
-        return Verdict(
-            Status.REFUTED, joint.claim, "the regions of the two faces do not both reach the curve", place
-        )
+        return Verdict(Status.REFUTED, joint.claim, "the regions of the two faces do not both reach the curve", place)
     common = points[near[0] & near[1]]
     slopes = [s.polynomial.gradient(common) for s in (first, second)]
     if joint.order > 0 and (np.einsum("ni,ni->n", *slopes) < 0).any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -35,15 +35,19 @@ class SolidMesh:
     normals: Floats
 
     @classmethod
-    def of(cls, found: FaceMesh, names: Mapping[int, str]) -> SolidMesh:
-        """The mesh of the mesher's labels, given their names."""
+    def of(cls, found: FaceMesh, names: Mapping[int, str], place: Callable[[Floats], Floats]) -> SolidMesh:
+        """The mesh of the mesher's labels, given their names and the map from its coordinates to the user's."""
         mesh = found.mesh
         distinct = tuple(dict.fromkeys(names[int(label)] for label in np.unique(mesh.labels)))
         numbers = np.zeros(int(mesh.labels.max()) + 1, dtype=np.intp)
         for label, name in names.items():
             numbers[label] = distinct.index(name)
         return cls(
-            mesh.points, mesh.triangles, numbers[mesh.labels], distinct, found.normals[mesh.topology.corner_pairs]
+            place(mesh.points),
+            mesh.triangles,
+            numbers[mesh.labels],
+            distinct,
+            found.normals[mesh.topology.corner_pairs],
         )
 
     @classmethod
@@ -272,5 +276,3 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
         volume += weight / 2 * float(np.einsum("ni,ni->", x, normal)) / 3
         area += weight / 2 * float(np.linalg.norm(normal, axis=1).sum())
     return volume, area
-
-

@@ -18,7 +18,9 @@ def half_space(plane: Any, face: str = "plane") -> Solid:
     """The points where a linear polynomial is <= 0, such as `"x + y - 1"`."""
     solid = patch(face, plane)
     if solid.polynomials[face][0].degree != 1:
-        raise ValueError(f"plane must be a linear polynomial, not {solid.polynomials[face][0]}; use implicit for others")
+        raise ValueError(
+            f"plane must be a linear polynomial, not {solid.polynomials[face][0]}; use implicit for others"
+        )
     return solid
 
 
@@ -35,7 +37,10 @@ def box(lower: Any, upper: Any, face: str = "box") -> Solid:
             raise ValueError(f"lower must be below upper: they are {plain(a)} and {plain(b)} in {axis}")
     walls = []
     for name, g, a, b in zip("xyz", GENERATORS, low, high, strict=True):
-        walls += [Atom(Polynomial.from_raw(a - g), f"{face} {name}-"), Atom(Polynomial.from_raw(g - b), f"{face} {name}+")]
+        walls += [
+            Atom(Polynomial.from_raw(a - g), f"{face} {name}-"),
+            Atom(Polynomial.from_raw(g - b), f"{face} {name}+"),
+        ]
     return Solid(combined(False, *walls))
 
 

@@ -1,7 +1,7 @@
 """A tree of inequalities compiled for arrays of points and boxes.
 
-Functions are evaluated together, by one matrix product, in coordinates local to the solid, so that
-far from the origin nothing is lost.  Over a box a polynomial is bounded by its Taylor expansion about
+Functions are evaluated together, by one matrix product, in coordinates local to the solid (all points
+here are), so that far from the origin nothing is lost.  Over a box a polynomial is bounded by its Taylor expansion about
 the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for `|u_i| <= r_i`.
 """
 
@@ -98,8 +98,16 @@ class Program:
         return _holds(self.code, signs, ~signs)
 
     def local(self, points: Floats) -> Floats:
-        """Points (N, 3) in local coordinates."""
-        return (points - np.array([to_float(c) for c in self.center])) / to_float(self.scale)
+        """Points (..., 3) in local coordinates."""
+        return (points - self._shift) / to_float(self.scale)
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3) given in local ones."""
+        return points * to_float(self.scale) + self._shift
+
+    @cached_property
+    def _shift(self) -> Floats:
+        return np.array([to_float(c) for c in self.center])
 
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
@@ -107,11 +115,11 @@ class Program:
         rows, matrix = self._polynomials
         step = max(1, CHUNK_ENTRIES // max(len(matrix), 1))
         for start in range(0, len(points), step):
-            block = self.local(points[start : start + step])
+            block = points[start : start + step]
             if len(rows):
                 result[rows, start : start + step] = evaluate(block, matrix).T <= 0
         for number in self._distances:
-            result[number] = self.columns[number].function.jets(points)[:, 0] <= 0  # type: ignore[union-attr]
+            result[number] = self._distance(number, points)[:, 0] <= 0
         return result
 
     def values(self, points: Floats) -> Floats:
@@ -119,9 +127,9 @@ class Program:
         result = np.empty((self.used, len(points)))
         rows, matrix = self._polynomials
         if len(rows):
-            result[rows] = evaluate(self.local(points), matrix).T
+            result[rows] = evaluate(points, matrix).T
         for number in self._distances:
-            result[number] = self.columns[number].function.jets(points)[:, 0]  # type: ignore[union-attr]
+            result[number] = self._distance(number, points)[:, 0]
         return result
 
     def field(self, points: Floats) -> Floats:
@@ -139,12 +147,14 @@ class Program:
 
     def jets(self, points: Floats, number: int) -> Floats:
         """Values and gradients (N, 4) of a column at points (N, 3)."""
-        function = self.columns[number].function
-        if not isinstance(function, Polynomial):
-            return function.jets(points)
-        result = evaluate(self.local(points), self._jet_matrix(number))
-        result[:, 1:] /= to_float(self.scale)
-        return result
+        if isinstance(self.columns[number].function, Polynomial):
+            return evaluate(points, self._jet_matrix(number))
+        return self._distance(number, points)
+
+    def _distance(self, number: int, points: Floats) -> Floats:
+        """Values and gradients (N, 4) of a column that is no polynomial, in local coordinates."""
+        jets = self.columns[number].function.jets(self.world(points))  # type: ignore[union-attr]
+        return jets * np.array([1 / to_float(self.scale), 1.0, 1.0, 1.0])
 
     def _jet_matrix(self, number: int) -> Floats:
         if number not in self._jet_matrices:
@@ -191,10 +201,9 @@ class Program:
         step = max(1, BOX_CHUNK // max(1, table.shape[1] * table.shape[2]))
         for start in range(0, len(centers) if len(rows) else 0, step):
             part = slice(start, start + step)
-            half = halves[part] / to_float(self.scale)
-            values = evaluate(self.local(centers[part]), table.reshape(table.shape[0], -1))
+            values = evaluate(centers[part], table.reshape(table.shape[0], -1))
             values = values.reshape(len(values), len(rows), size)
-            powers = _powers(half, self._degree)
+            powers = _powers(halves[part], self._degree)
             change = np.einsum("nmk,nk->mn", np.abs(values[:, :, 1:]), powers[:, 1:])
             yes[rows, part] = values[:, :, 0].T + change <= 0
             no[rows, part] = values[:, :, 0].T - change > 0
@@ -202,7 +211,7 @@ class Program:
             second[rows, part] = np.einsum("nmk,nk->mn", np.abs(values) * times, powers)
         reach = np.sqrt((halves * halves).sum(axis=1))
         for number in self._distances:
-            value = self.columns[number].function.jets(centers)[:, 0]  # type: ignore[union-attr]
+            value = self._distance(number, centers)[:, 0]
             yes[number], no[number] = value + reach <= 0, value - reach > 0
         return yes, no, second
 
@@ -215,9 +224,9 @@ class Program:
         if not len(rows):
             return half / np.ptp(hull, axis=0)
         some = np.linspace(0, len(centers) - 1, min(len(centers), SAMPLE)).astype(int)
-        values = evaluate(self.local(centers[some]), table.reshape(table.shape[0], -1))
+        values = evaluate(centers[some], table.reshape(table.shape[0], -1))
         values = np.abs(values.reshape(len(some), len(rows), -1))
-        terms = values * _powers(np.broadcast_to(half / to_float(self.scale), (len(some), 3)), self._degree)[:, None]
+        terms = values * _powers(np.broadcast_to(half, (len(some), 3)), self._degree)[:, None]
         share = np.array(exponents(self._degree), dtype=float)
         parts = terms @ share
         total = np.maximum(parts.sum(axis=2, keepdims=True), 1e-300)
@@ -233,11 +242,11 @@ class Program:
             step = max(1, BOX_CHUNK // jets.shape[1])
             for start in range(0, len(centers), step):
                 part = slice(start, start + step)
-                values = evaluate(self.local(centers[part]), jets).T.reshape(4, len(rows), -1)
-                change = np.abs(values[:3]).sum(axis=0) * (half / to_float(self.scale)) + second[rows, part]
+                values = evaluate(centers[part], jets).T.reshape(4, len(rows), -1)
+                change = np.abs(values[:3]).sum(axis=0) * half + second[rows, part]
                 yes[rows, part], no[rows, part] = values[3] + change <= 0, values[3] - change > 0
         for number in self._distances:
-            value = self.columns[number].function.jets(centers)[:, 0]  # type: ignore[union-attr]
+            value = self._distance(number, centers)[:, 0]
             reach = half * 3**0.5
             yes[number], no[number] = value + reach <= 0, value - reach > 0
         return yes, no

@@ -17,6 +17,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
@@ -189,10 +190,10 @@ class Solid:
         flat = array.reshape(-1, 3)
         near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
-        rows = np.flatnonzero(near)
+        rows, program = np.flatnonzero(near), self.field.program
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
-            result[part] = self.field.inside(self.field.signs(flat[part]))
+            result[part] = program.inside(program.signs(program.local(flat[part])))
         return result.reshape(array.shape[:-1])
 
     def value(self, points: Any) -> Floats:
@@ -203,7 +204,7 @@ class Solid:
         """
         array = _points(points)
         program = self.field.program
-        return program.field(array.reshape(-1, 3)).reshape(array.shape[:-1])
+        return program.field(program.local(array.reshape(-1, 3))).reshape(array.shape[:-1])
 
     def mesh(self, tolerance: float | None = None) -> SolidMesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
@@ -213,7 +214,7 @@ class Solid:
         too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
         """
         found = self._face_mesh(tolerance)
-        return SolidMesh.of(found, self._label_names(found))
+        return SolidMesh.of(found, self._label_names(found), self.field.program.world)
 
     def _label_names(self, found: FaceMesh) -> dict[int, str]:
         return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
@@ -222,7 +223,7 @@ class Solid:
         wanted = self._tolerance(tolerance)
         if wanted not in self._cache:
             self.field.refuse_coincident()
-            self._cache[wanted] = triangulate_faces(self.field, wanted)
+            self._cache[wanted] = triangulate_faces(self.field, wanted / to_float(self.field.program.scale))
         return self._cache[wanted]
 
     def _tolerance(self, tolerance: float | None) -> float:
@@ -243,7 +244,9 @@ class Solid:
     def _measures(self, tolerance: float | None) -> tuple[float, float]:
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
-            self._cache[key] = curved_measures(self._face_mesh(tolerance), self.field)
+            volume, area = curved_measures(self._face_mesh(tolerance), self.field)
+            scale = to_float(self.field.program.scale)
+            self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]
 
     def __str__(self) -> str:

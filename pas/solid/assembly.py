@@ -1,0 +1,110 @@
+"""Assemblies: named parts kept apart, each with a colour, placed in one space."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.solid.mesh import SolidMesh
+from pas.solid.solid import Solid
+
+COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
+"""Of parts that were given none, in turn."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A solid (or a closed mesh) with its colour, `#rrggbb`."""
+
+    shape: Solid | SolidMesh
+    color: str
+
+    def mesh(self, tolerance: float | None = None) -> SolidMesh:
+        """The part's mesh; see `Solid.mesh`."""
+        return self.shape if isinstance(self.shape, SolidMesh) else self.shape.mesh(tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Named parts; `parts` maps names to `Part`.  Made by `pas.solid.assembly`."""
+
+    parts: Mapping[str, Part]
+
+    def __getitem__(self, name: str) -> Part:
+        if name not in self.parts:
+            raise KeyError(f"the assembly has no part {name!r}; its parts are {', '.join(self.parts)}")
+        return self.parts[name]
+
+    def meshes(self, tolerance: float | None = None) -> dict[str, SolidMesh]:
+        """The mesh of each part."""
+        return {name: part.mesh(tolerance) for name, part in self.parts.items()}
+
+    def colored(self, **colors: str) -> Assembly:
+        """The assembly with other colours, `#rrggbb`, for some parts."""
+        for name in colors:
+            self[name]
+        changed = {n: replace(p, color=_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
+        return Assembly(MappingProxyType(changed))
+
+    def moved(self, change: Callable[[str, Solid], Solid]) -> Assembly:
+        """The assembly with `change(name, solid)` for each part that is a solid."""
+        parts = {
+            n: replace(p, shape=change(n, p.shape)) if isinstance(p.shape, Solid) else p for n, p in self.parts.items()
+        }
+        return Assembly(MappingProxyType(parts))
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Whether points (..., 3) are in some part that is a solid, shape (...)."""
+        solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
+        return np.any([s.contains(points) for s in solids], axis=0)
+
+    @property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that holds all parts."""
+        boxes = [
+            p.shape.box if isinstance(p.shape, Solid) else np.stack([p.shape.points.min(0), p.shape.points.max(0)])
+            for p in self.parts.values()
+        ]
+        return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+    @property
+    def proved(self) -> bool:
+        """Whether some joint is claimed and all joints of all parts are proved."""
+        solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
+        return any(s.joints for s in solids) and all(v.proved for s in solids for v in s.verdicts)
+
+    def __str__(self) -> str:
+        return "\n\n".join(f"{name} ({part.color})\n{part.shape}" for name, part in self.parts.items())
+
+    def __repr__(self) -> str:
+        return f"<Assembly of {', '.join(self.parts)}>"
+
+
+def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:
+    """An assembly of solids or closed meshes by name: `assembly(pot=..., lid=...)`.
+
+    A value may be a pair (solid, colour) with the colour as `#rrggbb`.  Raises `TypeError` and
+    `ValueError` naming the part.
+    """
+    given = {**(parts or {}), **named}
+    if not given:
+        raise ValueError("an assembly needs at least one part")
+    result = {}
+    for number, (name, value) in enumerate(given.items()):
+        shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
+        if not isinstance(shape, Solid | SolidMesh):
+            raise TypeError(f"the part {name!r} must be a solid or a SolidMesh, not {shape!r}")
+        result[name] = Part(shape, _color(color, name))
+    return Assembly(MappingProxyType(result))
+
+
+def _color(color: Any, name: str) -> str:
+    if not isinstance(color, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
+        raise ValueError(f"the colour of {name!r} must be written #rrggbb, not {color!r}")
+    return color
