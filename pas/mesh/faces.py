@@ -29,10 +29,9 @@ ROOT_STEPS = 10
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
 
-LOCAL_HALVINGS = 6
-FOUND, FARTHEST = 0.6, 4.0
-"""How far from the middle of an edge or triangle, over its size, the faces' common point may be: up to
-the first anywhere, up to the second where it is on the boundary."""
+LOCAL_HALVINGS = 7
+FARTHEST = 4.0
+"""How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
 
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
@@ -155,8 +154,8 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
         rest = np.sqrt((least_norm(field, field.functions(names), end) ** 2).sum(axis=1))
         moved = np.sqrt(((end - start) ** 2).sum(axis=1))
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
-        far = np.flatnonzero(~result[at] & (moved > FOUND * size[at]))
-        result[at[far]] = ~_on_boundary(field, end[far], names, 1e-3 * size[at[far]])
+        found = np.flatnonzero(~result[at])
+        result[at[found]] = ~_on_boundary(field, end[found], names, 1e-3 * size[at[found]])
     return result
 
 

@@ -183,10 +183,19 @@ def face_normals(mesh: Labelled, normals: Floats) -> Floats:
 
 
 def project(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
-    """Vertices moved onto their faces, curves and corners; none further than `reach` a step."""
+    """Vertices moved onto their faces, curves and corners; none further than `reach` a step.
+
+    A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
+    """
     points = mesh.points.copy()
     for labels, vertices in mesh.topology.groups:
-        points[vertices] = newton(points[vertices], field, labels, reach)
+        start = points[vertices]
+        end = newton(start, field, labels, reach)
+        if len(labels) > 2:
+            rest = np.sqrt((least_norm(field, field.functions(labels), end) ** 2).sum(axis=1))
+            lost = (rest > 1e-9 * reach) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > reach)
+            end = np.where(lost[:, None], start, end)
+        points[vertices] = end
     return mesh.moved(points)
 
 

@@ -44,6 +44,9 @@ INSIDE = (2, 0, Fraction(9, 20))
 """A point inside the spout in the plane of the bend, where each member is a multiple of the contact: a
 value there keeps the multiple from vanishing."""
 
+AT_ROOT, DEPTH = ("7/5", 0, "-1/5"), 20
+"""A point of the root's plane inside the body, where a cubic must be inside too."""
+
 MIDDLE = ("17/10", 0, "-1/10")
 """A point in the middle of the lower patch."""
 
@@ -64,14 +67,17 @@ def _even(contacts: list[Any], order: int) -> SolutionSpace:
     return space.restricted([m[0] for m in space.basis if all(e[1] % 2 == 0 for e in m[0].coefficients())])
 
 
-def continued(contacts: list[Any], order: int, points: Any) -> Polynomial:
+def continued(contacts: list[Any], order: int, points: Any, inside: Any = ()) -> Polynomial:
     """The cubic that meets the contacts, is -1 at a point inside and least in squares at the given points.
 
-    The thin-plate energy has a small part in what is minimised.
+    At points `inside` it is below 0 by `DEPTH`.  The thin-plate energy has a small part in what is minimised.
     """
     space = _even(contacts, order)
-    plate = ThinPlate(PART_BOX, weight=FAIRNESS)
-    return _rounded(space, space.optimum(plate, near=points, near_weight=1, normalize=ValueAt(INSIDE, -1)).coefficients)
+    best = space.optimum(
+        ThinPlate(PART_BOX, weight=FAIRNESS), near=points, near_weight=1, inside=inside, margin=DEPTH,
+        normalize=ValueAt(INSIDE, -1),
+    )  # fmt: skip
+    return _rounded(space, best.coefficients)
 
 
 def closest(contacts: list[Any], order: int, points: Any, weights: Any) -> Polynomial:
@@ -87,7 +93,7 @@ def _rounded(space: SolutionSpace, coefficients: Any) -> Polynomial:
 
 def paper(tilt: Fraction) -> tuple[Polynomial, Polynomial]:
     """Both cubics as published: GC^0 with the body, GC^1 with one another."""
-    lower = continued([(LOWER, ROOT), (WAIST, BEND)], 0, _outline(LOWER_POINTS))
+    lower = continued([(LOWER, ROOT), (WAIST, BEND)], 0, _outline(LOWER_POINTS), [AT_ROOT])
     return lower, continued([(lower, BEND)], 1, _outline(UPPER_POINTS, tilt))
 
 
