@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
 from pas.errors import GeometryError
 from pas.solid.assembly import Assembly, assembly
+from pas.solid.primitives import ball, cone
 from pas.solid.solid import Solid, patch
 from pas.teapot import handle, lid, spout
 from pas.teapot.body import BOTTOM, LOWER, SEAM, TOP, upper
@@ -21,11 +23,17 @@ MOUTH, BACK = Polynomial("z - 11/10"), Polynomial("x - z - 11/10")
 SPOUT_SIDES, SPOUT_FRONT = Polynomial("1/4 - y^2"), Polynomial("16/5 - x")
 """Walls that keep other sheets of the spout's cubics away; the spout does not touch them."""
 
-WALL, SPOUT_WALL = Fraction(1, 10), Fraction(4, 25)
-"""Thickness of the hollow pot's walls and its spout's, as values of their polynomials."""
+WALL = Fraction(3, 20)
+"""Thickness of the hollow pot's walls, as a value of the body's polynomials."""
 
-DRAIN = Polynomial("y^2 + (2*(x - 7/5) + 9*(z + 1/5))^2/85 - 9/400")
-"""The hole between the cavity of the body and that of the spout."""
+CHANNEL = (
+    (Fraction(27, 20), Fraction(-1, 4)),
+    (Fraction(89, 50), Fraction(3, 50)),
+    (Fraction(101, 50), Fraction(41, 100)),
+    (Fraction(62, 25), Fraction(6, 5)),
+)
+CHANNEL_RADII = (Fraction(1, 10), Fraction(9, 100), Fraction(2, 25), Fraction(1, 20))
+"""The axis (x, z) of the channel through the spout, and its radius at each of these points."""
 
 
 @dataclass(frozen=True)
@@ -98,18 +106,16 @@ def _better(tilt: Fraction, size: Fraction) -> tuple[Solid, Solid]:
     solid = solid.joined("body lower", "spout lower", (LOWER, spout.ROOT), 1)
     solid = solid.cap(-BOTTOM, "bottom disc").cap(MOUTH, "mouth")
     hollow = solid.cap(-TOP, "rim")
-    for cavity in _cavity(lower, top):
-        hollow = hollow - cavity
-    return solid, hollow
+    return solid, hollow - _cavity(tilt)
 
 
-def _cavity(lower: Polynomial, top: Polynomial) -> list[Solid]:
-    """The room inside: level sets of the patches' own polynomials, so it keeps every joint between them."""
-    floor, above = Polynomial("z + 7/10"), Polynomial("6/5 - z")
-    return [
-        patch("inner upper", upper() + WALL, SEAM, above),
-        patch("inner lower", LOWER + WALL, floor, -SEAM).cap(-floor, "inner floor"),
-        patch("drain", DRAIN, spout.ROOT + Fraction(3, 10), Fraction(3, 2) - spout.ROOT),
-        patch("inner spout lower", lower + SPOUT_WALL, -spout.ROOT - Fraction(1, 5), spout.BEND, floor, Polynomial("1/2 - z"), SPOUT_SIDES),
-        patch("inner spout upper", top + SPOUT_WALL, -spout.BEND, BACK, above, SPOUT_SIDES, SPOUT_FRONT),
-    ]  # fmt: skip
+def _cavity(tilt: Fraction) -> Solid:
+    """The room inside: level sets of the body's own polynomials, which keep their joint, and a channel."""
+    above, floor = Polynomial("6/5 - z"), Polynomial("z + 7/10")
+    room = patch("inner upper", upper() + WALL, SEAM, above)
+    room |= patch("inner lower", LOWER + WALL, floor, -SEAM).cap(-floor, "inner floor")
+    room = room.joined("inner upper", "inner lower", (LOWER + WALL, SEAM), 1)
+    points = [(x + tilt * max(z - Fraction(1, 2), Fraction(0)), Fraction(0), z) for x, z in CHANNEL]
+    for (start, end), (wide, narrow) in zip(pairwise(points), pairwise(CHANNEL_RADII), strict=True):
+        room |= cone(start, end, wide, narrow, "channel") | ball(end, narrow, "channel bend")
+    return room

@@ -47,7 +47,7 @@ value there keeps the multiple from vanishing."""
 AT_ROOT, DEPTH = ("7/5", 0, "-1/5"), 20
 """A point of the root's plane inside the body, where a cubic must be inside too."""
 
-MIDDLE = ("17/10", 0, "-1/10")
+MIDDLE = ("33/20", 0, 0)
 """A point in the middle of the lower patch."""
 
 DIGITS = 9
@@ -99,10 +99,19 @@ def paper(tilt: Fraction) -> tuple[Polynomial, Polynomial]:
 
 def better(tilt: Fraction) -> tuple[Polynomial, Polynomial]:
     """Both cubics with GC^1 at the body as well."""
-    outline, sides = _outline(SLIM_LOWER_POINTS), _sides(LOWER_SIDES)
-    beyond = _outline(SLIM_UPPER_POINTS, tilt) + _sides(UPPER_SIDES, tilt)
+    return _joined(LOWER, _design(tilt))
+
+
+def _design(tilt: Fraction) -> tuple[list[Any], list[Any], list[Any]]:
+    """The points of the lower outline, of the lower sides, and of the upper patch."""
+    upper = _outline(SLIM_UPPER_POINTS, tilt) + _sides(UPPER_SIDES, tilt)
+    return _outline(SLIM_LOWER_POINTS), _sides(LOWER_SIDES), upper
+
+
+def _joined(body: Polynomial, design: Any) -> tuple[Polynomial, Polynomial]:
+    outline, sides, beyond = design
     weights = [ON_OUTLINE] * len(outline) + [ON_SIDES] * len(sides) + [BEYOND] * len(beyond)
-    lower = closest([(LOWER, ROOT)], 1, outline + sides + beyond, weights)
+    lower = closest([(body, ROOT)], 1, outline + sides + beyond, weights)
     return lower, continued([(lower, BEND)], 1, beyond)
 
 
