@@ -27,12 +27,12 @@ WALL = Fraction(3, 20)
 """Thickness of the hollow pot's walls, as a value of the body's polynomials."""
 
 CHANNEL = (
-    (Fraction(27, 20), Fraction(-1, 4)),
-    (Fraction(89, 50), Fraction(3, 50)),
+    (Fraction(23, 20), Fraction(-2, 5)),
+    (Fraction(44, 25), Fraction(2, 25)),
     (Fraction(101, 50), Fraction(41, 100)),
     (Fraction(62, 25), Fraction(6, 5)),
 )
-CHANNEL_RADII = (Fraction(1, 10), Fraction(9, 100), Fraction(2, 25), Fraction(1, 20))
+CHANNEL_RADII = (Fraction(2, 25), Fraction(13, 200), Fraction(3, 50), Fraction(1, 25))
 """The axis (x, z) of the channel through the spout, and its radius at each of these points."""
 
 
