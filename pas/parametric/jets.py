@@ -12,7 +12,7 @@ nor functions outside the table below: those raise `TypeError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import factorial
 from typing import Any
 
@@ -82,8 +82,8 @@ class Jet:
             return _exp(_log(self) * exponent)
         number = float(exponent)
         if number == int(number):
-            power = _whole_power(self, abs(int(number)))
-            return power if number >= 0 else 1.0 / power
+            result: Jet = power(self, abs(int(number)))
+            return result if number >= 0 else 1.0 / result
         return _binomial(self, number)
 
     def __rpow__(self, base: Any) -> Jet:
@@ -121,6 +121,28 @@ def variables(t: Any, h: Any, orders: tuple[int, int]) -> tuple[Jet, Jet]:
     return Jet(one), Jet(two)
 
 
+def along(x: Jet, taylor: Sequence[Any]) -> Jet:
+    """sum_m taylor[m] (x - value)^m."""
+    rest = x.coefficients.copy()
+    rest[0, 0] = 0.0
+    step, result = Jet(rest), constant(taylor[-1], x)
+    for coefficient in reversed(taylor[:-1]):
+        result = result * step + coefficient
+    return result
+
+
+def power(x: Any, exponent: int) -> Any:
+    """A whole power >= 0 of an array or a jet by repeated squaring (numpy's own takes a logarithm)."""
+    result: Any = None
+    while exponent:
+        if exponent & 1:
+            result = x if result is None else result * x
+        exponent >>= 1
+        if exponent:
+            x = x * x
+    return x * 0.0 + 1.0 if result is None else result
+
+
 def constant(value: Any, like: Jet) -> Jet:
     """A jet of the same orders without dependence on the parameters."""
     array = _array(value)
@@ -148,6 +170,11 @@ def composed(derivative: Callable[[int, int], Floats], t: Any, h: Any) -> Any:
     return total
 
 
+def nilpotency(x: Any) -> int:
+    """The highest power of the part without a constant that is not zero (0 for an array)."""
+    return len(_powers(x, sum(x.orders))) if isinstance(x, Jet) else 0
+
+
 def _powers(x: Any, highest: int) -> list[Jet]:
     """The powers of the part of x without a constant that are not zero, from the first on."""
     if not isinstance(x, Jet):
@@ -155,10 +182,10 @@ def _powers(x: Any, highest: int) -> list[Jet]:
     rest = x.coefficients.copy()
     rest[0, 0] = 0.0
     powers: list[Jet] = []
-    power = Jet(rest)
-    while power.coefficients.any() and len(powers) < highest:
-        powers.append(power)
-        power = power * Jet(rest)
+    step = Jet(rest)
+    while step.coefficients.any() and len(powers) < highest:
+        powers.append(step)
+        step = step * Jet(rest)
     return powers
 
 
@@ -204,39 +231,18 @@ def _quotient(left: Floats, right: Floats) -> Floats:
     return result
 
 
-def _whole_power(x: Jet, exponent: int) -> Jet:
-    result = constant(1.0, x)
-    while exponent:
-        if exponent & 1:
-            result = result * x
-        exponent >>= 1
-        if exponent:
-            x = x * x
-    return result
-
-
-def _along(x: Jet, taylor: list[Floats]) -> Jet:
-    """sum_m taylor[m] (x - value)^m."""
-    rest = x.coefficients.copy()
-    rest[0, 0] = 0.0
-    step, result = Jet(rest), constant(taylor[-1], x)
-    for coefficient in reversed(taylor[:-1]):
-        result = result * step + coefficient
-    return result
-
-
 def _binomial(x: Jet, exponent: float) -> Jet:
     taylor, factor = [], 1.0
     for m in range(sum(x.orders) + 1):
         taylor.append(factor * x.value ** (exponent - m))
         factor *= (exponent - m) / (m + 1)
-    return _along(x, taylor)
+    return along(x, taylor)
 
 
 def _cyclic(functions: tuple[Callable[[Any], Any], ...], x: Jet) -> Jet:
     """A function whose m-th derivative is `functions[m mod len]`."""
     values = [f(x.value) for f in functions]
-    return _along(x, [values[m % len(values)] / factorial(m) for m in range(sum(x.orders) + 1)])
+    return along(x, [values[m % len(values)] / factorial(m) for m in range(sum(x.orders) + 1)])
 
 
 def _exp(x: Jet) -> Jet:
@@ -264,7 +270,7 @@ def _integrated(function: Callable[[Any], Any], slope: Callable[[Jet], Jet], x: 
     highest = sum(x.orders)
     line, _ = variables(x.value, 0.0, (highest, 0))
     series = slope(line).coefficients[:, 0]
-    return _along(x, [function(x.value), *(series[m] / (m + 1) for m in range(highest))])
+    return along(x, [function(x.value), *(series[m] / (m + 1) for m in range(highest))])
 
 
 def _log(x: Jet) -> Jet:
