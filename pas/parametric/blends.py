@@ -23,8 +23,9 @@ from pas.parametric.callables import Values
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.hermite import checked_order
 from pas.parametric.interpolation import exact_hermite, hermite_values
-from pas.parametric.proofs import ParametricCertificate, contact_verdicts, regularity
+from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.rational_function import RationalFunction, total
+from pas.parametric.regularity import regularity
 from pas.parametric.series import univariate
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import Components, ParametricSurface

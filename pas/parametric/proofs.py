@@ -17,7 +17,6 @@ from pas.algebra.rational import plain, to_float
 from pas.bernstein.signs import Status
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.rational_function import RationalFunction
-from pas.parametric.regularity import regularity as regularity
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
 from pas.surface.certificate import Verdict
