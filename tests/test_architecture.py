@@ -15,7 +15,7 @@ import pas
 
 ROOMS = [
     *("_version", "errors", "limits", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "fairing", "exchange", "blending", "render", "cli"),
+    *("surface", "parametric", "fairing", "exchange", "blending", "render", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 

@@ -37,7 +37,7 @@ class PointKind(Enum):
 
 @dataclass(frozen=True)
 class IsolatedPoint:
-    """A real t at which surface number `surface` is not defined on its curve h = s_i.
+    """A real t at which surface number `surface` is not defined on the curve h = `value`.
 
     `axis` names the component, `factor` the irreducible factor of its denominator that vanishes.
     """
@@ -45,11 +45,13 @@ class IsolatedPoint:
     surface: int
     axis: str
     t: float
+    value: fmpq
     factor: str
     kind: PointKind
 
     def __str__(self) -> str:
-        return f"surfaces[{self.surface}].{self.axis} has a {self.kind.value} at t = {self.t:.6g} ({self.factor} = 0)"
+        where = f"({self.t:.6g}, {plain(self.value)}), where {self.factor} = 0"
+        return f"surfaces[{self.surface}].{self.axis} has a {self.kind.value} at {where}"
 
 
 @dataclass(frozen=True)
@@ -135,13 +137,17 @@ class BlendingData:
         """The same of each component over its least common denominator."""
         return _expansions(self.surfaces[number].components, self.values[number], order)
 
-    def isolated_points(self) -> tuple[IsolatedPoint, ...]:
-        """Every real t of the domain at which a surface is not defined on its curve, and why."""
+    def isolated_points(self, everywhere: bool = False) -> tuple[IsolatedPoint, ...]:
+        """Every real t of the domain at which a surface is not defined on its curve, and why.
+
+        With `everywhere` also on the curves of the others, which matters for weights.
+        """
         return tuple(
             point
             for i, (surface, value) in enumerate(zip(self.surfaces, self.values, strict=True))
             for axis, component in zip(AXES, surface.components, strict=True)
-            for point in _isolated(i, axis, component, value, surface.domain[0])
+            for at in (self.values if everywhere else (value,))
+            for point in _isolated(i, axis, component, at, surface.domain[0])
         )
 
     def require_defined(self, number: int, value: fmpq) -> None:
@@ -202,7 +208,7 @@ def _isolated(
         for root in real_roots(factor):
             if domain[0] <= root <= domain[1]:
                 text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
-                found.append(IsolatedPoint(number, axis, root, text, kind))
+                found.append(IsolatedPoint(number, axis, root, value, text, kind))
     return sorted(found, key=lambda p: p.t)
 
 

@@ -212,7 +212,7 @@ def _nonzero(polynomials: list[fmpq_mpoly], piece: _Piece, effort: int) -> _Outc
         middle = piece.place(u + width / 2, v + height / 2)
         if depth >= DEPTH or cells >= effort:
             return _Outcome(Status.UNDECIDED, middle, False, cells)
-        if depth >= LOCATED and _changes_sign(coefficients, depth, degrees):
+        if depth == LOCATED and len(polynomials) == 1 and _changes_sign(polynomials[0], piece, (u, v), sizes[depth]):
             return _Outcome(Status.REFUTED, middle, False, cells)
         left, right = _halved(coefficients, depth % 2)
         step = (width / 2, Fraction(0)) if depth % 2 == 0 else (Fraction(0), height / 2)
@@ -231,13 +231,17 @@ def _avoids_origin(coefficients: Floats, depth: int, degrees: list[int]) -> bool
     return False
 
 
-def _changes_sign(coefficients: Floats, depth: int, degrees: list[int]) -> bool:
-    """Whether a single polynomial has corner values of both signs, so that it vanishes in between."""
-    if coefficients.shape[-1] != 1:
-        return False
-    corners = coefficients[[0, 0, -1, -1], [0, -1, 0, -1], 0]
-    error = _rounding(depth, degrees)
-    return bool(corners.min() < -error and corners.max() > error)
+def _changes_sign(polynomial: fmpq_mpoly, piece: _Piece, corner: tuple[Fraction, Fraction], size: Any) -> bool:
+    """Whether a polynomial has exact values of both signs around a rectangle, so that it vanishes near."""
+    signs = set()
+    for a in (-1, 2):
+        for b in (-1, 2):
+            at = (min(max(w + m * d, Fraction(0)), Fraction(1)) for w, m, d in zip(corner, (a, b), size, strict=True))
+            place = piece.place(*at)
+            if place is not None:
+                value = polynomial(*place)
+                signs.add((value > 0) - (value < 0))
+    return {1, -1} <= signs
 
 
 def _rounding(depth: int, degrees: list[int]) -> float:
@@ -271,7 +275,7 @@ def _moved(polynomial: fmpq_mpoly, piece: _Piece, degrees: list[int]) -> fmpq_mp
 
 
 def _bernstein(polynomial: fmpq_mpoly, degrees: list[int]) -> Floats:
-    """Coefficients over [0, 1]^2: b_ij = sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq, exactly, then rounded."""
+    """Over [0, 1]^2, b_ij = sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq: exact, then rounded."""
     n, m = degrees
     table = [[fmpq(0)] * (m + 1) for _ in range(n + 1)]
     for (p, q), c in polynomial.to_dict().items():
