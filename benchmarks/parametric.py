@@ -85,7 +85,7 @@ def surfaces(case: list[Triple]) -> pas.BlendingData:
 
 def naive_blend(case: list[Triple], order: int) -> list[Any]:
     """The Hermite blend by sympy, term by term from the formula."""
-    t, h = sympy.symbols("t h")
+    h = sympy.Symbol("h")
     n, size = len(case), order + 1
     whole = sympy.prod([(h - s) ** size for s in range(n)])
     basis = {}
@@ -93,7 +93,10 @@ def naive_blend(case: list[Triple], order: int) -> list[Any]:
         rest = sympy.cancel(whole / (h - i) ** size)
         for j in range(size):
             basis[i, j] = sum(
-                sympy.diff(1 / rest, h, m).subs(h, i) / (sympy.factorial(m) * sympy.factorial(j)) * rest * (h - i) ** (j + m)
+                sympy.diff(1 / rest, h, m).subs(h, i)
+                / (sympy.factorial(m) * sympy.factorial(j))
+                * rest
+                * (h - i) ** (j + m)
                 for m in range(size - j)
             )
     components = []
@@ -118,7 +121,9 @@ def main() -> None:
     print(f"{'':<20}" + "".join(f"{column:>11}" for column in columns))
     for name, (case, order) in CASES.items():
         blend = pas.hermite_blend(surfaces(case), order)
-        exact = milliseconds(lambda c=case, k=order: pas.hermite_blend(surfaces(c), k).surface.components, options.repeat)
+        exact = milliseconds(
+            lambda c=case, k=order: pas.hermite_blend(surfaces(c), k).surface.components, options.repeat
+        )
         naive = milliseconds(lambda c=case, k=order: naive_blend(c, k), 1) if len(case) < 20 else float("nan")
         rng = np.random.default_rng(1)
         points = rng.uniform((0.1, 0.0), (0.7, len(case) - 1), (options.points, 2))
