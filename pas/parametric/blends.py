@@ -123,6 +123,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
     """
     k = checked_order(order)
     _require_data(data)
+    data.require_exact()
     for i, value in enumerate(data.values):
         for axis, part in zip(AXES, data.expansions(i, k), strict=True):
             if part.denominator.degree() > 0:

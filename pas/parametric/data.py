@@ -150,6 +150,12 @@ class BlendingData:
             for point in _isolated(i, axis, component, at, surface.domain[0])
         )
 
+    def require_exact(self) -> None:
+        """Raise `ValueError` unless all surfaces are exact."""
+        for i, surface in enumerate(self.surfaces):
+            if not surface.is_exact:
+                raise ValueError(f"this needs exact surfaces; surfaces[{i}] is not one: {surface.inexact}")
+
     def require_defined(self, number: int, value: fmpq) -> None:
         """Raise `GeometryError` where surface `number` is not defined at h = `value`."""
         surface = self.surfaces[number]
@@ -161,7 +167,7 @@ class BlendingData:
             for axis, component in zip(AXES, surface.components, strict=True):
                 if not component.is_polynomial and taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
-        elif not np.isfinite(surface.with_domain(None).on_grid(_samples(surface), to_float(value))).any():
+        elif not np.isfinite(surface.with_domain(None).on_grid(_samples(surface), to_float(value))).all(axis=-1).any():
             raise GeometryError(f"{name}: it has no finite value there")
 
     def __str__(self) -> str:

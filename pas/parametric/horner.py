@@ -89,8 +89,8 @@ def as_arrays(t: Any, h: Any) -> tuple[Floats, Floats]:
     first, second = np.asarray(t, dtype=float), np.asarray(h, dtype=float)
     size = max(first.ndim, second.ndim)
     return (
-        first.reshape(*(1,) * (size - first.ndim), *first.shape),
-        second.reshape(*(1,) * (size - second.ndim), *second.shape),
+        first.reshape((1,) * (size - first.ndim) + first.shape),
+        second.reshape((1,) * (size - second.ndim) + second.shape),
     )
 
 

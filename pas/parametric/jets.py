@@ -202,7 +202,7 @@ def _aligned(left: Floats, right: Floats) -> tuple[Floats, Floats]:
 
 
 def _widened(array: Floats, size: int) -> Floats:
-    return array.reshape(*array.shape[:2], *(1,) * (size - array.ndim), *array.shape[2:])
+    return array.reshape(array.shape[:2] + (1,) * (size - array.ndim) + array.shape[2:])
 
 
 def _product(left: Floats, right: Floats) -> Floats:

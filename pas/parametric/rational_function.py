@@ -15,7 +15,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from pas.algebra.locus import primitive
@@ -123,9 +122,7 @@ class RationalFunction:
 
     def __call__(self, t: Any, h: Any) -> Any:
         """Values at arrays (or jets) of parameters that broadcast."""
-        with np.errstate(all="ignore"):
-            above, below = self._bundle(t, h)
-            return above if self.is_polynomial else above / below
+        return self._bundle.quotients(t, h)[0]
 
     @cached_property
     def _bundle(self) -> Bundle:

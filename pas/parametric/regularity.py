@@ -26,7 +26,7 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.bernstein.signs import UNIT_ROUNDOFF, Status
 from pas.limits import checkpoint
 from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction
@@ -211,6 +211,9 @@ def _nonzero(polynomials: list[fmpq_mpoly], piece: _Piece, effort: int) -> _Outc
                 return _Outcome(Status.REFUTED, place, True, cells)
         middle = piece.place(u + width / 2, v + height / 2)
         if depth >= DEPTH or cells >= effort:
+            simple = None if middle is None else _simplest(middle)
+            if simple is not None and all(p(*simple) == 0 for p in polynomials):
+                return _Outcome(Status.REFUTED, simple, True, cells)
             return _Outcome(Status.UNDECIDED, middle, False, cells)
         if depth == LOCATED and len(polynomials) == 1 and _changes_sign(polynomials[0], piece, (u, v), sizes[depth]):
             return _Outcome(Status.REFUTED, middle, False, cells)
@@ -218,6 +221,12 @@ def _nonzero(polynomials: list[fmpq_mpoly], piece: _Piece, effort: int) -> _Outc
         step = (width / 2, Fraction(0)) if depth % 2 == 0 else (Fraction(0), height / 2)
         pending += [(right, u + step[0], v + step[1], depth + 1), (left, u, v, depth + 1)]
     return _Outcome(Status.PROVED, cells=cells)
+
+
+def _simplest(place: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
+    """The point with small denominators near a place."""
+    t, h = (rational(to_fraction(x).limit_denominator(1000)) for x in place)
+    return t, h
 
 
 def _avoids_origin(coefficients: Floats, depth: int, degrees: list[int]) -> bool:
