@@ -21,8 +21,9 @@ from pas.errors import GeometryError, NoSolutionError
 from pas.limits import checkpoint
 from pas.parametric.callables import Values
 from pas.parametric.data import AXES, BlendingData
+from pas.parametric.evaluation import hermite_values
 from pas.parametric.hermite import checked_order
-from pas.parametric.interpolation import exact_hermite, hermite_values
+from pas.parametric.interpolation import exact_hermite
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.rational_function import RationalFunction, total
 from pas.parametric.regularity import regularity

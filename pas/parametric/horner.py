@@ -17,6 +17,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.parametric.jets import Jet
 
+BLOCK = 1 << 18
+"""Multiplications in one matrix product: above, OpenBLAS starts threads, which costs more than it saves here."""
+
 
 @dataclass(frozen=True)
 class Bundle:
@@ -96,9 +99,14 @@ def as_arrays(t: Any, h: Any) -> tuple[Floats, Floats]:
 
 def horner(coefficients: Sequence[float] | Floats, x: Any) -> Any:
     """The polynomial with these coefficients (lowest first) at an array or a jet."""
-    result = x * 0.0 + coefficients[-1]
-    for coefficient in coefficients[-2::-1]:
-        result = result * x + coefficient
+    if len(coefficients) == 1:
+        return x * 0.0 + coefficients[0]
+    result = x if coefficients[-1] == 1.0 else x * coefficients[-1]
+    for place in range(len(coefficients) - 2, -1, -1):
+        if coefficients[place] != 0.0:
+            result = result + coefficients[place]
+        if place > 0:
+            result = result * x
     return result
 
 
@@ -110,7 +118,17 @@ def combinations(t: Floats, coefficients: Floats) -> Floats:
     flat = t.reshape(-1)
     for a in range(1, size):
         np.multiply(powers[a - 1], flat, out=powers[a])
-    return (coefficients.reshape(size, -1).T @ powers).reshape(*rest, *t.shape)
+    return product(np.ascontiguousarray(coefficients.reshape(size, -1).T), powers).reshape(rest + t.shape)
+
+
+def product(matrix: Floats, stacked: Floats) -> Floats:
+    """sum_m matrix[..., m] stacked[m, ...], in blocks small enough for BLAS to stay in one thread."""
+    rows, flat = matrix.reshape(-1, matrix.shape[-1]), stacked.reshape(len(stacked), -1)
+    result = np.empty((len(rows), flat.shape[1]))
+    step = max(64, BLOCK // max(rows.size, 1))
+    for start in range(0, flat.shape[1], step):
+        np.matmul(rows, flat[:, start : start + step], out=result[:, start : start + step])
+    return result.reshape(matrix.shape[:-1] + stacked.shape[1:])
 
 
 def dense(polynomials: Sequence[fmpq_poly], scale: fmpq) -> Floats:

@@ -37,7 +37,7 @@ Interval = tuple[float, float]
 Domain = tuple[Interval, Interval]
 PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
-CHUNK = 1 << 13
+CHUNK = 1 << 14
 """Points evaluated at once: some dozen intermediate arrays of this length fit into the caches."""
 
 
@@ -157,15 +157,15 @@ class ParametricSurface:
         """
         first, second = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (t, h))
         self._check(first, second)
-        result = np.empty((len(first), len(second), 3))
+        result = np.empty((3, len(first), len(second)))
         step = max(1, CHUNK // max(len(second), 1))
         with np.errstate(all="ignore"):
             for start in range(0, len(first), step):
                 checkpoint("evaluating a surface on a grid", start / len(first))
                 rows = slice(start, start + step)
                 for axis, part in enumerate(self.values(first[rows, None], second[None, :])):
-                    result[rows, :, axis] = part
-        return result
+                    result[axis, rows] = part
+        return np.moveaxis(result, 0, -1)
 
     def derivative(self, points: Any, first: int = 0, second: int = 0) -> Floats:
         """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
@@ -258,15 +258,15 @@ class ParametricSurface:
         if array.ndim == 0 or array.shape[-1] != 2:
             raise ValueError(f"points must have shape (..., 2), parameters t and h, not {array.shape}")
         flat = array.reshape(-1, 2)
-        self._check(flat[:, 0], flat[:, 1])
-        result = np.empty((*extra, len(flat), 3))
+        result = np.empty((3, *extra, len(flat)))
         with np.errstate(all="ignore"):
             for start in range(0, len(flat), CHUNK):
                 checkpoint("evaluating a surface", start / len(flat))
                 block = np.ascontiguousarray(flat[start : start + CHUNK].T)
+                self._check(block[0], block[1])
                 for axis, part in enumerate(work(block[0], block[1])):
-                    result[..., start : start + CHUNK, axis] = part
-        return result.reshape(*extra, *array.shape[:-1], 3)
+                    result[axis, ..., start : start + CHUNK] = part
+        return np.moveaxis(result.reshape(3, *extra, *array.shape[:-1]), 0, -1)
 
     def _check(self, t: Floats, h: Floats) -> None:
         for name, values, (low, high) in zip(self.parameters, (t, h), self.domain, strict=True):
