@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from pas.algebra.rational import plain, rational, to_float
 from pas.parametric.data import real_roots
 from pas.parametric.hermite import checked_order, distinct
 from pas.parametric.jets import power
-from pas.parametric.rational_function import RationalFunction, total
+from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import univariate
 
 
@@ -78,13 +79,13 @@ class Weights:
     @cached_property
     def functions(self) -> tuple[RationalFunction, ...]:
         """The weights as exact functions of h."""
-        plain_weights = [
-            RationalFunction.quotient(univariate(above, 1), univariate(above + rest, 1)) for above, rest in self._parts
-        ]
+        sums = [above + rest for above, rest in self._parts]
         if not self.normalized:
-            return tuple(plain_weights)
-        everything = total(plain_weights)
-        return tuple(f / everything for f in plain_weights)
+            return tuple(_quotient(above, whole) for (above, _), whole in zip(self._parts, sums, strict=True))
+        everything = prod(sums, start=fmpq_poly([1]))
+        tops = [above * (everything / whole) for (above, _), whole in zip(self._parts, sums, strict=True)]
+        total = sum(tops, fmpq_poly([0]))
+        return tuple(_quotient(top, total) for top in tops)
 
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
@@ -145,6 +146,12 @@ def _balance(balance: Any, size: int) -> tuple[fmpq, ...]:
         if not 0 < u < 1:
             raise ValueError(f"balance must lie strictly between 0 and 1, not {plain(u)} (for surface {i})")
     return balances
+
+
+def _quotient(above: fmpq_poly, below: fmpq_poly) -> RationalFunction:
+    """A quotient of polynomials in h, reduced while they have one variable, which is quick."""
+    common = above.gcd(below)
+    return RationalFunction.from_lowest_terms(univariate(above / common, 1), univariate(below / common, 1))
 
 
 def _in_h(function: RationalFunction) -> fmpq_poly:
