@@ -90,10 +90,12 @@ class Weights:
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
         low, high = to_float(min(self.values)), to_float(max(self.values))
-        found = []
+        found, known = [], dict[str, list[float]]()
         for i, f in enumerate(self.functions):
-            below = fmpq_poly([1]) if f.is_polynomial else _in_h(f)
-            found += [WeightPole(i, root, low < root < high) for root in real_roots(below)]
+            key = str(f.denominator)
+            if key not in known:  # normalised weights share theirs
+                known[key] = real_roots(_in_h(f))
+            found += [WeightPole(i, root, low < root < high) for root in known[key]]
         return tuple(found)
 
     def __call__(self, h: Any) -> list[Any]:
