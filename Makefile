@@ -53,6 +53,7 @@ examples: setup
 bench: setup
 	$(BIN)/python benchmarks/corner.py
 	$(BIN)/python benchmarks/solutions.py
+	$(BIN)/python benchmarks/parametric.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
