@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.problem import read_problem as read_problem
+    from pas.exchange.solids import write_solid as write_solid
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
     from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
@@ -102,6 +103,7 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.problem": ("read_problem",),
+    "pas.exchange.solids": ("write_solid",),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
     "pas.limits": ("limit",),
