@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.problem import read_problem as read_problem
+    from pas.exchange.solid_records import load_solid as load_solid
+    from pas.exchange.solid_records import save_solid as save_solid
     from pas.exchange.solids import write_solid as write_solid
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
@@ -103,6 +105,7 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.problem": ("read_problem",),
+    "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),

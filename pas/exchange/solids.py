@@ -61,7 +61,7 @@ def write_solid(
     for another shape, `MissingLibraryError` where a package for the format is absent, and what
     `Solid.mesh` raises.
     """
-    write = _writer(path)
+    write = _WRITERS[check_solid_suffix(path)]
     if unit not in UNITS:
         raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     with replacing(path) as temporary:
@@ -244,9 +244,10 @@ _WRITERS: dict[str, Callable[[Sequence[Piece], Path, str], None]] = {
 SOLID_SUFFIXES = tuple(_WRITERS)
 
 
-def _writer(path: str | Path) -> Callable[[Sequence[Piece], Path, str], None]:
+def check_solid_suffix(path: str | Path) -> str:
+    """The suffix of a triangle file of a solid, or `ValueError` naming those that exist."""
     suffix = Path(path).suffix.lower()
     if suffix not in _WRITERS:
         known = ", ".join(SOLID_SUFFIXES)
         raise ValueError(f"cannot write a solid as {Path(path).name!r}; the suffix must be one of {known}")
-    return _WRITERS[suffix]
+    return suffix
