@@ -132,10 +132,12 @@ def _check_parser(commands: Commands) -> None:
 
 
 def _mesh_parser(commands: Commands) -> None:
-    parser = _command(commands, "mesh", "write the surface of a project file as a triangle mesh")
+    parser = _command(commands, "mesh", "write the surface or solid of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file")
-    _tolerance(parser, "0.001")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; solids also .3mf"
+    )
+    _tolerance(parser, "0.001; of a solid, 0.001 of its longest side")
     parser.set_defaults(command="mesh", run=_mesh)
 
 
@@ -227,11 +229,12 @@ def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) ->
 
 
 def _check(options: argparse.Namespace) -> int:
+    from pas.blending.blend import Blend
     from pas.blending.project import load
 
-    surface = load(options.project, edited=options.edited).surface
+    thing = load(options.project, edited=options.edited)
     start = time.perf_counter()
-    certificate = surface.certify()
+    certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
     print(certificate)
     verdict = "all proved" if certificate.proved else "not all proved"
     print(f"\n{verdict}, in {time.perf_counter() - start:.2f} s")
@@ -239,23 +242,30 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _mesh(options: argparse.Namespace) -> int:
+    from pas.blending.blend import Blend
     from pas.blending.project import load
     from pas.exchange.meshes import check_mesh_suffix, write_mesh
+    from pas.exchange.solids import write_solid
 
+    tolerance = None if options.tolerance is None else _checked_tolerance(options.tolerance)
+    thing = load(options.project)
+    if not isinstance(thing, Blend):
+        print(write_solid(thing, options.output, tolerance=tolerance))
+        return DONE
     check_mesh_suffix(options.output)
-    tolerance = _checked_tolerance(0.001 if options.tolerance is None else options.tolerance)
-    mesh = load(options.project).surface.triangulate(tolerance)
+    tolerance = 0.001 if tolerance is None else tolerance
+    mesh = thing.surface.triangulate(tolerance)
     path = write_mesh(mesh, options.output)
     print(f"{path}: {len(mesh.triangles)} triangles, within {tolerance:g} of the surface")
     return DONE
 
 
 def _render(options: argparse.Namespace) -> int:
-    from pas.blending.project import load
+    from pas.blending.project import load_blend
     from pas.render.picture import Style, draw
 
     style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
-    print(draw(load(options.project).surface, options.output, style=style))
+    print(draw(load_blend(options.project).surface, options.output, style=style))
     return DONE
 
 

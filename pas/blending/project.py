@@ -1,4 +1,7 @@
-"""Blends as project files (`.pas.json`): the whole problem, the exact solution, the verdicts."""
+"""Blends as project files (`.pas.json`): the whole problem, the exact solution, the verdicts.
+
+`load` reads project files of every kind: blends, solids and assemblies.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
 from pas.blending.blend import Attempt, Blend
 from pas.errors import PasError, ProjectFileError
-from pas.exchange.container import read, write
+from pas.exchange.container import check_name, read, write
 from pas.exchange.records import (
     constraints_record,
     energy_record,
@@ -21,9 +24,12 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
+from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
+from pas.solid.assembly import Assembly
+from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
 
-SUFFIX = ".pas.json"
+BLEND = "blend"
 
 
 def save(blend: Blend, path: str | Path) -> Path:
@@ -31,9 +37,9 @@ def save(blend: Blend, path: str | Path) -> Path:
 
     Raises `ValueError` unless the name ends in `.pas.json`.
     """
-    if not str(path).endswith(SUFFIX):
-        raise ValueError(f"a project file's name must end in {SUFFIX}, not {Path(path).name!r}")
+    check_name(path)
     content = {
+        "kind": BLEND,
         "problem": {"constraints": constraints_record(blend.constraints), "energy": energy_record(blend.plate)},
         "surface": surface_record(blend.surface),
         "solution": {
@@ -49,22 +55,36 @@ def save(blend: Blend, path: str | Path) -> Path:
     return write(path, content, f"pas {__version__}")
 
 
-def load(path: str | Path, *, edited: bool = False) -> Blend:
-    """Read a blend back: exactly the same surface, with the verdicts as they were written.
+def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly:
+    """Read a project file back: a blend, a solid or an assembly, exactly as it was written.
 
+    A blend has the verdicts as they were written; the joints of solids are proved anew when asked for.
     With `edited`, a file whose checksum does not match is read all the same, without its
     verdicts: they are proved anew when asked for.
 
     Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
     """
-    content = read(path, edited=edited)
+    content, name = read(path, edited=edited), Path(path).name
+    kind = content.get("kind", BLEND)
+    if kind in (SOLID, ASSEMBLY):
+        return solid_from_content(content, name)
+    if kind != BLEND:
+        raise ProjectFileError(f"{name}: holds a thing of kind {kind!r}, which this program does not know; update pas")
     try:
         return _from_content(content, with_verdicts=not edited)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, PasError) as error:
         raise ProjectFileError(
-            f"{Path(path).name}: the content cannot be understood ({type(error).__name__}: {error}); "
+            f"{name}: the content cannot be understood ({type(error).__name__}: {error}); "
             "write it again with `pas blend`"
         ) from None
+
+
+def load_blend(path: str | Path, *, edited: bool = False) -> Blend:
+    """Read a blend back; `ProjectFileError` for a file of another kind, otherwise as `load`."""
+    found = load(path, edited=edited)
+    if not isinstance(found, Blend):
+        raise ProjectFileError(f"{Path(path).name}: holds no blend but {found!r}")
+    return found
 
 
 def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:

@@ -2,7 +2,8 @@
 
 `{"format": "pas-project", "version": 1, "written_by": ..., "sha256": ..., "content": {...}}`; the
 checksum is that of the content in canonical form, so that a file changed by hand or damaged is
-noticed before its verdicts are believed.
+noticed before its verdicts are believed.  The content has a `kind` ("blend", "solid", "assembly"); without
+one it is a blend.
 """
 
 from __future__ import annotations
@@ -17,6 +18,13 @@ from pas.exchange.files import replacing
 
 FORMAT = "pas-project"
 VERSION = 1
+SUFFIX = ".pas.json"
+
+
+def check_name(path: str | Path) -> None:
+    """Raise `ValueError` unless the name ends in `.pas.json`."""
+    if not str(path).endswith(SUFFIX):
+        raise ValueError(f"a project file's name must end in {SUFFIX}, not {Path(path).name!r}")
 
 
 def write(path: str | Path, content: dict[str, Any], written_by: str) -> Path:
@@ -45,7 +53,7 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
     except json.JSONDecodeError as error:
         raise ProjectFileError(
             f"{name}: not readable as JSON at line {error.lineno} ({error.msg}); the file was truncated or edited; "
-            "write it again with `pas blend`"
+            "write it again"
         ) from None
     except UnicodeDecodeError:
         raise ProjectFileError(f"{name}: not a text file, so no project file") from None
@@ -63,7 +71,7 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
     if not edited and record.get("sha256") != checksum(content):
         raise ProjectFileError(
             f"{name}: its content does not match its checksum, so it was edited or damaged after it was written; "
-            "write it again with `pas blend`, or prove what it says now with `pas check --edited`"
+            "write it again, or prove what it says now with `pas check --edited`"
         )
     return content
 

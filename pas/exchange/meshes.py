@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pas.exchange.files import replacing
-from pas.mesh.field import TriangleMesh
+from pas.mesh.field import Floats, Integers, TriangleMesh
 
 SUFFIXES = (".stl", ".obj", ".ply", ".vtp", ".glb")
 
@@ -29,7 +29,7 @@ def write_mesh(mesh: TriangleMesh, path: str | Path) -> Path:
     suffix = check_mesh_suffix(path)
     with replacing(path) as temporary:
         if suffix == ".stl":
-            temporary.write_bytes(_stl(mesh))
+            temporary.write_bytes(binary_stl(mesh.points, mesh.triangles))
         elif suffix == ".vtp":
             mesh.to_pyvista().save(temporary)
         else:
@@ -41,8 +41,9 @@ def _options(suffix: str) -> dict[str, Any]:
     return {"include_normals": True} if suffix in (".obj", ".glb") else {"vertex_normal": True}
 
 
-def _stl(mesh: TriangleMesh) -> bytes:
-    corners = mesh.points[mesh.triangles]
+def binary_stl(points: Floats, triangles: Integers) -> bytes:
+    """A binary STL file of points (N, 3), rounded to single precision, and triangles (T, 3)."""
+    corners = points[triangles]
     facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

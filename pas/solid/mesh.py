@@ -80,8 +80,9 @@ class SolidMesh:
 
     @property
     def volume(self) -> float:
-        """The volume enclosed by the triangles."""
-        a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
+        """The volume enclosed by the triangles, worked out about their middle, so that none is lost far away."""
+        points = self.points - self.points.mean(axis=0)
+        a, b, c = (points[self.triangles[:, i]] for i in range(3))
         return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6)
 
     @property

@@ -1,0 +1,248 @@
+"""Solids and assemblies as project files (`.pas.json`): the exact trees, joints, names and colours.
+
+Guaranteed: what is read back is what was written, term by term: trees with their order and walls,
+polynomials with their rational coefficients, joints, special points, parts that are meshes to the last
+bit.  Verdicts are not kept: they are proved anew when asked for.  Functions that are no polynomials
+are kept where their class says how, by `to_record()` and a class method `from_record(record)`: classes of
+`pas.solid` are found by their names, others once they are named to `storable`.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pas._version import __version__
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import plain, vector
+from pas.errors import PasError, ProjectFileError
+from pas.exchange.container import check_name, read, write
+from pas.exchange.records import polynomial_record, read_polynomial
+from pas.solid.affine import Affine, Moved
+from pas.solid.assembly import Assembly, Part, assembly
+from pas.solid.joints import Joint
+from pas.solid.mesh import SolidMesh
+from pas.solid.solid import Solid
+from pas.solid.tree import Atom, Function, Node, Tree, atoms
+
+SOLID, ASSEMBLY = "solid", "assembly"
+"""Kinds of contents of a project file, beside blends."""
+
+HOME = "pas.solid."
+"""Where classes of functions are looked for without having been named."""
+
+Class = TypeVar("Class", bound=type)
+
+_named: dict[str, type] = {}
+
+
+def storable(kind: Class) -> Class:
+    """Name a class of functions to the reader of project files; returns the class (a decorator).
+
+    It has `to_record()`, which returns what JSON can say, and a class method `from_record(record)`.
+    Raises `TypeError` where it does not.
+    """
+    for method in ("to_record", "from_record"):
+        if not callable(getattr(kind, method, None)):
+            raise TypeError(f"{kind.__name__} has no {method}, so its functions cannot be saved")
+    _named[_name(kind)] = kind
+    return kind
+
+
+def save_solid(shape: Solid | Assembly, path: str | Path) -> Path:
+    """Write a solid or an assembly, exactly; returns the path.
+
+    Raises `ValueError` unless the name ends in `.pas.json`, and for a function that is no polynomial
+    and whose class does not say how to save it; `TypeError` for another shape.
+    """
+    check_name(path)
+    if isinstance(shape, Solid):
+        content: dict[str, Any] = {"kind": SOLID, "solid": solid_record(shape)}
+    elif isinstance(shape, Assembly):
+        content = {"kind": ASSEMBLY, "parts": [_part_record(n, p) for n, p in shape.parts.items()]}
+    else:
+        raise TypeError(f"shape must be a Solid or an Assembly, not {shape!r}; write meshes with write_solid")
+    return write(path, content, f"pas {__version__}")
+
+
+def load_solid(path: str | Path, *, edited: bool = False) -> Solid | Assembly:
+    """Read a solid or an assembly back; with `edited`, whatever its checksum.
+
+    Raises `ProjectFileError` (see `pas.exchange.container.read`), also for a file of another kind, or
+    `FileNotFoundError`.
+    """
+    content = read(path, edited=edited)
+    if content.get("kind") not in (SOLID, ASSEMBLY):
+        raise ProjectFileError(f"{Path(path).name}: holds no solid and no assembly; read it with pas.load")
+    return solid_from_content(content, Path(path).name)
+
+
+def solid_from_content(content: dict[str, Any], name: str) -> Solid | Assembly:
+    """The solid or assembly of a project file's content; `ProjectFileError`, with the file's name."""
+    try:
+        if content["kind"] == SOLID:
+            return read_solid(content["solid"])
+        return assembly({str(p["name"]): (_read_shape(p), p["color"]) for p in content["parts"]})
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, PasError) as error:
+        raise ProjectFileError(
+            f"{name}: the content cannot be understood ({type(error).__name__}: {error}); "
+            "write it again with pas.save_solid"
+        ) from None
+
+
+def solid_record(solid: Solid) -> dict[str, Any]:
+    """Everything that defines a solid, exact; each function is written once."""
+    numbers: dict[Function, int] = {}
+    for atom in atoms(solid.tree):
+        numbers.setdefault(atom.function, len(numbers))
+    return {
+        "functions": [function_record(f) for f in numbers],
+        "tree": _tree_record(solid.tree, numbers),
+        "joints": [
+            {"first": j.first, "second": j.second, "along": [polynomial_record(p) for p in j.along], "order": j.order}
+            for j in solid.joints
+        ],
+        "special_points": [list(p) for p in solid.special_points],
+    }
+
+
+def read_solid(record: dict[str, Any]) -> Solid:
+    """The solid of `solid_record`, exactly."""
+    functions = [read_function(f) for f in record["functions"]]
+    joints = [
+        Joint(str(j["first"]), str(j["second"]), [read_polynomial(p) for p in j["along"]], j["order"])
+        for j in record["joints"]
+    ]
+    points = tuple((float(x), float(y), float(z)) for x, y, z in record["special_points"])
+    return Solid(_read_tree(record["tree"], functions), tuple(joints), points)
+
+
+def _tree_record(tree: Tree, numbers: dict[Function, int]) -> dict[str, Any]:
+    if isinstance(tree, Node):
+        return {"union" if tree.union else "intersection": [_tree_record(p, numbers) for p in tree.parts]}
+    record: dict[str, Any] = {"function": numbers[tree.function], "face": tree.face}
+    return record | {"outside": True} if tree.outside else record
+
+
+def _read_tree(record: dict[str, Any], functions: list[Function]) -> Tree:
+    if "function" in record:
+        number = record["function"]
+        if not isinstance(number, int) or not 0 <= number < len(functions):
+            raise ValueError(f"there is no function number {number!r}")
+        return Atom(functions[number], str(record["face"]), bool(record.get("outside", False)))
+    union = "union" in record
+    parts = tuple(_read_tree(part, functions) for part in record["union" if union else "intersection"])
+    if not parts:
+        raise ValueError("a union or an intersection has no parts")
+    return Node(parts, union)
+
+
+def function_record(function: Function) -> dict[str, Any]:
+    """A polynomial, a moved function, or one whose class has `to_record` and `from_record`.
+
+    Raises `ValueError` for others.
+    """
+    if isinstance(function, Polynomial):
+        return {"polynomial": polynomial_record(function)}
+    if isinstance(function, Moved):
+        rows = [[plain(c) for c in row] for row in function.map.matrix]
+        shift = [plain(c) for c in function.map.shift]
+        return {"moved": function_record(function.inner), "matrix": rows, "shift": shift}
+    kind = type(function)
+    write_it: Callable[[], Any] | None = getattr(function, "to_record", None)
+    if write_it is None or not callable(getattr(kind, "from_record", None)):
+        raise ValueError(
+            f"a solid with a {kind.__name__} cannot be saved exactly: it is no polynomial and its class has no "
+            "to_record and from_record; save a mesh of the solid with pas.write_solid"
+        )
+    if _class_named(_name(kind)) is not kind:
+        raise ValueError(f"a solid with a {kind.__name__} cannot be saved before its class is named to `storable`")
+    return {"class": _name(kind), "data": write_it()}
+
+
+def read_function(record: dict[str, Any]) -> Function:
+    """The function of `function_record`."""
+    if "polynomial" in record:
+        return read_polynomial(record["polynomial"])
+    if "moved" in record:
+        a, b, c = (vector(row, "a row of the matrix") for row in record["matrix"])
+        place = Affine((a, b, c), vector(record["shift"], "shift"))
+        inner = read_function(record["moved"])
+        if isinstance(inner, Polynomial):
+            raise ValueError("a moved function is a polynomial, which should have been written moved")
+        return Moved(inner, place, place.similarity())
+    kind: Any = _class_named(record["class"])
+    if kind is None:
+        raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")
+    return kind.from_record(record["data"])
+
+
+def _name(kind: type) -> str:
+    return f"{kind.__module__}.{kind.__qualname__}"
+
+
+def _class_named(name: str) -> type | None:
+    """The class of a name, where it may be used; nothing outside `pas.solid` is imported for a file."""
+    if name in _named:
+        return _named[name]
+    module, _, title = name.rpartition(".")
+    if not module.startswith(HOME):
+        return None
+    try:
+        kind = getattr(import_module(module), title, None)
+    except ImportError:
+        return None
+    return kind if isinstance(kind, type) and callable(getattr(kind, "from_record", None)) else None
+
+
+def _part_record(name: str, part: Part) -> dict[str, Any]:
+    try:
+        shape = (
+            {"mesh": _mesh_record(part.shape)}
+            if isinstance(part.shape, SolidMesh)
+            else {"solid": solid_record(part.shape)}
+        )
+    except ValueError as error:
+        raise ValueError(f"the part {name!r}: {error}") from None
+    return {"name": name, "color": part.color, **shape}
+
+
+def _read_shape(record: dict[str, Any]) -> Solid | SolidMesh:
+    return read_solid(record["solid"]) if "solid" in record else _read_mesh(record["mesh"])
+
+
+_ARRAYS = {
+    "points": ("<f8", (-1, 3)),
+    "triangles": ("<i8", (-1, 3)),
+    "faces": ("<i8", (-1,)),
+    "normals": ("<f8", (-1, 3, 3)),
+}
+
+
+def _mesh_record(mesh: SolidMesh) -> dict[str, Any]:
+    """The arrays in base 64, little end first."""
+    record: dict[str, Any] = {"names": list(mesh.names)}
+    for name, (number, _) in _ARRAYS.items():
+        data = np.ascontiguousarray(getattr(mesh, name), dtype=number).tobytes()
+        record[name] = base64.b64encode(data).decode("ascii")
+    return record
+
+
+def _read_mesh(record: dict[str, Any]) -> SolidMesh:
+    arrays = {
+        name: np.frombuffer(base64.b64decode(record[name], validate=True), dtype=number).reshape(shape).copy()
+        for name, (number, shape) in _ARRAYS.items()
+    }
+    points, triangles, faces, normals = (arrays[name] for name in _ARRAYS)
+    names = tuple(map(str, record["names"]))
+    if not len(triangles) == len(faces) == len(normals):
+        raise ValueError("the mesh's triangles, faces and normals are not equally many")
+    for numbers, size in ((triangles, len(points)), (faces, len(names))):
+        if numbers.min() < 0 or numbers.max() >= size:
+            raise ValueError("the mesh has numbers of points or faces that do not exist")
+    return SolidMesh(points, triangles.astype(np.intp), faces.astype(np.intp), names, normals)

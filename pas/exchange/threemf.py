@@ -1,0 +1,58 @@
+"""3MF files, by lib3mf: one named object a part, its colour and the unit of lengths.
+
+Guaranteed: each part is an object of its own in the file's build, closed where its mesh is.  Not
+guaranteed: more than single precision, which is what lib3mf takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pas.errors import MissingLibraryError
+from pas.mesh.field import Floats, Integers
+
+UNITS = {
+    "micrometer": "MicroMeter",
+    "millimeter": "MilliMeter",
+    "centimeter": "CentiMeter",
+    "meter": "Meter",
+    "inch": "Inch",
+    "foot": "Foot",
+}
+"""Units of lengths by name, and what lib3mf calls them."""
+
+DIGITS = 9
+"""Of coordinates after the point (lib3mf's six would round a part of a few units visibly)."""
+
+
+def write_3mf(
+    parts: Sequence[tuple[str, tuple[int, int, int], Floats, Integers]], path: Path, unit: str = "millimeter"
+) -> None:
+    """Write parts (name, colour, points (N, 3), triangles (T, 3)); raises `MissingLibraryError`."""
+    try:
+        import lib3mf
+    except ImportError:
+        raise MissingLibraryError("3MF files need lib3mf: pip install lib3mf") from None
+    wrapper = lib3mf.get_wrapper()
+    model = wrapper.CreateModel()
+    model.SetUnit(getattr(lib3mf.ModelUnit, UNITS[unit]))
+    for name, color, points, triangles in parts:
+        item = model.AddMeshObject()
+        item.SetName(name)
+        item.SetGeometry(_records(lib3mf.Position, points, "<f4"), _records(lib3mf.Triangle, triangles, "<u4"))
+        group = model.AddColorGroup()
+        item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*color, 255)))
+        model.AddBuildItem(item, wrapper.GetIdentityTransform())
+    writer = model.QueryWriter("3mf")
+    writer.SetDecimalPrecision(DIGITS)
+    writer.WriteToFile(str(path))
+
+
+def _records(kind: Any, rows: Any, number: str) -> Any:
+    """The rows (N, 3) as an array of structures."""
+    data = np.ascontiguousarray(rows, dtype=number).tobytes()
+    return (kind * len(rows)).from_buffer_copy(data)

@@ -1,0 +1,226 @@
+"""Project files of solids and assemblies: exact round trips, and what cannot be saved."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import EQUAL, solved
+
+import pas
+from pas import cli, solid
+from pas.exchange import container
+from pas.exchange.solid_records import function_record, read_function, storable
+from pas.solid.affine import Moved, rotation, translation
+from pas.solid.assembly import assembly
+from pas.solid.mesh import SolidMesh
+from pas.solid.solid import Solid, patch
+from pas.solid.tree import Atom, Node
+
+
+def doubled() -> Solid:
+    """Two patches of one sphere that meet in a claimed joint."""
+    halves = patch("top", "x^2 + y^2 + z^2 - 1", "z") | patch("bottom", "x^2 + y^2 + z^2 - 1", "-z")
+    return halves.joined("top", "bottom", ("x^2 + y^2 + z^2 - 1", "z"), 1)
+
+
+SOLIDS = {
+    "ball": solid.ball((0, "1/3", "-1e-20"), "22/7"),
+    "difference": solid.box((0, 0, 0), (1, 1, 1)) - solid.ball((1, 1, 1), "1/2") - solid.ball((0, 0, 0), "1/2"),
+    "turned": solid.torus((0, 0, 0), (1, 2, 3), 3, "1/2").rotate((1, 1, 0), 33, (1, 2, 3)).scale((1, "2/3", 5)),
+    "apex": solid.cone((0, 0, 0), (0, 0, "1/3"), "1/7").translate(("1/3", 0.1, 0)),
+    "joined": doubled(),
+    "capped": solid.implicit("x^4 + y^4 + z^4 - 1", "z + 2", face="quartic").cap("x - 1/5", "flat, with ünïcode"),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_solids_come_back_exactly(name, tmp_path):
+    before = SOLIDS[name]
+    after = pas.load(pas.save_solid(before, tmp_path / "a.pas.json"))
+    assert isinstance(after, Solid)
+    assert after.tree == before.tree
+    assert after.joints == before.joints
+    assert after.special_points == before.special_points
+    assert after.faces == before.faces
+    other = pas.save_solid(after, tmp_path / "b.pas.json")
+    assert other.read_text() == (tmp_path / "a.pas.json").read_text()
+
+
+def test_joints_are_proved_anew(tmp_path):
+    path = pas.save_solid(doubled(), tmp_path / "a.pas.json")
+    assert "verdict" not in path.read_text()
+    assert pas.load_solid(path).proved
+
+
+def test_functions_are_written_once(tmp_path):
+    path = pas.save_solid(SOLIDS["joined"], tmp_path / "a.pas.json")
+    record = json.loads(path.read_text())["content"]["solid"]
+    assert len(record["functions"]) == 3
+    assert record["tree"]["union"][0]["intersection"][0] == {"function": 0, "face": "top"}
+
+
+@pytest.fixture
+def pair():
+    mesh = SolidMesh.from_triangles(
+        [(0, 0, 0), (1 / 3, 0, 0), (0, 0.1, 0), (0, 0, 1e-7)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], "tetra"
+    )
+    return assembly({"a ball": SOLIDS["ball"], "joined": (doubled(), "#0a0B0c"), "mesh": (mesh, "#ffffff")})
+
+
+def test_assemblies_come_back_exactly(pair, tmp_path):
+    again = pas.load(pas.save_solid(pair, tmp_path / "a.pas.json"))
+    assert list(again.parts) == list(pair.parts)
+    for name, part in pair.parts.items():
+        assert again[name].color == part.color
+        if isinstance(part.shape, Solid):
+            assert again[name].shape.tree == part.shape.tree
+            assert again[name].shape.joints == part.shape.joints
+        else:
+            for field in ("points", "triangles", "faces", "normals"):
+                first, second = getattr(part.shape, field), getattr(again[name].shape, field)
+                assert np.array_equal(first, second) and first.dtype == second.dtype
+            assert again[name].shape.names == part.shape.names
+    assert again.proved
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """The distance from a sphere about the origin."""
+
+    radius: float
+
+    def jets(self, points: Any) -> Any:
+        """Values and gradients."""
+        length = np.linalg.norm(points, axis=1)
+        return np.concatenate([(length - self.radius)[:, None], points / length[:, None]], axis=1)
+
+
+@dataclass(frozen=True)
+class KeptSphere(Sphere):
+    """One that can be saved."""
+
+    def to_record(self) -> Any:
+        """The radius."""
+        return {"radius": self.radius}
+
+    @classmethod
+    def from_record(cls, record: Any) -> KeptSphere:
+        """The sphere of `to_record`."""
+        return cls(**record)
+
+
+def test_functions_that_cannot_be_saved_are_named(tmp_path):
+    around = Solid(Atom(Sphere(1.0), "sphere"))
+    with pytest.raises(ValueError, match="a Sphere cannot be saved exactly: it is no polynomial"):
+        pas.save_solid(around, tmp_path / "a.pas.json")
+    with pytest.raises(ValueError, match="the part 'shell': a solid with a Sphere"):
+        pas.save_solid(assembly(ball=SOLIDS["ball"], shell=around), tmp_path / "a.pas.json")
+    with pytest.raises(TypeError, match="Sphere has no to_record"):
+        storable(Sphere)
+    assert not list(tmp_path.iterdir())
+
+
+def test_functions_of_classes_that_say_how_are_saved(tmp_path, monkeypatch):
+    monkeypatch.setattr("pas.exchange.solid_records._named", {})
+    kept = Solid(Node((Atom(KeptSphere(0.1), "sphere", True), Atom(pas.Polynomial("x"), "")), False))
+    with pytest.raises(ValueError, match="before its class is named to `storable`"):
+        pas.save_solid(kept, tmp_path / "a.pas.json")
+    assert storable(KeptSphere) is KeptSphere
+    path = pas.save_solid(kept, tmp_path / "a.pas.json")
+    assert pas.load(path).tree == kept.tree
+    monkeypatch.setattr("pas.exchange.solid_records._named", {})
+    with pytest.raises(pas.ProjectFileError, match=r"KeptSphere' are not known; name the class"):
+        pas.load(path)
+
+
+def test_moved_functions_are_saved(tmp_path, monkeypatch):
+    monkeypatch.setattr("pas.exchange.solid_records._named", {})
+    storable(KeptSphere)
+    moved = rotation((1, 1, 0), 33, (1, 2, 3)).function(translation((1, "1/3", 0)).function(KeptSphere(0.5)))
+    again = read_function(json.loads(json.dumps(function_record(moved))))
+    assert isinstance(again, Moved) and isinstance(again.inner, Moved)
+    assert (again.map, again.factor, again.inner.map) == (moved.map, moved.factor, moved.inner.map)
+    points = np.random.default_rng(0).normal(size=(10, 3))
+    assert np.array_equal(again.jets(points), moved.jets(points))
+
+
+@pytest.mark.parametrize("name", ["os.path", "builtins.eval", "subprocess.Popen", "pas.solid.mesh.np", "pas.cli.main"])
+def test_files_cannot_name_any_class(name):
+    with pytest.raises(ValueError, match="are not known"):
+        read_function({"class": name, "data": {}})
+
+
+def test_names_and_shapes_are_checked(tmp_path):
+    with pytest.raises(ValueError, match=r"must end in \.pas\.json"):
+        pas.save_solid(SOLIDS["ball"], tmp_path / "a.json")
+    with pytest.raises(TypeError, match="a Solid or an Assembly"):
+        pas.save_solid("ball", tmp_path / "a.pas.json")
+    assert not list(tmp_path.iterdir())
+
+
+def test_kinds_are_told_apart(tmp_path):
+    blend = solved(EQUAL, 1).save(tmp_path / "blend.pas.json")
+    assert json.loads(blend.read_text())["content"]["kind"] == "blend"
+    with pytest.raises(pas.ProjectFileError, match="holds no solid and no assembly"):
+        pas.load_solid(blend)
+    ball = pas.save_solid(SOLIDS["ball"], tmp_path / "ball.pas.json")
+    rewrite(ball, lambda content: content.update(kind="car"))
+    with pytest.raises(pas.ProjectFileError, match=r"of kind 'car'.*update pas"):
+        pas.load(ball)
+
+
+def test_blends_without_a_kind_stay_readable(tmp_path):
+    path = solved(EQUAL, 1).save(tmp_path / "blend.pas.json")
+    rewrite(path, lambda content: content.pop("kind"))
+    assert pas.load(path).surface.patches == solved(EQUAL, 1).surface.patches
+
+
+def test_edited_solids_are_not_believed(tmp_path):
+    path = pas.save_solid(SOLIDS["ball"], tmp_path / "a.pas.json")
+    path.write_text(path.read_text().replace('"ball"', '"bowl"'))
+    with pytest.raises(pas.ProjectFileError, match="does not match its checksum"):
+        pas.load(path)
+    assert pas.load(path, edited=True).faces == ("bowl",)
+    assert pas.load_solid(path, edited=True).faces == ("bowl",)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: c["solid"].pop("tree"),
+        lambda c: c["solid"]["tree"]["intersection"].clear(),
+        lambda c: c["solid"]["tree"]["intersection"][0].update(function=99),
+        lambda c: c["solid"]["functions"][0].update(polynomial=[[1, 0, 0, "1/0"]]),
+        lambda c: c["solid"].update(joints=[{"first": "a", "second": "b", "along": [], "order": 1}]),
+        lambda c: c.update(kind="assembly"),
+    ],
+)
+def test_contents_that_make_no_sense(tmp_path, change):
+    path = pas.save_solid(SOLIDS["difference"], tmp_path / "a.pas.json")
+    rewrite(path, change)
+    with pytest.raises(pas.ProjectFileError, match=r"a\.pas\.json: the content cannot be understood"):
+        pas.load(path)
+
+
+def test_the_command_line_reads_solids(tmp_path, capsys):
+    ball = pas.save_solid(SOLIDS["ball"], tmp_path / "ball.pas.json")
+    joined = pas.save_solid(doubled(), tmp_path / "joined.pas.json")
+    assert cli.main(["mesh", str(ball), "-o", str(tmp_path / "ball.3mf"), "--tolerance", "0.3"]) == cli.DONE
+    assert (tmp_path / "ball.3mf").exists()
+    assert cli.main(["check", str(joined)]) == cli.DONE
+    assert "top meets bottom with GC^1" in capsys.readouterr().out
+    assert cli.main(["check", str(ball)]) == cli.FAILED
+    assert cli.main(["render", str(ball), "-o", str(tmp_path / "ball.png")]) == cli.WRONG
+    assert "holds no blend" in capsys.readouterr().err
+
+
+def rewrite(path, change):
+    """Change a file's content, with the right checksum."""
+    record = json.loads(path.read_text())
+    change(record["content"])
+    record["sha256"] = container.checksum(record["content"])
+    path.write_text(json.dumps(record))
