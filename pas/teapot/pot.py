@@ -23,8 +23,11 @@ MOUTH, BACK = Polynomial("z - 11/10"), Polynomial("x - z - 11/10")
 SPOUT_SIDES, SPOUT_FRONT = Polynomial("1/4 - y^2"), Polynomial("16/5 - x")
 """Walls that keep other sheets of the spout's cubics away; the spout does not touch them."""
 
-WALL = Fraction(3, 20)
+WALL = Fraction(1, 5)
 """Thickness of the hollow pot's walls, as a value of the body's polynomials."""
+
+BEND = Fraction(23, 20)
+"""Radius of the ball at a bend of the channel over that of the channel there, so that they cross clearly."""
 
 CHANNEL = (
     (Fraction(23, 20), Fraction(-2, 5)),
@@ -117,5 +120,5 @@ def _cavity(tilt: Fraction) -> Solid:
     room = room.joined("inner upper", "inner lower", (LOWER + WALL, SEAM), 1)
     points = [(x + tilt * max(z - Fraction(1, 2), Fraction(0)), Fraction(0), z) for x, z in CHANNEL]
     for (start, end), (wide, narrow) in zip(pairwise(points), pairwise(CHANNEL_RADII), strict=True):
-        room |= cone(start, end, wide, narrow, "channel") | ball(end, narrow, "channel bend")
+        room |= cone(start, end, wide, narrow, "channel") | ball(end, narrow * BEND, "channel bend")
     return room

@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import rational
 from pas.blending.solutions import solutions
 from pas.blending.space import SolutionSpace
 from pas.errors import GeometryError
@@ -74,7 +75,7 @@ def continued(contacts: list[Any], order: int, points: Any, inside: Any = ()) ->
     """
     space = _even(contacts, order)
     best = space.optimum(
-        ThinPlate(PART_BOX, weight=FAIRNESS), near=points, near_weight=1, inside=inside, margin=DEPTH,
+        ThinPlate(PART_BOX, weight=rational(FAIRNESS)), near=points, near_weight=1, inside=inside, margin=DEPTH,
         normalize=ValueAt(INSIDE, -1),
     )  # fmt: skip
     return _rounded(space, best.coefficients)
@@ -118,7 +119,9 @@ def _joined(body: Polynomial, design: Any) -> tuple[Polynomial, Polynomial]:
 def _sides(points: Any, tilt: Fraction = Fraction(0)) -> list[Any]:
     """Points (x, +-y, z), leaning like those of the outline."""
     moved = _outline([(x, z) for x, _, z in points], tilt)
-    return [(x, side * Fraction(str(y)), z) for (x, _, z), (_, y, _) in zip(moved, points, strict=True) for side in (1, -1)]
+    return [
+        (x, side * Fraction(str(y)), z) for (x, _, z), (_, y, _) in zip(moved, points, strict=True) for side in (1, -1)
+    ]
 
 
 def _outline(points: Any, tilt: Fraction = Fraction(0)) -> list[Any]:
