@@ -162,8 +162,8 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
 def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach: Floats) -> NDArray[np.bool_]:
     """Whether points (N, 3) have the inside on one side and the outside on the other.
 
-    The sides are along the mean of the faces' normals, which points out of every edge and corner
-    between two faces, convex or not, and out of most between three.
+    Of an edge the mean of its faces' normals points outwards, convex or not; about a corner the
+    corners of a small cube are looked at as well.
     """
     outwards = np.zeros_like(points)
     for label in names:
@@ -172,7 +172,12 @@ def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach
     outwards /= np.maximum(np.sqrt((outwards * outwards).sum(axis=1, keepdims=True)), 1e-300)
     step = reach[:, None] * outwards
     inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))
-    return np.asarray(inside & ~outside)
+    result = np.asarray(inside & ~outside)
+    if len(names) > 2:
+        corners = (points[:, None] + reach[:, None, None] * (2 * _CORNERS - 1)).reshape(-1, 3)
+        around = field.inside(field.signs(corners)).reshape(-1, 8)
+        result |= around.any(axis=1) & ~around.all(axis=1)
+    return result
 
 
 def _refined(
