@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from pas.exchange.solid_records import load_solid as load_solid
     from pas.exchange.solid_records import save_solid as save_solid
     from pas.exchange.solids import write_solid as write_solid
+    from pas.exchange.volume import VolumeMesh as VolumeMesh
+    from pas.exchange.volume import VolumeSettings as VolumeSettings
+    from pas.exchange.volume import volume_mesh as volume_mesh
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
     from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
@@ -107,6 +110,7 @@ _HOMES = {
     "pas.exchange.problem": ("read_problem",),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
+    "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
     "pas.limits": ("limit",),

@@ -1,0 +1,280 @@
+"""Tetrahedra that fill solids, by fTetWild (Hu, Schneider, Wang, Zorin, Panozzo 2020) through pytetwild.
+
+Guaranteed, since it is checked, or a `GeometryError` is raised: what goes in is closed, finite and of
+positive volume; what comes out are tetrahedra of positive volume whose boundary is a closed manifold and
+whose volume is that of the triangle mesh up to `volume_tolerance`.  Not guaranteed: the same tetrahedra a
+second time (fTetWild is not deterministic and has no seed), points exactly on the solid's edges (the
+boundary is moved up to `tolerance`), and that neighbouring parts of an assembly share points: each is
+meshed by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pas.errors import GeometryError, MissingLibraryError
+from pas.exchange.solids import Piece, pieces
+from pas.exchange.volume_files import check_volume_suffix, write_volume
+from pas.mesh.field import Floats, Integers, is_closed_manifold
+from pas.solid.assembly import Assembly
+from pas.solid.mesh import SolidMesh
+from pas.solid.solid import Solid
+
+VOLUME_TOLERANCE = 0.02
+"""By which the volume of the tetrahedra may be off, relative."""
+
+ENVELOPE = 1e-3
+"""How far the boundary may be moved, over the diagonal of a part's box, where no tolerance is given."""
+
+FLAT = 1e-10
+"""Volumes over cubes of longest edges up to here are degenerate: good tetrahedra have 0.1, poor ones of
+fTetWild 1e-4, and rounding leaves 1e-16."""
+
+MOST_TETRAHEDRA = 2e7
+"""An edge length that would give more is a slip: they would not fit into memory."""
+
+OUTWARD = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+"""The triangles of a tetrahedron of positive volume, counterclockwise seen from outside."""
+
+
+@dataclass(frozen=True)
+class VolumeSettings:
+    """How fTetWild works; `stop_energy` is the AMIPS energy (3 is a regular tetrahedron) to stop at."""
+
+    optimize: bool = True
+    simplify: bool = True
+    coarsen: bool = False
+    stop_energy: float = 10.0
+    iterations: int = 80
+    threads: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.stop_energy >= 3:
+            raise ValueError(f"stop_energy must be at least 3, that of a regular tetrahedron, not {self.stop_energy}")
+        for name in ("iterations", "threads"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 0:
+                raise ValueError(f"{name} must be a whole number >= 0, not {value!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeMesh:
+    """Tetrahedra with the parts that they fill, and boundary triangles with the faces that they are on.
+
+    `points` (N, 3); `tetrahedra` (M, 4), each of positive volume `(b - a) x (c - a) . (d - a) / 6`;
+    `regions` (M,) the numbers of their parts in `region_names`; `boundary` (B, 3) counterclockwise seen
+    from outside; `faces` (B,) the numbers of their faces in `names`.
+    """
+
+    points: Floats
+    tetrahedra: Integers
+    regions: Integers
+    region_names: tuple[str, ...]
+    boundary: Integers
+    faces: Integers
+    names: tuple[str, ...]
+
+    @property
+    def volumes(self) -> Floats:
+        """The volume of each tetrahedron (M,)."""
+        return signed_volumes(self.points, self.tetrahedra)
+
+    @property
+    def volume(self) -> float:
+        """The volume of all tetrahedra."""
+        return float(self.volumes.sum())
+
+    @property
+    def region_volumes(self) -> dict[str, float]:
+        """The volume of each part."""
+        sums = np.bincount(self.regions, self.volumes, minlength=len(self.region_names))
+        return dict(zip(self.region_names, sums.tolist(), strict=True))
+
+    def to_pyvista(self) -> Any:
+        """A `pyvista.UnstructuredGrid`; see `pas.exchange.volume_files.to_grid`."""
+        from pas.exchange.volume_files import to_grid
+
+        return to_grid(self)
+
+    def write(self, path: str | Path) -> Path:
+        """Write the mesh as .vtu (VTK) or .msh (Gmsh 2.2), whole or not at all; returns the path.
+
+        Gmsh's physical groups are the faces and the parts, by name; VTK's arrays are `face` and
+        `region`, -1 where a cell has none.  Raises `ValueError` for another suffix.
+        """
+        check_volume_suffix(path)
+        return write_volume(self, path)
+
+
+def volume_mesh(
+    shape: Solid | SolidMesh | Assembly,
+    *,
+    edge_length: float | None = None,
+    tolerance: float | None = None,
+    volume_tolerance: float = VOLUME_TOLERANCE,
+    settings: VolumeSettings | None = None,
+) -> VolumeMesh:
+    """Fill a solid, a closed mesh or each part of an assembly with tetrahedra.
+
+    `edge_length` (the model's units) is aimed at where the surface does not ask for less, by default a
+    twentieth of the diagonal of the part's box; `VolumeSettings(coarsen=True)` gives larger tetrahedra.
+    `tolerance` is that of `Solid.mesh`, and again how far the boundary may be from that mesh; the default
+    is the solid's own, and a thousandth of the diagonal.
+
+    Raises `ValueError` for numbers that cannot be, `GeometryError` for a mesh that is open, not finite or
+    inside out and for a result that fails a check, `MissingLibraryError` without pytetwild, and what
+    `Solid.mesh` raises.
+    """
+    for name, value in (("edge_length", edge_length), ("tolerance", tolerance)):
+        if value is not None and not 0 < value < np.inf:
+            raise ValueError(f"{name} must be a positive number, not {value}")
+    if not 0 < volume_tolerance < 1:
+        raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
+    parts = pieces(shape, "solid", tolerance)
+    for part in parts:
+        _require_fillable(part, edge_length)
+    filled = [_filled(p, edge_length, tolerance, volume_tolerance, settings or VolumeSettings()) for p in parts]
+    return _together(parts, filled)
+
+
+@dataclass(frozen=True)
+class _Filled:
+    points: Floats
+    tetrahedra: Integers
+    boundary: Integers
+    faces: Integers
+
+
+def _together(parts: Sequence[Piece], filled: Sequence[_Filled]) -> VolumeMesh:
+    points = np.cumsum([0, *(len(f.points) for f in filled)])
+    faces = np.cumsum([0, *(len(p.mesh.names) for p in parts)])
+    single = len(parts) == 1
+    return VolumeMesh(
+        np.concatenate([f.points for f in filled]),
+        np.concatenate([f.tetrahedra + start for f, start in zip(filled, points, strict=False)]),
+        np.repeat(np.arange(len(parts)), [len(f.tetrahedra) for f in filled]),
+        tuple(p.name for p in parts),
+        np.concatenate([f.boundary + start for f, start in zip(filled, points, strict=False)]),
+        np.concatenate([f.faces + start for f, start in zip(filled, faces, strict=False)]),
+        tuple(name if single else f"{p.name}: {name}" for p in parts for name in p.mesh.names),
+    )
+
+
+def _require_fillable(part: Piece, edge_length: float | None) -> None:
+    """Raise `GeometryError` for what fTetWild would take in silence, or crash on."""
+    mesh, name = part.mesh, f"the mesh of {part.name!r}"
+    if not len(mesh.triangles):
+        raise GeometryError(f"{name} has no triangles")
+    if not np.isfinite(mesh.points[mesh.triangles]).all():
+        raise GeometryError(f"{name} has points that are not finite")
+    if not mesh.is_closed:
+        raise GeometryError(f"{name} is open or no manifold: each edge must have two triangles")
+    if not mesh.volume > 0:
+        raise GeometryError(f"{name} is inside out or flat: its volume is {mesh.volume:g}")
+    number = 0 if edge_length is None else mesh.volume / (edge_length**3 * 2**0.5 / 12)
+    if number > MOST_TETRAHEDRA:
+        raise ValueError(f"edge_length {edge_length:g} would give about {number:.0e} tetrahedra in {part.name!r}")
+
+
+def _filled(
+    part: Piece, edge_length: float | None, tolerance: float | None, volume_tolerance: float, settings: VolumeSettings
+) -> _Filled:
+    mesh = part.mesh
+    used, triangles = np.unique(mesh.triangles, return_inverse=True)
+    points, triangles = mesh.points[used], triangles.reshape(-1, 3)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    length = diagonal / 20 if edge_length is None else edge_length
+    envelope = ENVELOPE if tolerance is None else tolerance / diagonal
+    found, tetrahedra = _tetrahedra(points - middle, triangles, length, envelope, settings)
+    name = f"the tetrahedra of {part.name!r}"
+    tetrahedra = _turned(found, tetrahedra, name)
+    volume = float(signed_volumes(found, tetrahedra).sum())
+    if abs(volume - mesh.volume) > volume_tolerance * mesh.volume:
+        raise GeometryError(
+            f"{name} have the volume {volume:.6g}, but their mesh encloses {mesh.volume:.6g}: it cuts itself, or is "
+            "thin or finely curved for the tolerance; set a smaller tolerance, or a larger volume_tolerance"
+        )
+    boundary = _boundary(tetrahedra, name)
+    return _Filled(found + middle, tetrahedra, boundary, _nearest_faces(mesh, found[boundary].mean(axis=1) + middle))
+
+
+def _tetrahedra(
+    points: Floats, triangles: Integers, length: float, envelope: float, settings: VolumeSettings
+) -> tuple[Floats, Integers]:
+    """What fTetWild makes of a mesh, without points that no tetrahedron uses."""
+    try:
+        from pytetwild import tetrahedralize  # type: ignore[attr-defined]
+    except ImportError:
+        raise MissingLibraryError("tetrahedra need pytetwild: pip install pytetwild") from None
+    try:
+        found, tetrahedra = tetrahedralize(
+            np.ascontiguousarray(points, dtype=np.float64),
+            np.ascontiguousarray(triangles, dtype=np.int32),
+            edge_length_abs=length,
+            epsilon=envelope,
+            optimize=settings.optimize,
+            simplify=settings.simplify,
+            coarsen=settings.coarsen,
+            stop_energy=settings.stop_energy,
+            num_opt_iter=settings.iterations,
+            num_threads=settings.threads,
+            quiet=True,
+        )
+    except RuntimeError as error:
+        raise GeometryError(f"fTetWild failed: {error}") from None
+    used, numbers = np.unique(np.asarray(tetrahedra, dtype=np.intp), return_inverse=True)
+    return np.asarray(found, dtype=float)[used], numbers.reshape(-1, 4)
+
+
+def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:
+    """The tetrahedra with positive volumes; `GeometryError` where some are and some are not, or are flat."""
+    if not len(tetrahedra):
+        raise GeometryError(f"{name}: fTetWild found none; set a smaller tolerance")
+    if not np.isfinite(points).all():
+        raise GeometryError(f"{name} have points that are not finite")
+    volumes = signed_volumes(points, tetrahedra)
+    corners = points[tetrahedra]
+    longest = np.max([((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i in range(4) for j in range(i)], axis=0)
+    flat = int((np.abs(volumes) <= FLAT * longest**1.5).sum())
+    if flat:
+        raise GeometryError(f"{name}: {flat} of {len(tetrahedra)} are flat; set another edge_length")
+    negative = int((volumes < 0).sum())
+    if negative == len(tetrahedra):
+        return tetrahedra[:, [0, 2, 1, 3]]
+    if negative:
+        raise GeometryError(f"{name}: {negative} of {len(tetrahedra)} are inverted; set another edge_length")
+    return tetrahedra
+
+
+def signed_volumes(points: Floats, tetrahedra: Integers) -> Floats:
+    """The volumes (M,), negative for tetrahedra that are inverted."""
+    a, b, c, d = (points[tetrahedra[:, i]] for i in range(4))
+    return np.asarray(np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) / 6)
+
+
+def _boundary(tetrahedra: Integers, name: str) -> Integers:
+    """The triangles of one tetrahedron only, turned outwards; `GeometryError` where they are no closed manifold."""
+    triangles = np.concatenate([tetrahedra[:, corners] for corners in OUTWARD])
+    _, first, times = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True, return_counts=True)
+    boundary = triangles[first[times == 1]]
+    if times.max() > 2 or not is_closed_manifold(boundary):
+        raise GeometryError(
+            f"{name} do not end in a closed manifold: parts of the boundary touch; "
+            "set a smaller tolerance or edge_length"
+        )
+    return boundary
+
+
+def _nearest_faces(mesh: SolidMesh, points: Floats) -> Integers:
+    """The faces (P,) of the triangles of a mesh that are nearest to points (P, 3)."""
+    import pyvista
+
+    surface = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
+    nearest = np.atleast_1d(surface.find_closest_cell(points))
+    return np.asarray(mesh.faces[nearest])
