@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from pas.errors import PasError as PasError
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
+    from pas.exchange.cells import write_cells as write_cells
     from pas.exchange.problem import read_problem as read_problem
     from pas.exchange.solid_records import load_solid as load_solid
     from pas.exchange.solid_records import save_solid as save_solid
@@ -107,6 +108,7 @@ _HOMES = {
         "ProblemFileError",
         "ProjectFileError",
     ),
+    "pas.exchange.cells": ("write_cells",),
     "pas.exchange.problem": ("read_problem",),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
