@@ -50,10 +50,17 @@ if TYPE_CHECKING:
     from pas.errors import PasError as PasError
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
+    from pas.exchange.cells import write_cells as write_cells
     from pas.exchange.problem import read_problem as read_problem
+    from pas.exchange.rational import RationalPatch as RationalPatch
+    from pas.exchange.rational import ball_patches as ball_patches
+    from pas.exchange.rational import cone_patches as cone_patches
+    from pas.exchange.rational import cylinder_patches as cylinder_patches
+    from pas.exchange.rational import torus_patches as torus_patches
     from pas.exchange.solid_records import load_solid as load_solid
     from pas.exchange.solid_records import save_solid as save_solid
     from pas.exchange.solids import write_solid as write_solid
+    from pas.exchange.step import write_step as write_step
     from pas.exchange.volume import VolumeMesh as VolumeMesh
     from pas.exchange.volume import VolumeSettings as VolumeSettings
     from pas.exchange.volume import volume_mesh as volume_mesh
@@ -139,9 +146,12 @@ _HOMES = {
         "ProblemFileError",
         "ProjectFileError",
     ),
+    "pas.exchange.cells": ("write_cells",),
     "pas.exchange.problem": ("read_problem",),
+    "pas.exchange.rational": ("RationalPatch", "ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
+    "pas.exchange.step": ("write_step",),
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),

@@ -78,7 +78,7 @@ def test_lazy_names_are_those_that_are_declared():
 
 
 def test_import_is_light():
-    heavy = ["numpy", "scipy", "sympy", "flint", "cvxpy", "daqp", "pyvista", "vtk", "trimesh"]
+    heavy = ["numpy", "scipy", "sympy", "flint", "cvxpy", "daqp", "pyvista", "vtk", "trimesh", "pytetwild", "lib3mf"]
     code = f"import sys, pas; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

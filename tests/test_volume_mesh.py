@@ -11,6 +11,7 @@ import pytest
 import pas
 from pas import solid
 from pas.exchange import volume as module
+from pas.exchange.tetwild import tetrahedralize
 from pas.exchange.volume import VolumeSettings, volume_mesh
 from pas.mesh.field import is_closed_manifold
 from pas.solid.assembly import assembly
@@ -105,6 +106,37 @@ def test_cavities_stay_empty():
     assert SolidMesh.from_triangles(filled.points, filled.boundary).components == 2
 
 
+def plate(thickness):
+    box = trimesh.creation.box((1, 1, thickness))
+    return SolidMesh.from_triangles(box.vertices, box.faces, "plate")
+
+
+def test_a_crash_is_an_error():
+    """fTetWild dies of an empty mesh."""
+    with pytest.raises(pas.GeometryError, match=r"fTetWild crashed \(SIG.*set a smaller tolerance"):
+        tetrahedralize(np.empty((0, 3)), np.empty((0, 3)), {})
+
+
+def test_plates_thinner_than_the_envelope_are_refused():
+    """fTetWild dies or finds nothing, as it happens."""
+    with pytest.raises(pas.GeometryError, match=r"fTetWild (crashed|found none).*set a smaller tolerance"):
+        volume_mesh(plate(1e-3), edge_length=0.3)
+    assert volume_mesh(plate(0.02), edge_length=0.3).volume == pytest.approx(0.02, rel=0.02)
+
+
+def test_nothing_is_left_in_the_folder(tmp_path, monkeypatch, capfd):
+    """fTetWild writes a file of its own where it works."""
+    monkeypatch.chdir(tmp_path)
+    volume_mesh(globe(), **COARSE)
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_fails_in_the_other_process_is_an_error():
+    with pytest.raises(pas.GeometryError, match=r"fTetWild failed: .*nonsense"):
+        tetrahedralize(SPHERE.vertices, SPHERE.faces, {"nonsense": 1})
+
+
 def test_parts_are_regions(filled_pair):
     assert filled_pair.region_names == ("big one", "small")
     volumes = filled_pair.region_volumes
@@ -116,6 +148,13 @@ def test_parts_are_regions(filled_pair):
     assert np.array_equal(filled_pair.regions, (x > 1.5).astype(int))
     x = filled_pair.points[filled_pair.boundary].mean(axis=1)[:, 0]
     assert np.array_equal(filled_pair.faces == 6, x > 1.5)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_very_small_and_very_large(scale):
+    """fTetWild itself crashes on the small one."""
+    filled = volume_mesh(globe(radius=scale), edge_length=0.6 * scale, tolerance=0.02 * scale)
+    assert filled.volume == pytest.approx(globe().volume * scale**3, rel=0.02)
 
 
 def test_far_from_the_origin():
@@ -231,7 +270,8 @@ def flipped(points, tetrahedra):
     ],
 )
 def test_bad_tetrahedra_are_refused(filled, damage, words, monkeypatch):
-    monkeypatch.setattr(module, "_tetrahedra", lambda *a: damage(filled.points, filled.tetrahedra))
+    diagonal = np.linalg.norm(np.ptp(globe().points, axis=0))
+    monkeypatch.setattr(module, "_tetrahedra", lambda *a: damage(filled.points / diagonal, filled.tetrahedra))
     if words is None:
         assert (volume_mesh(globe(), **COARSE).volumes > 0).all()
         return

@@ -5,7 +5,8 @@ positive volume; what comes out are tetrahedra of positive volume whose boundary
 whose volume is that of the triangle mesh up to `volume_tolerance`.  Not guaranteed: the same tetrahedra a
 second time (fTetWild is not deterministic and has no seed), points exactly on the solid's edges (the
 boundary is moved up to `tolerance`), and that neighbouring parts of an assembly share points: each is
-meshed by itself.
+meshed by itself.  fTetWild works in a process of its own (see `pas.exchange.tetwild`); most of its time goes
+into finely meshed surfaces, so that a generous tolerance is worth seconds.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from pas.errors import GeometryError, MissingLibraryError
+from pas.errors import GeometryError
 from pas.exchange.solids import Piece, pieces
+from pas.exchange.tetwild import tetrahedralize
 from pas.exchange.volume_files import check_volume_suffix, write_volume
 from pas.mesh.field import Floats, Integers, is_closed_manifold
 from pas.solid.assembly import Assembly
@@ -189,9 +191,10 @@ def _filled(
     points, triangles = mesh.points[used], triangles.reshape(-1, 3)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    length = diagonal / 20 if edge_length is None else edge_length
+    length = 1 / 20 if edge_length is None else edge_length / diagonal
     envelope = ENVELOPE if tolerance is None else tolerance / diagonal
-    found, tetrahedra = _tetrahedra(points - middle, triangles, length, envelope, settings)
+    found, tetrahedra = _tetrahedra((points - middle) / diagonal, triangles, length, envelope, settings)
+    found = found * diagonal
     name = f"the tetrahedra of {part.name!r}"
     tetrahedra = _turned(found, tetrahedra, name)
     volume = float(signed_volumes(found, tetrahedra).sum())
@@ -207,29 +210,24 @@ def _filled(
 def _tetrahedra(
     points: Floats, triangles: Integers, length: float, envelope: float, settings: VolumeSettings
 ) -> tuple[Floats, Integers]:
-    """What fTetWild makes of a mesh, without points that no tetrahedron uses."""
-    try:
-        from pytetwild import tetrahedralize  # type: ignore[attr-defined]
-    except ImportError:
-        raise MissingLibraryError("tetrahedra need pytetwild: pip install pytetwild") from None
-    try:
-        found, tetrahedra = tetrahedralize(
-            np.ascontiguousarray(points, dtype=np.float64),
-            np.ascontiguousarray(triangles, dtype=np.int32),
-            edge_length_abs=length,
-            epsilon=envelope,
-            optimize=settings.optimize,
-            simplify=settings.simplify,
-            coarsen=settings.coarsen,
-            stop_energy=settings.stop_energy,
-            num_opt_iter=settings.iterations,
-            num_threads=settings.threads,
-            quiet=True,
-        )
-    except RuntimeError as error:
-        raise GeometryError(f"fTetWild failed: {error}") from None
+    """What fTetWild makes of a mesh of diagonal 1 (it crashes on very small ones), without unused points."""
+    found, tetrahedra = tetrahedralize(
+        points,
+        triangles,
+        {
+            "edge_length_abs": length,
+            "epsilon": envelope,
+            "optimize": settings.optimize,
+            "simplify": settings.simplify,
+            "coarsen": settings.coarsen,
+            "stop_energy": settings.stop_energy,
+            "num_opt_iter": settings.iterations,
+            "num_threads": settings.threads,
+            "quiet": True,
+        },
+    )
     used, numbers = np.unique(np.asarray(tetrahedra, dtype=np.intp), return_inverse=True)
-    return np.asarray(found, dtype=float)[used], numbers.reshape(-1, 4)
+    return np.asarray(found, dtype=float).reshape(-1, 3)[used], numbers.reshape(-1, 4)
 
 
 def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:

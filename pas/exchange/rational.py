@@ -1,0 +1,161 @@
+"""Rational Bezier patches, and those of balls, cylinders, cones and tori, exact.
+
+A quarter of the unit circle is the conic with control points (1, 0), (1, 1), (0, 1) and weights 1, 1, 2:
+`((1 - t^2) / (1 + t^2), 2 t / (1 + t^2))`.  All its numbers are whole, so that the patches are exactly on
+their surfaces, up to one rounding of control points that the given numbers and the axis' frame cause.
+
+Guaranteed: patches of one surface share their boundary curves, with the same control points to the last
+bit and the same weights up to a power of 2; normals `x_u x x_v` point outwards.  Not guaranteed: normals at
+points where a side of a patch shrinks to a point (poles and apexes).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import dot, rational, to_float, to_floats, vector
+
+HIGHEST_DEGREE = 25
+"""In each direction: what the common kernels take."""
+
+QUARTER = ((1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 2.0))
+"""Control points and weights of a quarter of the unit circle."""
+
+QUARTER_TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+"""Cosines and sines of multiples of 90 degrees."""
+
+
+@dataclass(frozen=True, eq=False)
+class RationalPatch:
+    """A rational Bezier patch of degree (m, n) with control points (m+1, n+1, 3) and positive weights (m+1, n+1).
+
+    `x(u, v) = sum w_ij B_i(u) B_j(v) p_ij / sum w_ij B_i(u) B_j(v)` for u, v from 0 to 1.
+    """
+
+    points: Floats
+    weights: Floats
+
+    def __post_init__(self) -> None:
+        points, weights = np.array(self.points, dtype=float), np.array(self.weights, dtype=float)
+        if points.ndim != 3 or points.shape[2] != 3 or weights.shape != points.shape[:2]:
+            raise ValueError(
+                "points and weights must have shapes (m+1, n+1, 3) and (m+1, n+1), "
+                f"not {points.shape} and {weights.shape}"
+            )
+        if not all(2 <= size <= HIGHEST_DEGREE + 1 for size in weights.shape):
+            raise ValueError(f"degrees must be from 1 to {HIGHEST_DEGREE}, not {self.degrees}")
+        if not np.isfinite(points).all() or not np.isfinite(weights).all() or not (weights > 0).all():
+            raise ValueError("points must be finite, and weights finite and positive")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "weights", weights)
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """The degrees in u and v."""
+        m, n = np.shape(self.weights)
+        return m - 1, n - 1
+
+    def __call__(self, u: Any, v: Any) -> Floats:
+        """Points (..., 3) at parameters that broadcast to (...)."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        first, second = (_bernstein(d, t) for d, t in zip(self.degrees, (u, v), strict=True))
+        total = np.einsum("...i,...j,ij,ijx->...x", first, second, self.weights, self.points)
+        return np.asarray(total / np.einsum("...i,...j,ij->...", first, second, self.weights)[..., None])
+
+
+def _bernstein(degree: int, t: Floats) -> Floats:
+    return np.stack([comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(degree + 1)], axis=-1)
+
+
+def ball_patches(center: Any, radius: Any) -> list[RationalPatch]:
+    """The sphere: eight biquadratic octants; the poles are on the z axis."""
+    r = _positive(radius, "radius")
+    frame = _frame(center, (0, 0, 1))
+    return _revolved(_arc(0.0, r, -1), frame) + _revolved(_arc(0.0, r, 0), frame)
+
+
+def cone_patches(start: Any, end: Any, radius: Any, end_radius: Any = 0, *, ends: bool = True) -> list[RationalPatch]:
+    """The cone (or cylinder) around a segment: four quarters, of degree 2 around and 1 along it.
+
+    With `ends` also the quarters of its flat ends.
+    """
+    a, b = vector(start, "start"), vector(end, "end")
+    axis = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    if dot(axis, axis) == 0:
+        raise ValueError("start and end must be different points")
+    first, last = to_float(rational(radius, "radius")), to_float(rational(end_radius, "end_radius"))
+    if first < 0 or last < 0 or first == last == 0:
+        raise ValueError(f"radius must be positive and end_radius not negative, not {first:g} and {last:g}")
+    frame, height = _frame(a, axis), to_float(dot(axis, axis)) ** 0.5
+    result = _revolved(_line((first, 0.0), (last, height)), frame)
+    if ends and first:
+        result += _revolved(_line((0.0, 0.0), (first, 0.0)), frame)
+    if ends and last:
+        result += _revolved(_line((last, height), (0.0, height)), frame)
+    return result
+
+
+def cylinder_patches(start: Any, end: Any, radius: Any, *, ends: bool = True) -> list[RationalPatch]:
+    """The cylinder around a segment; see `cone_patches`."""
+    return cone_patches(start, end, radius, radius, ends=ends)
+
+
+def torus_patches(center: Any, axis: Any, major: Any, minor: Any) -> list[RationalPatch]:
+    """The ring torus: sixteen biquadratic patches."""
+    big, small = _positive(major, "major"), _positive(minor, "minor")
+    if small >= big:
+        raise ValueError(f"minor must be smaller than major, not {small:g} >= {big:g}")
+    frame = _frame(center, axis)
+    return [patch for k in range(4) for patch in _revolved(_arc(big, small, k), frame)]
+
+
+def _positive(value: Any, name: str) -> float:
+    number = to_float(rational(value, name))
+    if not 0 < number < np.inf:
+        raise ValueError(f"{name} must be positive, not {number:g}")
+    return number
+
+
+def _arc(middle: float, radius: float, start: int) -> Floats:
+    """Control points (3, 3) as (distance from the axis, height, weight) of a quarter from `start` right angles on."""
+    quarter = np.array(QUARTER)
+    c, s = QUARTER_TURNS[start % 4]
+    x, y = quarter[:, 0] * radius, quarter[:, 1] * radius
+    return np.stack([middle + c * x - s * y, s * x + c * y, quarter[:, 2]], axis=1)
+
+
+def _line(start: tuple[float, float], end: tuple[float, float]) -> Floats:
+    return np.array([(*start, 1.0), (*end, 1.0)])
+
+
+def _revolved(profile: Floats, frame: tuple[Floats, Floats]) -> list[RationalPatch]:
+    """The quarters of the surface that a profile (distance, height, weight) sweeps about the frame's third axis."""
+    origin, axes = frame
+    around = np.array(QUARTER)
+    result = []
+    for c, s in QUARTER_TURNS:
+        x, y = c * around[:, 0] - s * around[:, 1], s * around[:, 0] + c * around[:, 1]
+        flat = np.stack([np.outer(x, profile[:, 0]), np.outer(y, profile[:, 0])], axis=-1)
+        heights = np.broadcast_to(profile[:, 1], flat.shape[:2])
+        local = np.concatenate([flat, heights[..., None]], axis=-1)
+        points = origin + sum(local[..., i, None] * axes[i] for i in range(3))
+        result.append(RationalPatch(points, np.outer(around[:, 2], profile[:, 2])))
+    return result
+
+
+def _frame(center: Any, axis: Any) -> tuple[Floats, Floats]:
+    """A point and three orthonormal rows, the last along the axis; the usual ones for the z axis."""
+    a = vector(axis, "axis")
+    if dot(a, a) == 0:
+        raise ValueError("axis must not be the zero vector")
+    third = np.array(to_floats(a))
+    third /= np.linalg.norm(third)
+    helper = np.eye(3)[int(np.abs(third).argmin())]
+    first = helper - third * (helper @ third)
+    first /= np.linalg.norm(first)
+    return np.array(to_floats(vector(center, "center"))), np.stack([first, np.cross(third, first), third])
