@@ -218,6 +218,8 @@ __all__ = ["__version__", *sorted(_HOME_OF)]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "solid":
+        return import_module("pas.solid")
     if name not in _HOME_OF:
         raise AttributeError(f"module 'pas' has no attribute {name!r}")
     value = getattr(import_module(_HOME_OF[name]), name)
