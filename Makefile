@@ -4,10 +4,11 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl demo test test-all lint examples bench clean
+.PHONY: help setup opengl demo teapot test test-all lint examples bench clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
+	@echo "make teapot    the teapot: proofs, meshes and pictures, in out/teapot/"
 	@echo "make test      the tests that CI runs"
 	@echo "make test-all  these and the slow ones"
 	@echo "make lint      style and types"
@@ -35,6 +36,9 @@ opengl:
 demo: setup
 	$(BIN)/pas blend examples/corners/three_pipes.toml -o out
 
+teapot: setup
+	$(BIN)/python examples/teapot/teapot.py -o out/teapot
+
 test: setup
 	$(BIN)/python -m pytest
 
@@ -53,6 +57,7 @@ examples: setup
 bench: setup
 	$(BIN)/python benchmarks/corner.py
 	$(BIN)/python benchmarks/solutions.py
+	$(BIN)/python benchmarks/parametric.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

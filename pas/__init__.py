@@ -72,6 +72,38 @@ if TYPE_CHECKING:
     from pas.fairing.energy import ThinPlate as ThinPlate
     from pas.limits import limit as limit
     from pas.mesh.triangulate import MeshError as MeshError
+    from pas.parametric.base_points import BasePoint as BasePoint
+    from pas.parametric.base_points import base_points as base_points
+    from pas.parametric.blends import ParametricBlend as ParametricBlend
+    from pas.parametric.blends import PolynomialCriterion as PolynomialCriterion
+    from pas.parametric.blends import has_polynomial_solution as has_polynomial_solution
+    from pas.parametric.blends import hermite_blend as hermite_blend
+    from pas.parametric.blends import weighted_blend as weighted_blend
+    from pas.parametric.curves import SurfaceCurve as SurfaceCurve
+    from pas.parametric.curves import iso_curve as iso_curve
+    from pas.parametric.data import BlendingData as BlendingData
+    from pas.parametric.data import IsolatedPoint as IsolatedPoint
+    from pas.parametric.data import PointKind as PointKind
+    from pas.parametric.hermite import hermite_basis as hermite_basis
+    from pas.parametric.hermite import hermite_determinant as hermite_determinant
+    from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
+    from pas.parametric.rational_function import RationalFunction as RationalFunction
+    from pas.parametric.regularity import regularity as regularity
+    from pas.parametric.shapes import ellipsoid as ellipsoid
+    from pas.parametric.shapes import elliptic_cone as elliptic_cone
+    from pas.parametric.shapes import elliptic_cylinder as elliptic_cylinder
+    from pas.parametric.shapes import elliptic_paraboloid as elliptic_paraboloid
+    from pas.parametric.shapes import helicoid as helicoid
+    from pas.parametric.shapes import one_sheet_hyperboloid as one_sheet_hyperboloid
+    from pas.parametric.shapes import plane as plane
+    from pas.parametric.shapes import surface_of_revolution as surface_of_revolution
+    from pas.parametric.shapes import torus as torus
+    from pas.parametric.shapes import tube as tube
+    from pas.parametric.shapes import two_sheet_hyperboloid as two_sheet_hyperboloid
+    from pas.parametric.solutions import ParametricSolutions as ParametricSolutions
+    from pas.parametric.surface import ParametricSurface as ParametricSurface
+    from pas.parametric.weights import WeightPole as WeightPole
+    from pas.parametric.weights import Weights as Weights
     from pas.partition.cells import Partition as Partition
     from pas.partition.single_cell import SingleCell as SingleCell
     from pas.partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
@@ -125,6 +157,52 @@ _HOMES = {
     "pas.fairing.energy": ("Box", "ThinPlate"),
     "pas.limits": ("limit",),
     "pas.mesh.triangulate": ("MeshError",),
+    "pas.parametric.base_points": (
+        "BasePoint",
+        "base_points",
+    ),
+    "pas.parametric.blends": (
+        "ParametricBlend",
+        "PolynomialCriterion",
+        "has_polynomial_solution",
+        "hermite_blend",
+        "weighted_blend",
+    ),
+    "pas.parametric.curves": (
+        "SurfaceCurve",
+        "iso_curve",
+    ),
+    "pas.parametric.data": (
+        "BlendingData",
+        "IsolatedPoint",
+        "PointKind",
+    ),
+    "pas.parametric.hermite": (
+        "hermite_basis",
+        "hermite_determinant",
+    ),
+    "pas.parametric.proofs": ("ParametricCertificate",),
+    "pas.parametric.rational_function": ("RationalFunction",),
+    "pas.parametric.regularity": ("regularity",),
+    "pas.parametric.shapes": (
+        "ellipsoid",
+        "elliptic_cone",
+        "elliptic_cylinder",
+        "elliptic_paraboloid",
+        "helicoid",
+        "one_sheet_hyperboloid",
+        "plane",
+        "surface_of_revolution",
+        "torus",
+        "tube",
+        "two_sheet_hyperboloid",
+    ),
+    "pas.parametric.solutions": ("ParametricSolutions",),
+    "pas.parametric.surface": ("ParametricSurface",),
+    "pas.parametric.weights": (
+        "WeightPole",
+        "Weights",
+    ),
     "pas.partition.cells": ("Partition",),
     "pas.partition.single_cell": ("SingleCell",),
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),

@@ -66,6 +66,8 @@ def _parser() -> argparse.ArgumentParser:
     _check_parser(commands)
     _mesh_parser(commands)
     _render_parser(commands)
+    _convert_parser(commands)
+    _teapot_parser(commands)
     return parser
 
 
@@ -149,6 +151,31 @@ def _render_parser(commands: Commands) -> None:
     style.add_argument("--zebra", action="store_true", help="isophotes, which show the order of continuity")
     style.add_argument("--curvature", action="store_true", help="colours by mean curvature")
     parser.set_defaults(command="render", run=_render)
+
+
+def _convert_parser(commands: Commands) -> None:
+    parser = _command(commands, "convert", "write the solid or assembly of a project file in another format")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file of a solid or assembly")
+    parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
+    parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
+    _tolerance(parser, "0.001 of the size")
+    parser.set_defaults(command="convert", run=_convert)
+
+
+def _teapot_parser(commands: Commands) -> None:
+    parser = _command(
+        commands,
+        "teapot",
+        "build, prove, mesh and draw the teapot",
+        "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
+    )
+    parser.add_argument("--style", default="better", help="better (12 patches, all joined) or paper (8 patches)")
+    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
+    parser.add_argument("--lid-height", default="7/5", metavar="Z", help="height of the knob's top")
+    parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
+    parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
+    _tolerance(parser, "0.001")
+    parser.set_defaults(command="teapot", run=_teapot)
 
 
 def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
@@ -261,12 +288,65 @@ def _mesh(options: argparse.Namespace) -> int:
 
 
 def _render(options: argparse.Namespace) -> int:
-    from pas.blending.project import load_blend
+    from pas.blending.blend import Blend
+    from pas.blending.project import load
+    from pas.render.parts import Look, draw_parts
     from pas.render.picture import Style, draw
 
-    style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
-    print(draw(load_blend(options.project).surface, options.output, style=style))
+    thing = load(options.project)
+    if isinstance(thing, Blend):
+        style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
+        print(draw(thing.surface, options.output, style=style))
+        return DONE
+    if options.curvature:
+        raise ValueError("curvature colours exist for blends; of a solid draw it plain or with --zebra")
+    print(draw_parts(thing, options.output, look=Look.ZEBRA if options.zebra else Look.PLAIN))
     return DONE
+
+
+def _convert(options: argparse.Namespace) -> int:
+    from pas.blending.blend import Blend
+    from pas.blending.project import load
+    from pas.exchange.solids import write_solid
+
+    tolerance = None if options.tolerance is None else _checked_tolerance(options.tolerance)
+    thing = load(options.project)
+    if isinstance(thing, Blend):
+        raise ValueError(f"{options.project} holds a blend, which is no solid; write its surface with `pas mesh`")
+    print(write_solid(thing, options.output, tolerance=tolerance, unit=options.unit))
+    return DONE
+
+
+def _teapot(options: argparse.Namespace) -> int:
+    from pas.exchange.solid_records import save_solid
+    from pas.exchange.solids import write_solid
+    from pas.render.parts import Look, draw_parts
+    from pas.teapot.pot import teapot
+
+    tolerance = _checked_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    folder = Path(options.output)
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"{folder} is not a folder; -o names the folder to write to")
+    start = time.perf_counter()
+    pot = teapot(
+        options.style,
+        lid_height=options.lid_height,
+        spout_tilt=options.spout_tilt,
+        handle_size=options.handle_size,
+    )
+    _progress("build and prove", time.perf_counter() - start)
+    start = time.perf_counter()
+    mesh = pot.solid.mesh(tolerance)
+    _progress(f"mesh ({len(mesh.triangles)} triangles)", time.perf_counter() - start)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [write_solid(mesh, folder / "teapot.stl"), save_solid(pot.assembly, folder / "teapot.pas.json")]
+    print(pot.solid)
+    try:
+        written.append(draw_parts(mesh, folder / "teapot.png", look=Look.FOUR_VIEWS))
+    except MissingLibraryError as error:
+        print(f"pas: no picture: {error}", file=sys.stderr)
+    print("\nwritten:", *written, sep="\n  ")
+    return DONE if pot.solid.proved else FAILED
 
 
 def _checked_tolerance(tolerance: float) -> float:

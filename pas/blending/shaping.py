@@ -5,7 +5,8 @@
 - `determining_set`: B-coefficients that can be set freely, and determine the member (a minimal
   determining set; Alfeld and Schumaker 1987).
 - `least_squares`: the smallest `sum w_i f(p_i)^2 / |f|^2`, |f| the Euclidean length of the
-  coefficient vector: a generalised eigenproblem (Lou, Feng, Chen and Deng 2001).
+  coefficient vector: a generalised eigenproblem (Lou, Feng, Chen and Deng 2001); or by gradients,
+  `sum w_i f(p_i)^2 / sum w_i |grad f(p_i)|^2`, which approximates squared distances (Taubin 1991).
 """
 
 from __future__ import annotations
@@ -125,7 +126,9 @@ def determining_set(space: SolutionSpace, prefer: Sequence[Handle] = ()) -> tupl
     return tuple(candidates[next(j for j, v in enumerate(table[i]) if v != 0)] for i in range(rank))
 
 
-def least_squares(space: SolutionSpace, points: Sequence[Any], weights: Sequence[Any] | None = None) -> LeastSquares:
+def least_squares(
+    space: SolutionSpace, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+) -> LeastSquares:
     """See `SolutionSpace.least_squares`."""
     _not_empty(space)
     if len(points) < space.dimension - 1:
@@ -140,8 +143,10 @@ def least_squares(space: SolutionSpace, points: Sequence[Any], weights: Sequence
     vectors = fmpq_mat(rows)
     change, (basis,) = orthonormal((vectors,), lambda tables: tables[0].T)
     values = to_doubles(change * space.values(points).transpose()).T
-    triangular: Floats = np.asarray(np.linalg.qr(to_doubles(basis).T, mode="r"))
-    scaled = np.sqrt([to_float(w) for w in given])[:, None] * values
+    roots = np.sqrt([to_float(w) for w in given])
+    measured = _gradient_rows(space, points, change, roots) if by_gradient else to_doubles(basis).T
+    triangular: Floats = np.asarray(np.linalg.qr(measured, mode="r"))
+    scaled = roots[:, None] * values
     # singular values, not eigenvalues: small quotients keep their digits
     _, singular, right = svd(np.linalg.solve(triangular.T, scaled.T).T, full_matrices=True)
     last = np.linalg.solve(triangular, right[-1])
@@ -150,6 +155,20 @@ def least_squares(space: SolutionSpace, points: Sequence[Any], weights: Sequence
     coefficients = coefficients / coefficients[significant[-1]]
     smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
     return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, smallest**2)
+
+
+def _gradient_rows(space: SolutionSpace, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:
+    """The weighted gradients at the points (3 m, dimension) of the changed basis' members."""
+    array = np.array([[to_float(rational(c)) for c in p] for p in points])
+    units = np.eye(space.dimension, dtype=int).tolist()
+    rows = np.array([(space.member(u).gradient(array) * roots[:, None]).ravel() for u in units])
+    result = (to_doubles(change) @ rows).T
+    if np.linalg.matrix_rank(result) < space.dimension:
+        raise ValueError(
+            "some member has no gradient at any of the points, so distances cannot be measured by gradients; "
+            "give points off its singular curve, or leave by_gradient False"
+        )
+    return np.asarray(result)
 
 
 def _not_empty(space: SolutionSpace) -> None:

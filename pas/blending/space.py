@@ -220,8 +220,13 @@ class SolutionSpace:
 
         return determining_set(self, prefer)
 
-    def least_squares(self, points: Sequence[Any], weights: Sequence[Any] | None = None) -> LeastSquares:
+    def least_squares(
+        self, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+    ) -> LeastSquares:
         """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
+
+        With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
+        squared distance to first order, whatever the place and size of the figure (Taubin 1991).
 
         `points` are three numbers each (floats as the exact rationals they are).  For members through
         other points take `space.through(...)` first; with energy, inside or outside points use
@@ -231,7 +236,7 @@ class SolutionSpace:
         """
         from pas.blending.shaping import least_squares
 
-        return least_squares(self, points, weights)
+        return least_squares(self, points, weights, by_gradient=by_gradient)
 
     @lru_cache(maxsize=4)  # noqa: B019  (a space lives as long as its working bases)
     def fairing(self, energy: ThinPlate) -> Fairing:

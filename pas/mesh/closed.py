@@ -42,6 +42,10 @@ ON_FACE = 1e-7
 """Distance from its faces, over the lattice's spacing, up to which a vertex counts as placed."""
 
 
+CORNER = 0.5
+"""How far a corner may be off each of its faces, over the tolerance."""
+
+
 @dataclass(frozen=True)
 class FaceMesh:
     """A closed mesh whose triangles carry labels, with outward unit normals of each vertex's faces.
@@ -68,7 +72,7 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
-    mesh, spacing = _first(field)
+    mesh, spacing = _first(field, tolerance)
     for _ in range(REFINEMENTS):
         edges, far, worst = _far_edges(field, mesh, tolerance)
         if worst <= tolerance:
@@ -90,7 +94,7 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     )
 
 
-def _first(field: FaceField) -> tuple[Labelled, float]:
+def _first(field: FaceField, tolerance: float) -> tuple[Labelled, float]:
     """The mesh of the coarsest lattice that shows all faces soundly, and as the next finer one does."""
     extent = float(np.ptp(field.box, axis=0).max())
     lattices = [extent / (FIRST_PARTS * FINER**i) for i in range(LATTICES)]
@@ -106,7 +110,7 @@ def _first(field: FaceField) -> tuple[Labelled, float]:
             reason = "too many faces meet in one place"
             continue
         mesh = _improved(raw, field, spacing)
-        reason = _unsound(mesh, field, spacing)
+        reason = _unsound(mesh, field, spacing, tolerance)
         if not reason:
             return mesh, spacing
     if not reason:
@@ -149,15 +153,20 @@ def _with_special_points(mesh: Labelled, field: FaceField, spacing: float) -> La
     return mesh.moved(points)
 
 
-def _unsound(mesh: Labelled, field: FaceField, spacing: float) -> str:
+def _unsound(mesh: Labelled, field: FaceField, spacing: float, tolerance: float) -> str:
     """Why the mesh cannot be trusted, or an empty string."""
     folded = np.flatnonzero(cosines(mesh, field) < FOLD)
     if len(folded):
         place = mesh.points[mesh.triangles[folded[0]]].mean(axis=0)
         return f"near {_place(place)} it is too thin or two faces meet too flatly"
     for labels, vertices in mesh.topology.groups:
-        away = np.sqrt((least_norm(field, field.functions(labels), mesh.points[vertices]) ** 2).sum(axis=1))
-        if away.max() > ON_FACE * spacing:
+        if len(labels) > 2:  # a corner may be one only within the tolerance
+            steps = [least_norm(field, (label,), mesh.points[vertices]) for label in labels]
+            away, limit = np.sqrt((np.array(steps) ** 2).sum(axis=2)).max(axis=0), CORNER * tolerance
+        else:
+            away = np.sqrt((least_norm(field, field.functions(labels), mesh.points[vertices]) ** 2).sum(axis=1))
+            limit = ON_FACE * spacing
+        if away.max() > limit:
             worst = mesh.points[vertices[away.argmax()]]
             return f"near {_place(worst)} faces come close without meeting"
     return ""

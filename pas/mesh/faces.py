@@ -29,10 +29,9 @@ ROOT_STEPS = 10
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
 
-LOCAL_HALVINGS = 6
-FOUND, FARTHEST = 0.6, 4.0
-"""How far from the middle of an edge or triangle, over its size, the faces' common point may be: up to
-the first anywhere, up to the second where it is on the boundary."""
+LOCAL_HALVINGS = 7
+FARTHEST = 4.0
+"""How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
 
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
@@ -155,16 +154,16 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
         rest = np.sqrt((least_norm(field, field.functions(names), end) ** 2).sum(axis=1))
         moved = np.sqrt(((end - start) ** 2).sum(axis=1))
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
-        far = np.flatnonzero(~result[at] & (moved > FOUND * size[at]))
-        result[at[far]] = ~_on_boundary(field, end[far], names, 1e-3 * size[at[far]])
+        found = np.flatnonzero(~result[at])
+        result[at[found]] = ~_on_boundary(field, end[found], names, 1e-3 * size[at[found]])
     return result
 
 
 def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach: Floats) -> NDArray[np.bool_]:
     """Whether points (N, 3) have the inside on one side and the outside on the other.
 
-    The sides are along the mean of the faces' normals, which points out of every edge and corner
-    between two faces, convex or not, and out of most between three.
+    Of an edge the mean of its faces' normals points outwards, convex or not; about a corner the
+    corners of a small cube are looked at as well.
     """
     outwards = np.zeros_like(points)
     for label in names:
@@ -173,7 +172,12 @@ def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach
     outwards /= np.maximum(np.sqrt((outwards * outwards).sum(axis=1, keepdims=True)), 1e-300)
     step = reach[:, None] * outwards
     inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))
-    return np.asarray(inside & ~outside)
+    result = np.asarray(inside & ~outside)
+    if len(names) > 2:
+        corners = (points[:, None] + reach[:, None, None] * (2 * _CORNERS - 1)).reshape(-1, 3)
+        around = field.inside(field.signs(corners)).reshape(-1, 8)
+        result |= around.any(axis=1) & ~around.all(axis=1)
+    return result
 
 
 def _refined(

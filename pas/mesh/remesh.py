@@ -24,6 +24,9 @@ NEWTON_STEPS = 16
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
 
+NEARBY = 8
+"""How many times the reach of one step a corner may move."""
+
 UNTANGLINGS = 8
 FUNCTIONS = 3
 """A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
@@ -183,10 +186,19 @@ def face_normals(mesh: Labelled, normals: Floats) -> Floats:
 
 
 def project(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
-    """Vertices moved onto their faces, curves and corners; none further than `reach` a step."""
+    """Vertices moved onto their faces, curves and corners; none further than `reach` a step.
+
+    A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
+    """
     points = mesh.points.copy()
     for labels, vertices in mesh.topology.groups:
-        points[vertices] = newton(points[vertices], field, labels, reach)
+        start = points[vertices]
+        end = newton(start, field, labels, reach)
+        if len(labels) > 2:
+            rest = np.sqrt((least_norm(field, field.functions(labels), end) ** 2).sum(axis=1))
+            lost = (rest > 1e-9 * reach) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * reach)
+            end = np.where(lost[:, None], start, end)
+        points[vertices] = end
     return mesh.moved(points)
 
 

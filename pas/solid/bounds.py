@@ -13,7 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.solid.program import Program
-from pas.solid.tree import Node, Tree, atoms
+from pas.solid.tree import Node, Tree
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
@@ -81,7 +81,7 @@ def _shrunk(program: Program, start: Floats) -> Floats | None:
     hull = start
     centers, half = start.mean(axis=0)[None], np.maximum((start[1] - start[0]) / 2, 1e-300)
     for _ in range(LEVELS):
-        yes, no, second = program.taylor(centers, half)
+        yes, no, _ = program.taylor(centers, half)
         possible = program.holds(~no, ~yes)
         centers = centers[possible]
         if not len(centers):

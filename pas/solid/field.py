@@ -102,7 +102,8 @@ class SolidField:
             common = a.function.raw.gcd(b.function.raw)  # type: ignore[union-attr]
             if not common.is_constant():
                 raise GeometryError(
-                    f"the faces {a.face!r} and {b.face!r} coincide on {common} = 0; write one of them without that factor"
+                    f"the faces {a.face!r} and {b.face!r} coincide on {common} = 0; "
+                    "write one of them without that factor"
                 )
 
     def _seam(self, a: int, b: int) -> tuple[int, ...]:

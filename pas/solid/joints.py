@@ -92,7 +92,7 @@ def prove(joint: Joint, firsts: Sequence[Side], seconds: Sequence[Side], box: Fl
     near = [_in_regions(side, points, box) for side in (first, second)]
     if not (near[0] & near[1]).any():
         witness = points[near[0] | near[1]]
-        place = tuple(float(v) for v in witness[0]) if len(witness) else None
+        place = (float(witness[0, 0]), float(witness[0, 1]), float(witness[0, 2])) if len(witness) else None
         return Verdict(Status.REFUTED, joint.claim, "the regions of the two faces do not both reach the curve", place)
     common = points[near[0] & near[1]]
     slopes = [s.polynomial.gradient(common) for s in (first, second)]
@@ -126,7 +126,7 @@ def _regular(side: Side, name: str, joint: Joint) -> Verdict | None:
 
 def curve_points(along: tuple[Polynomial, Polynomial], box: Floats) -> Floats:
     """Points (m, 3) on the curve V(g, h) in and near a box (2, 3), by Newton's method from random ones."""
-    points = np.random.default_rng(0).uniform(*box, size=(SAMPLES, 3))
+    points = np.random.default_rng(0).uniform(box[0], box[1], size=(SAMPLES, 3))
     for _ in range(NEWTON_STEPS):
         values = np.stack([p(points) for p in along], axis=1)
         matrix = np.stack([p.gradient(points) for p in along], axis=1)

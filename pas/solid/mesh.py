@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.errors import GeometryError, MissingLibraryError
 from pas.mesh.closed import FaceMesh
@@ -159,7 +158,7 @@ class SolidMesh:
         import pyvista
 
         points, triangles, normals = self.shading
-        data = pyvista.PolyData.from_regular_faces(points, triangles)
+        data = pyvista.PolyData.from_regular_faces(points, triangles.astype(int))
         data.point_data.active_normals = normals
         data.cell_data["face"] = self.faces
         data.field_data["face names"] = np.array(self.names)

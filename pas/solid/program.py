@@ -1,8 +1,9 @@
 """A tree of inequalities compiled for arrays of points and boxes.
 
 Functions are evaluated together, by one matrix product, in coordinates local to the solid (all points
-here are), so that far from the origin nothing is lost.  Over a box a polynomial is bounded by its Taylor expansion about
-the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for `|u_i| <= r_i`.
+here are), so that far from the origin nothing is lost.  Over a box a polynomial is bounded by its
+Taylor expansion about the centre, which is exact:
+`|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for `|u_i| <= r_i`.
 """
 
 from __future__ import annotations

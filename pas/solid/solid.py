@@ -185,7 +185,10 @@ class Solid:
         return SolidField(self.tree, self.box, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: Any) -> np.ndarray:
-        """Whether points (..., 3) are inside or on the boundary, shape (...)."""
+        """Whether points (..., 3) are inside, shape (...).
+
+        Points on a face count as inside, on one that a difference left as outside.
+        """
         array = _points(points)
         flat = array.reshape(-1, 3)
         near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)

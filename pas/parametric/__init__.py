@@ -1,0 +1,1 @@
+"""Parametric surfaces over Q, and all their parametric blends."""

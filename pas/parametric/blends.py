@@ -1,0 +1,177 @@
+"""Blends of parametric surfaces with contact of order k, by Hermite interpolation or by weights.
+
+Sources: Perez-Diaz and Sendra (2003), algorithms 1 and 2; Hartmann (2001) for two surfaces and weights.
+A blend T agrees with P_i in all derivatives up to order k at h = s_i, for every t at which P_i is
+defined there; so the two surfaces meet with C^k along the curve, and GC^k where it is regular.
+
+Guaranteed: exact data give an exact blend, and `prove` shows the contact by polynomial identities that
+do not refer to how the blend was made.  Not guaranteed: that the blend is regular or free of poles in
+between: `prove` looks for that.  Isolated t at which the given curves have poles are those of the
+blend, too: see `BlendingData.isolated_points`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pas.algebra.rational import plain
+from pas.errors import GeometryError, NoSolutionError
+from pas.limits import checkpoint
+from pas.parametric.callables import Values
+from pas.parametric.data import AXES, BlendingData
+from pas.parametric.evaluation import hermite_values
+from pas.parametric.hermite import checked_order
+from pas.parametric.interpolation import exact_hermite
+from pas.parametric.proofs import ParametricCertificate, contact_verdicts
+from pas.parametric.rational_function import RationalFunction, total
+from pas.parametric.regularity import regularity
+from pas.parametric.series import univariate
+from pas.parametric.solutions import ParametricSolutions
+from pas.parametric.surface import Components, ParametricSurface
+from pas.parametric.weights import Weights
+
+
+@dataclass(frozen=True)
+class PolynomialCriterion:
+    """Whether polynomial blends exist, and the reason in words where not.  True or false as such."""
+
+    exists: bool
+    reason: str
+
+    def __bool__(self) -> bool:
+        return self.exists
+
+
+@dataclass(frozen=True)
+class ParametricBlend:
+    """A blend of `data` with contact of order `order`; `weights` is None for a Hermite blend."""
+
+    data: BlendingData
+    order: int
+    surface: ParametricSurface
+    weights: Weights | None = None
+
+    def all_solutions(self) -> ParametricSolutions:
+        """Every rational blend of these data and this order: `surface + W (R1, R2, R3)`."""
+        return ParametricSolutions(self.data, self.order, self.surface, polynomial=False)
+
+    def all_polynomial_solutions(self) -> ParametricSolutions:
+        """Every polynomial blend; raises `NoSolutionError` with the reason where there is none."""
+        criterion = has_polynomial_solution(self.data, self.order)
+        if not criterion:
+            raise NoSolutionError(f"there is no polynomial blend: {criterion.reason}", {})
+        start = self if self.weights is None else hermite_blend(self.data, self.order)
+        return ParametricSolutions(self.data, self.order, start.surface, polynomial=True)
+
+    def prove(self, domain: Any = None, effort: int = 20_000) -> ParametricCertificate:
+        """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
+
+        `effort` bounds the cells that the proof of regularity may examine.
+        """
+        contacts = contact_verdicts(self.surface, self.data, self.order)
+        within = self.surface if domain is None else self.surface.with_domain(domain)
+        return ParametricCertificate(contacts, regularity(within, effort))
+
+    def __str__(self) -> str:
+        kind = "Hermite" if self.weights is None else "weighted"
+        return f"a {kind} blend of {self.data} with contact of order {self.order}"
+
+
+def hermite_blend(data: BlendingData, order: int) -> ParametricBlend:
+    """The Hermite blend: polynomial in h of degree at most n(k+1) - 1.
+
+    Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
+    only be evaluated.  Raises `TypeError` or `ValueError` for other data or a negative order.
+    """
+    k = checked_order(order)
+    _require_data(data)
+    names = data.surfaces[0].parameters
+    source = (lambda: exact_hermite(data, k, names)) if data.is_exact else None
+    return ParametricBlend(data, k, _surface(data, hermite_values(data, k), source))
+
+
+def weighted_blend(
+    data: BlendingData,
+    order: int,
+    balance: Any = "1/2",
+    normalized: bool = False,
+    exponent: int | None = None,
+) -> ParametricBlend:
+    """The blend sum f_i P_i; `balance`, `normalized` and `exponent` are those of `Weights`.
+
+    Raises `GeometryError` where a surface is not defined at the value of another (then the order of
+    contact is lost there) or a weight has a pole between the values, `ValueError` for a bad balance.
+    """
+    k = checked_order(order)
+    _require_data(data)
+    weights = Weights(data.values, k, balance, normalized, exponent)
+    for i in range(len(data.surfaces)):
+        for value in data.values:
+            data.require_defined(i, value)
+    if exponent is not None and exponent % 2 and len(data.values) > 2:
+        _require_no_pole(weights)
+    source = (lambda: _exact_sum(data, weights)) if data.is_exact else None
+    return ParametricBlend(data, k, _surface(data, _weighted_values(data, weights), source), weights)
+
+
+def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriterion:
+    """Whether polynomial blends exist (Perez-Diaz and Sendra 2003, theorem 9).
+
+    They do iff all d^j P_i / dh^j, j <= order, are polynomials in t at h = s_i; then the Hermite blend is
+    one.  Raises `ValueError` for surfaces that are not exact.
+    """
+    k = checked_order(order)
+    _require_data(data)
+    data.require_exact()
+    for i, value in enumerate(data.values):
+        for axis, part in zip(AXES, data.expansions(i, k), strict=True):
+            if part.denominator.degree() > 0:
+                j = next(j for j in range(k + 1) if part.denominator.gcd(part.numerators[j]) != part.denominator)
+                what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
+                below = RationalFunction.quotient(univariate(part.numerators[j], 0), univariate(part.denominator, 0))
+                where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {plain(value)}"
+                return PolynomialCriterion(
+                    False, f"{what} of {where} is no polynomial; its denominator is {below.denominator}"
+                )
+    return PolynomialCriterion(True, f"all derivatives up to order {k} at the values are polynomials")
+
+
+def _surface(data: BlendingData, values: Values, source: Any) -> ParametricSurface:
+    reason = next((f"surfaces[{i}]: {s.inexact}" for i, s in enumerate(data.surfaces) if not s.is_exact), "")
+    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.domain, reason)
+
+
+def _weighted_values(data: BlendingData, weights: Weights) -> Values:
+    def values(t: Any, h: Any) -> tuple[Any, ...]:
+        sums: list[Any] = [0.0, 0.0, 0.0]
+        for f, surface in zip(weights(h), data.surfaces, strict=True):
+            sums = [s + f * part for s, part in zip(sums, surface.values(t, h), strict=True)]
+        return tuple(sums)
+
+    return values
+
+
+def _exact_sum(data: BlendingData, weights: Weights) -> Components:
+    checkpoint("expanding the weighted blend")
+    x, y, z = (
+        total([f * surface.components[axis] for f, surface in zip(weights.functions, data.surfaces, strict=True)])
+        for axis in range(3)
+    )
+    return x, y, z
+
+
+def _require_no_pole(weights: Weights) -> None:
+    for pole in weights.poles():
+        if pole.inside:
+            raise GeometryError(
+                f"with exponent {weights.exponent} weight {pole.weight} has a pole at h = {pole.h:.6g}, between the "
+                f"values; an even exponent such as {weights.exponent + 1} has none"
+            )
+
+
+def _require_data(data: Any) -> None:
+    if not isinstance(data, BlendingData):
+        kind = "a sequence" if isinstance(data, Sequence) else repr(data)
+        raise TypeError(f"data must be BlendingData(surfaces, values), not {kind}")

@@ -1,0 +1,103 @@
+"""Components of surfaces, as the user wrote them: exact where they can be, else functions of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.parametric.expressions import Formula, Names, NotRationalError, read_formula
+from pas.parametric.jets import Jet, composed, variables
+from pas.parametric.rational_function import RationalFunction
+
+Values = Callable[[Any, Any], tuple[Any, ...]]
+"""Three coordinates at two arrays (or jets) of parameters that broadcast."""
+
+PROBE = (np.array([0.3125, 0.4375]), np.array([0.28125, 0.40625]))
+"""Parameters at which a callable is tried for whether it takes arrays and Taylor series."""
+
+ROUNDOFF = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Component:
+    """One coordinate: `exact` where it is a rational function over Q, else `reason` says why not."""
+
+    exact: RationalFunction | None
+    formula: Formula
+    reason: str = ""
+
+
+def component(expression: Any, names: Names, name: str) -> Component:
+    """Read one coordinate; errors name it."""
+    if callable(expression) and not isinstance(expression, RationalFunction) and not _symbolic(expression):
+        return Component(None, _differentiable(expression, name), f"{name} is a callable")
+    try:
+        exact = RationalFunction(expression, names)
+        return Component(exact, exact)
+    except NotRationalError as error:
+        return Component(None, read_formula(expression, names), f"{name}: {error}")
+    except (ValueError, TypeError) as error:
+        raise type(error)(f"{name}: {error}") from None
+
+
+def from_derivatives(values: Values, given: Mapping[tuple[int, int], Callable[[Any, Any], Any]]) -> Values:
+    """Evaluation on Taylor series by the derivatives that the user gave, and by no others."""
+
+    def coordinate(axis: int, t: Any, h: Any) -> Any:
+        def derivative(first: int, second: int) -> Floats:
+            if (first, second) == (0, 0):
+                return values(plain(t), plain(h))[axis]
+            if (first, second) not in given:
+                raise ValueError(
+                    f"the derivative of orders ({first}, {second}) is not among those given; "
+                    "add it, or give none to have all worked out"
+                )
+            return np.asarray(given[first, second](plain(t), plain(h))[axis], dtype=float)
+
+        return composed(derivative, t, h)
+
+    return lambda t, h: tuple(coordinate(axis, t, h) for axis in range(3))
+
+
+def plain(x: Any) -> Any:
+    """The value of a jet, anything else as it is."""
+    return x.value if isinstance(x, Jet) else x
+
+
+def _symbolic(expression: Any) -> bool:
+    return hasattr(expression, "free_symbols")
+
+
+def _differentiable(function: Formula, name: str) -> Formula:
+    """The callable itself if it takes Taylor series, else with differences in place of derivatives."""
+    try:
+        with np.errstate(all="ignore"):
+            result = function(*PROBE)
+            np.broadcast_to(np.asarray(result, dtype=float), PROBE[0].shape)
+    except (TypeError, AttributeError, ValueError) as error:
+        raise TypeError(f"{name}: the callable must take two numpy arrays and return one ({error})") from None
+    try:
+        with np.errstate(all="ignore"):
+            series = function(*variables(*PROBE, (1, 1)))
+    except (TypeError, AttributeError, ValueError):
+        series = None
+    if isinstance(series, Jet) or (np.ndim(result) == 0 and series is not None):
+        return function
+    return lambda t, h: composed(lambda i, j: _difference(function, plain(t), plain(h), i, j), t, h)
+
+
+def _difference(function: Formula, t: Any, h: Any, first: int, second: int) -> Floats:
+    """The central difference quotient of these orders; steps balance truncation and rounding."""
+    root = ROUNDOFF ** (1 / (first + second + 2))
+    steps = [root * np.maximum(1.0, np.abs(np.asarray(x, dtype=float))) for x in (t, h)]
+    total = np.zeros(np.broadcast_shapes(np.shape(t), np.shape(h)))
+    for i in range(first + 1):
+        for j in range(second + 1):
+            weight = (-1) ** (i + j) * comb(first, i) * comb(second, j)
+            total = total + weight * function(t + (first / 2 - i) * steps[0], h + (second / 2 - j) * steps[1])
+    return total / (steps[0] ** first * steps[1] ** second)

@@ -1,0 +1,123 @@
+"""Curves on parametric surfaces: iso-curves, and any curve in the plane of the parameters.
+
+A path s -> (t(s), h(s)) gives the curve P(t(s), h(s)); with it come the surface's normals along the
+curve and the direction across the curve in the tangent plane, which is what a blend starts from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import rational
+from pas.parametric.callables import component
+from pas.parametric.expressions import Names
+from pas.parametric.jets import Jet, variables
+from pas.parametric.rational_function import RationalFunction
+from pas.parametric.surface import Components, ParametricSurface
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class SurfaceCurve:
+    """The curve P(t(s), h(s)) on a parametric surface.
+
+    `t` and `h` are expressions in the one parameter `parameter`: strings, sympy expressions, numbers or
+    callables of one array.  Raises `ValueError` for one that cannot be read.
+    """
+
+    surface: ParametricSurface
+    parameter: str
+    path: tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]
+    exact_path: tuple[RationalFunction, RationalFunction] | None
+
+    def __init__(self, surface: ParametricSurface, t: Any, h: Any, parameter: str = "s") -> None:
+        if not isinstance(surface, ParametricSurface):
+            raise TypeError(f"surface must be a ParametricSurface, not {surface!r}")
+        if not isinstance(parameter, str) or not parameter.isidentifier():
+            raise ValueError(f"parameter must be a name such as 's', not {parameter!r}")
+        names: Names = (parameter, "")
+        first, second = (component(_of_two(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True))
+        exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
+        object.__setattr__(self, "surface", surface)
+        object.__setattr__(self, "parameter", parameter)
+        object.__setattr__(self, "path", (first.formula, second.formula))
+        object.__setattr__(self, "exact_path", exact)
+
+    @property
+    def components(self) -> Components:
+        """The exact coordinates as rational functions of the parameter; raises `ValueError` where there are none."""
+        if self.exact_path is None:
+            raise ValueError("the path of this curve is not exact; give it as rational functions over Q")
+        x, y, z = (c.substitute(*self.exact_path) for c in self.surface.components)
+        return x, y, z
+
+    def parameters(self, s: Any) -> Floats:
+        """The surface's parameters (t, h) at `s` (...): shape (..., 2)."""
+        array = np.asarray(s, dtype=float)
+        return np.stack([np.broadcast_to(f(array, 0.0), array.shape) for f in self.path], axis=-1)
+
+    def __call__(self, s: Any) -> Floats:
+        """Points at `s` (...): shape (..., 3).  Raises `ValueError` outside the surface's domain."""
+        return self.surface(self.parameters(s))
+
+    def derivative(self, s: Any, order: int = 1) -> Floats:
+        """The derivative of the points of this order at `s` (...): shape (..., 3)."""
+        if not isinstance(order, int) or isinstance(order, bool) or order < 0:
+            raise ValueError(f"order must be a whole number >= 0, not {order!r}")
+        array = np.asarray(s, dtype=float)
+        self.surface(self.parameters(array))  # speaks up outside the domain
+        line, _ = variables(array, np.zeros_like(array), (order, 0))
+        with np.errstate(all="ignore"):
+            inner = [f(line, 0.0) for f in self.path]
+            parts = self.surface.values(*inner)
+        flat = np.zeros(array.shape)
+        return np.stack([p.derivative(order, 0) if isinstance(p, Jet) else flat for p in parts], axis=-1)
+
+    def tangents(self, s: Any) -> Floats:
+        """Unit tangents at `s` (...): (..., 3); nan where the curve stops."""
+        return _unit(self.derivative(s))
+
+    def normals(self, s: Any) -> Floats:
+        """The surface's unit normals along the curve at `s` (...): (..., 3)."""
+        return self.surface.normals(self.parameters(s))
+
+    def across(self, s: Any) -> Floats:
+        """Unit vectors in the tangent plane across the curve, normal x tangent, at `s` (...): (..., 3)."""
+        return _unit(np.cross(self.normals(s), self.tangents(s)))
+
+
+def iso_curve(surface: ParametricSurface, t: Any = None, h: Any = None) -> SurfaceCurve:
+    """The curve along which one parameter is constant: `iso_curve(surface, h="1/2")` runs along t.
+
+    Its parameter is the surface's other one.  Raises `ValueError` unless exactly one of the two is given, and
+    where that lies outside the domain.
+    """
+    if (t is None) == (h is None):
+        raise ValueError("give exactly one of t and h: the parameter that is constant")
+    fixed = 0 if h is None else 1
+    value = rational(t if h is None else h, surface.parameters[fixed])
+    if not surface.contains(value, fixed):
+        low, high = surface.domain[fixed]
+        raise ValueError(f"{surface.parameters[fixed]} = {value} lies outside the domain [{low:.6g}, {high:.6g}]")
+    free = surface.parameters[1 - fixed]
+    return SurfaceCurve(surface, free if fixed else value, value if fixed else free, free)
+
+
+def _of_two(expression: Any) -> Any:
+    """A callable of one array as one of two."""
+    if (
+        callable(expression)
+        and not hasattr(expression, "free_symbols")
+        and not isinstance(expression, RationalFunction)
+    ):
+        return lambda s, _: expression(s)
+    return expression
+
+
+def _unit(vectors: Floats) -> Floats:
+    with np.errstate(all="ignore"):
+        return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

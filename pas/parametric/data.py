@@ -1,0 +1,234 @@
+"""Blending data: surfaces P_i(t, h), each to be met where h has its value s_i.
+
+The Taylor coefficients of P_i in h at s_i, up to the order k, are all that a blend must agree with
+(Perez-Diaz and Sendra 2003).  They are rational functions of t; where these have poles, and where
+numerator and denominator of P_i vanish together (base points), no blend helps: such t are reported.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_poly
+
+from pas.algebra.rational import plain, to_float, to_fraction
+from pas.errors import GeometryError
+from pas.parametric.hermite import distinct
+from pas.parametric.rational_function import ONE, RationalFunction
+from pas.parametric.series import taylor, univariate
+from pas.parametric.surface import ParametricSurface
+
+AXES = "xyz"
+
+
+class PointKind(Enum):
+    """What happens at an isolated t: the curve has a pole, or numerator and denominator vanish together."""
+
+    POLE = "pole"
+    BASE_POINT = "base point"
+
+
+@dataclass(frozen=True)
+class IsolatedPoint:
+    """A real t at which surface number `surface` is not defined on the curve h = `value`.
+
+    `axis` names the component, `factor` the irreducible factor of its denominator that vanishes.
+    """
+
+    surface: int
+    axis: str
+    t: float
+    value: fmpq
+    factor: str
+    kind: PointKind
+
+    def __str__(self) -> str:
+        where = f"({self.t:.6g}, {plain(self.value)}), where {self.factor} = 0"
+        return f"surfaces[{self.surface}].{self.axis} has a {self.kind.value} at {where}"
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Taylor coefficients in h of one component: `numerators[j] / denominator` as functions of t.
+
+    The denominator is the least common one of all j (in lowest terms, monic).
+    """
+
+    numerators: tuple[fmpq_poly, ...]
+    denominator: fmpq_poly
+
+
+@dataclass(frozen=True, init=False)
+class BlendingData:
+    """Surfaces and the value s_i of the second parameter at which each is met.
+
+    `values` are distinct numbers, 0, 1, ..., n-1 where they are not given.  Surface i contributes the curve
+    `surfaces[i](t, values[i])`.
+
+    Raises `ValueError` or `TypeError` for fewer than two surfaces or equal values, `GeometryError` for a
+    surface that is not defined at its value.
+    """
+
+    surfaces: tuple[ParametricSurface, ...]
+    values: tuple[fmpq, ...]
+
+    def __init__(self, surfaces: Sequence[ParametricSurface], values: Sequence[Any] | None = None) -> None:
+        items = tuple(surfaces)
+        for i, item in enumerate(items):
+            if not isinstance(item, ParametricSurface):
+                raise TypeError(f"surfaces[{i}] must be a ParametricSurface, not {item!r}")
+        if len(items) < 2:
+            raise ValueError(f"a blend needs at least two surfaces, not {len(items)}")
+        at = distinct(range(len(items)) if values is None else values)
+        if len(at) != len(items):
+            raise ValueError(f"there are {len(items)} surfaces but {len(at)} values; give one value for each")
+        object.__setattr__(self, "surfaces", items)
+        object.__setattr__(self, "values", at)
+        for i, value in enumerate(at):
+            self.require_defined(i, value)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether all surfaces are rational functions over Q."""
+        return all(surface.is_exact for surface in self.surfaces)
+
+    @property
+    def domain(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest."""
+        low = max(surface.domain[0][0] for surface in self.surfaces)
+        high = min(surface.domain[0][1] for surface in self.surfaces)
+        if not low < high:
+            raise GeometryError(f"the domains of the surfaces have no t in common (from {low:.6g} to {high:.6g})")
+        return (low, high), (to_float(min(self.values)), to_float(max(self.values)))
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """The total degree of each surface."""
+        return tuple(surface.degree for surface in self.surfaces)
+
+    @property
+    def curve_degrees(self) -> tuple[int, ...]:
+        """The degree of each curve surfaces[i](t, values[i])."""
+        return tuple(max(c.degree for c in self.curve(i)) for i in range(len(self.surfaces)))
+
+    def curve(self, number: int) -> tuple[RationalFunction, RationalFunction, RationalFunction]:
+        """The exact curve surfaces[number](t, values[number])."""
+        x, y, z = self.coefficients(number, 0)[0]
+        return x, y, z
+
+    def coefficients(self, number: int, order: int) -> list[tuple[RationalFunction, ...]]:
+        """Exact Taylor coefficients in h of one surface at its value, j = 0..order, as functions of t."""
+        parts = self.expansions(number, order)
+        return [
+            tuple(
+                RationalFunction.quotient(univariate(p.numerators[j], 0), univariate(p.denominator, 0)) for p in parts
+            )
+            for j in range(order + 1)
+        ]
+
+    def expansions(self, number: int, order: int) -> tuple[Expansion, ...]:
+        """The same of each component over its least common denominator."""
+        return _expansions(self.surfaces[number].components, self.values[number], order)
+
+    def isolated_points(self, everywhere: bool = False) -> tuple[IsolatedPoint, ...]:
+        """Every real t of the domain at which a surface is not defined on its curve, and why.
+
+        With `everywhere` also on the curves of the others, which matters for weights.
+        """
+        return tuple(
+            point
+            for i, (surface, value) in enumerate(zip(self.surfaces, self.values, strict=True))
+            for axis, component in zip(AXES, surface.components, strict=True)
+            for at in (self.values if everywhere else (value,))
+            for point in _isolated(i, axis, component, at, surface.domain[0])
+        )
+
+    def require_exact(self) -> None:
+        """Raise `ValueError` unless all surfaces are exact."""
+        for i, surface in enumerate(self.surfaces):
+            if not surface.is_exact:
+                raise ValueError(f"this needs exact surfaces; surfaces[{i}] is not one: {surface.inexact}")
+
+    def require_defined(self, number: int, value: fmpq) -> None:
+        """Raise `GeometryError` where surface `number` is not defined at h = `value`."""
+        surface = self.surfaces[number]
+        name = f"surfaces[{number}] is not defined at {surface.parameters[1]} = {plain(value)}"
+        if not surface.contains(value, 1):
+            low, high = surface.domain[1]
+            raise GeometryError(f"{name}: its domain there is [{low:.6g}, {high:.6g}]")
+        if surface.is_exact:
+            for axis, component in zip(AXES, surface.components, strict=True):
+                if not component.is_polynomial and taylor(component.denominator, value, 0)[0].is_zero():
+                    raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
+        elif not np.isfinite(surface.with_domain(None).on_grid(_samples(surface), to_float(value))).all(axis=-1).any():
+            raise GeometryError(f"{name}: it has no finite value there")
+
+    def __str__(self) -> str:
+        return f"{len(self.surfaces)} surfaces at " + ", ".join(str(to_fraction(v)) for v in self.values)
+
+
+@lru_cache(maxsize=256)
+def _expansions(
+    components: tuple[RationalFunction, RationalFunction, RationalFunction], value: fmpq, order: int
+) -> tuple[Expansion, ...]:
+    return tuple(_expansion(component, value, order) for component in components)
+
+
+def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansion:
+    """Division of series: c_j = N_j / d_0^(j+1), N_j = n_j d_0^j - sum_l d_l d_0^(l-1) N_(j-l)."""
+    above = taylor(component.numerator, value, order)
+    below = taylor(component.denominator, value, order)
+    lead = below[0]
+    powers = [fmpq_poly([1])]
+    for _ in range(order + 1):
+        powers.append(powers[-1] * lead)
+    if all(d.is_zero() for d in below[1:]):
+        tops, bottom = above, lead
+    else:
+        raw: list[fmpq_poly] = []
+        for j in range(order + 1):
+            rest = sum((below[m] * powers[m - 1] * raw[j - m] for m in range(1, j + 1)), fmpq_poly([0]))
+            raw.append(above[j] * powers[j] - rest)
+        tops, bottom = [raw[j] * powers[order - j] for j in range(order + 1)], powers[order + 1]
+    common = bottom
+    for top in tops:
+        common = common.gcd(top)
+    scale = (bottom / common).leading_coefficient()
+    return Expansion(tuple(top / common / scale for top in tops), bottom / common / scale)
+
+
+def _isolated(
+    number: int, axis: str, component: RationalFunction, value: fmpq, domain: tuple[float, float]
+) -> list[IsolatedPoint]:
+    above, below = (taylor(p, value, 0)[0] for p in (component.numerator, component.denominator))
+    found = []
+    for factor, _ in below.factor()[1] if below.degree() > 0 else ():
+        kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
+        for root in real_roots(factor):
+            if domain[0] <= root <= domain[1]:
+                text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
+                found.append(IsolatedPoint(number, axis, root, value, text, kind))
+    return sorted(found, key=lambda p: p.t)
+
+
+def real_roots(polynomial: fmpq_poly) -> list[float]:
+    """The distinct real roots, in order (isolated with certainty, then rounded)."""
+    if polynomial.degree() < 1:
+        return []
+    pairs: Any = polynomial.complex_roots()
+    return sorted(float(root.real) for root, _ in pairs if root.imag == 0)
+
+
+def _samples(surface: ParametricSurface) -> list[float]:
+    """A few t of the domain."""
+    low, high = surface.domain[0]
+    start = low if math.isfinite(low) else (high - 1 if math.isfinite(high) else -1.0)
+    stop = high if math.isfinite(high) else start + 2
+    return [start + (stop - start) * float(Fraction(i, 7)) for i in (1, 2, 3, 5, 6)]

@@ -1,0 +1,144 @@
+"""Reads expressions in two parameters: exact rational functions, or formulas for arrays.
+
+The grammar is Python's, restricted to numbers, the parameters' names, + - * / ** (or ^),
+parentheses and, where exactness is not asked, the constant pi and elementary functions.
+Decimals are the decimals written.  Nothing is evaluated but arithmetic, so a string from a file
+is harmless.  Sympy expressions are read through the string that sympy writes for them.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any, Protocol
+
+import numpy as np
+
+Names = tuple[str, str]
+Formula = Callable[[Any, Any], Any]
+"""A function of two arrays (or jets)."""
+
+FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
+    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")},
+    **{"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "Abs": np.absolute, "abs": np.absolute},
+}
+CONSTANTS = {"pi": float(np.pi), "E": float(np.e)}
+
+
+class NotRationalError(ValueError):
+    """The expression is no rational function with rational coefficients."""
+
+
+def read_formula(expression: Any, names: Names) -> Formula:
+    """The same expression, or one with elementary functions, as a function of arrays or jets."""
+    text = as_text(expression)
+    if text is None:
+        raise TypeError(f"write the expression as a string in {' and '.join(filter(None, names))}, not {expression!r}")
+    return evaluate(text, _Numeric(names))
+
+
+def as_text(expression: Any) -> str | None:
+    """The expression as a string, None for a number."""
+    if isinstance(expression, str):
+        return expression
+    if not hasattr(expression, "free_symbols"):
+        return None
+    import sympy
+
+    exact = {number: sympy.Rational(number) for number in expression.atoms(sympy.Float)}
+    return str(expression.xreplace(exact))
+
+
+class Values(Protocol):
+    """What the reader needs to know of the values that it computes."""
+
+    def number(self, literal: Fraction) -> Any: ...
+    def name(self, name: str) -> Any: ...
+    def combine(self, operator: ast.operator, left: Any, right: Any) -> Any: ...
+    def power(self, base: Any, exponent: Any) -> Any: ...
+    def call(self, name: str, argument: Any) -> Any: ...
+
+
+def evaluate(text: str, values: Values) -> Any:
+    """What an expression comes to in some kind of values; raises `ValueError` saying what is wrong."""
+    return _Reader(text, values).value()
+
+
+class _Reader:
+    def __init__(self, text: str, values: Values) -> None:
+        self.text, self.values = text, values
+        self.source = " ".join(text.replace("^", "**").split())
+
+    def value(self) -> Any:
+        if not self.source:
+            raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
+        try:
+            return self.read(ast.parse(self.source, mode="eval").body)
+        except (SyntaxError, RecursionError, MemoryError) as error:
+            where = f"{error.msg} at column {error.offset}" if isinstance(error, SyntaxError) else "it is too deep"
+            raise ValueError(f"cannot read the expression {self.text!r}: {where}") from None
+        except NotRationalError as error:
+            raise NotRationalError(f"{self.text!r} is not a rational function: {error}") from None
+        except (ValueError, ZeroDivisionError) as error:
+            raise ValueError(f"cannot read the expression {self.text!r}: {error}") from None
+
+    def read(self, node: ast.expr) -> Any:
+        if isinstance(node, ast.BinOp):
+            return self._binary(node)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+            inner = self.read(node.operand)
+            zero = self.values.number(Fraction(0))
+            return inner if isinstance(node.op, ast.UAdd) else self.values.combine(ast.Sub(), zero, inner)
+        if isinstance(node, ast.Name):
+            return self.values.name(node.id)
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+            return self.values.number(Fraction(self._segment(node).replace("_", "")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
+            return self.values.call(node.func.id, self.read(node.args[0]))
+        raise ValueError(f"{self._segment(node)!r} is not arithmetic")
+
+    def _binary(self, node: ast.BinOp) -> Any:
+        left, right = self.read(node.left), self.read(node.right)
+        if isinstance(node.op, ast.Pow):
+            return self.values.power(left, right)
+        if isinstance(node.op, ast.Add | ast.Sub | ast.Mult | ast.Div):
+            return self.values.combine(node.op, left, right)
+        raise ValueError(f"{self._segment(node)!r} uses an operator other than + - * / ^")
+
+    def _segment(self, node: ast.expr) -> str:
+        return ast.get_source_segment(self.source, node) or self.source
+
+
+class _Numeric:
+    def __init__(self, names: Names) -> None:
+        self.names = names
+
+    def number(self, literal: Fraction) -> Formula:
+        value = float(literal)
+        return lambda t, h: value
+
+    def name(self, name: str) -> Formula:
+        if name in self.names:
+            return (lambda t, h: t) if name == self.names[0] else (lambda t, h: h)
+        if name in CONSTANTS:
+            return lambda t, h: CONSTANTS[name]
+        raise ValueError(f"the variable {name!r} is not one of the parameters {', '.join(filter(None, self.names))}")
+
+    def combine(self, operator: ast.operator, left: Formula, right: Formula) -> Formula:
+        if isinstance(operator, ast.Add):
+            return lambda t, h: left(t, h) + right(t, h)
+        if isinstance(operator, ast.Sub):
+            return lambda t, h: left(t, h) - right(t, h)
+        if isinstance(operator, ast.Mult):
+            return lambda t, h: left(t, h) * right(t, h)
+        return lambda t, h: left(t, h) / right(t, h)
+
+    def power(self, base: Formula, exponent: Formula) -> Formula:
+        return lambda t, h: base(t, h) ** exponent(t, h)
+
+    def call(self, name: str, argument: Formula) -> Formula:
+        if name not in FUNCTIONS:
+            raise ValueError(f"there is no function {name!r}; there are {', '.join(sorted(FUNCTIONS))}")
+        function = FUNCTIONS[name]
+        return lambda t, h: function(argument(t, h))

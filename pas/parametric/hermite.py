@@ -1,0 +1,106 @@
+"""The Hermite basis: polynomials L_ij whose derivatives up to order k at given values are unit vectors.
+
+With W = prod (h - s_l)^(k+1) and i, j fixed, L_ij is the Taylor polynomial of (h - s_i)^(k+1) / W at
+s_i, cut off at degree k - j, times (h - s_i)^j / j! and W / (h - s_i)^(k+1) (Spitzbart 1960; used
+for blending by Perez-Diaz and Sendra 2003).  The degree is n(k+1) - 1 at most, and the basis is
+unique since the confluent Vandermonde determinant does not vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import combinations
+from math import factorial, prod
+from typing import Any
+
+from flint import fmpq, fmpq_poly
+
+from pas.algebra.rational import plain, rational, to_fraction
+from pas.parametric.rational_function import ONE, RationalFunction
+from pas.parametric.series import univariate
+
+
+def hermite_basis(values: Sequence[Any], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
+    """The polynomials L[i][j] in h, i = 0..n-1, j = 0..order.
+
+    The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order.
+    Raises `ValueError` for equal values or a negative order.
+    """
+    at, k = distinct(values), checked_order(order)
+    return tuple(
+        tuple(
+            RationalFunction.from_lowest_terms(univariate(p * fmpq(1, factorial(j)), 1), ONE)
+            for j, p in enumerate(taylor_basis(at, i, k))
+        )
+        for i in range(len(at))
+    )
+
+
+def hermite_determinant(values: Sequence[Any], order: int) -> Fraction:
+    """The determinant of the interpolation problem, in rows d^j/dh^j at values[i] (i outer, j inner).
+
+    `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so the problem has one solution.
+    """
+    at, k = distinct(values), checked_order(order)
+    differences = prod(((b - a) ** ((k + 1) ** 2) for a, b in combinations(at, 2)), start=fmpq(1))
+    return to_fraction(differences * prod(factorial(j) ** len(at) for j in range(k + 1)))
+
+
+def blending_polynomial(values: Sequence[fmpq], order: int) -> fmpq_poly:
+    """W = prod (h - s_l)^(k+1)."""
+    return prod((fmpq_poly([-s, 1]) for s in values), start=fmpq_poly([1])) ** (order + 1)
+
+
+def taylor_basis(values: Sequence[fmpq], number: int, order: int) -> list[fmpq_poly]:
+    """The basis for Taylor coefficients instead of derivatives: j! L_ij, j = 0..order."""
+    node = values[number]
+    step = fmpq_poly([-node, 1])
+    outer = fmpq_poly([1])
+    for other in _others(values, number):
+        outer = outer * fmpq_poly([-other / (node - other), 1 / (node - other)])
+    outer = outer ** (order + 1)
+    inverse = inverse_series(values, number, order)
+    basis = []
+    for j in range(order + 1):
+        cut = fmpq_poly([fmpq(0)])
+        for coefficient in reversed(inverse[: order - j + 1]):
+            cut = cut * step + coefficient
+        basis.append(outer * cut * step**j)
+    return basis
+
+
+def inverse_series(values: Sequence[fmpq], number: int, order: int) -> list[fmpq]:
+    """Taylor coefficients at s_i of prod_{l != i} ((s_i - s_l) / (h - s_l))^(k+1)."""
+    node = values[number]
+    series = fmpq_poly([1])
+    for other in _others(values, number):
+        geometric = fmpq_poly([(-1 / (node - other)) ** m for m in range(order + 1)])
+        series = series.mul_low(geometric, order + 1)
+    power = fmpq_poly([1])
+    for _ in range(order + 1):
+        power = power.mul_low(series, order + 1)
+    coefficients = power.coeffs()
+    return [*coefficients, *[fmpq(0)] * (order + 1 - len(coefficients))]
+
+
+def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
+    return [value for i, value in enumerate(values) if i != number]
+
+
+def distinct(values: Sequence[Any]) -> tuple[fmpq, ...]:
+    """Exact values, checked to be at least one and distinct."""
+    if isinstance(values, str) or not hasattr(values, "__len__") or len(values) == 0:
+        raise TypeError(f"values must be a sequence of numbers, not {values!r}")
+    exact = tuple(rational(value, f"values[{i}]") for i, value in enumerate(values))
+    for (i, a), (j, b) in combinations(enumerate(exact), 2):
+        if a == b:
+            raise ValueError(f"values[{i}] and values[{j}] are both {plain(a)}; give each surface its own value")
+    return exact
+
+
+def checked_order(order: Any) -> int:
+    """The order of contact, a whole number >= 0."""
+    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
+        raise ValueError(f"order must be a whole number >= 0, not {order!r}")
+    return order

@@ -1,0 +1,320 @@
+"""Exact rational functions of two parameters over Q, in lowest terms.
+
+Numerator and denominator are python-flint `fmpq_mpoly` of one ring for the whole program; the
+denominator has coprime integers as coefficients, the leading one (grevlex) positive, so that
+equal functions have equal parts.  Arithmetic, substitution, derivatives and Taylor coefficients
+are exact.  Calling a function on arrays is the only numerical thing: it evaluates the expanded
+numerator and denominator, with infinities and nan where the denominator vanishes.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from pas.algebra.locus import primitive
+from pas.algebra.parse import MAXIMAL_DEGREE
+from pas.algebra.rational import rational, to_fraction
+from pas.parametric.expressions import CONSTANTS, FUNCTIONS, Names, NotRationalError, as_text, evaluate
+from pas.parametric.horner import Bundle
+
+PARAMETERS: Names = ("t", "h")
+RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)
+GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+ONE: fmpq_mpoly = RING.constant(1)
+
+
+class RationalFunction:
+    """A rational function of two parameters with rational coefficients, exact and immutable.
+
+    `expression` is a string (`"2*t/(1 + t^2)"`), a sympy expression, a number or a
+    RationalFunction; `names` are the parameters.  `numerator` and `denominator` are coprime.
+
+    Raises `ValueError` (other variables, not rational, zero denominator) or `TypeError`.
+
+    >>> f = RationalFunction("(t^2 - h^2)/(t - h) + 1/2")
+    >>> str(f), f.degree, f.is_polynomial
+    ('t + h + 1/2', 1, True)
+    """
+
+    def __init__(self, expression: Any, names: Names = PARAMETERS) -> None:
+        made = _read(expression, names)
+        self.numerator: fmpq_mpoly = made.numerator
+        self.denominator: fmpq_mpoly = made.denominator
+        self.names = names
+
+    @classmethod
+    def quotient(cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names = PARAMETERS) -> RationalFunction:
+        """The quotient of two polynomials of the ring; raises `ValueError` for a zero denominator."""
+        if denominator.is_zero():
+            raise ValueError("the denominator of a rational function is zero")
+        if denominator.is_constant():
+            return cls.from_lowest_terms(numerator / denominator.leading_coefficient(), ONE, names)
+        common = numerator.gcd(denominator)
+        if not common.is_constant():
+            numerator, denominator = numerator / common, denominator / common
+        return cls.from_lowest_terms(numerator, denominator, names)
+
+    @classmethod
+    def from_lowest_terms(
+        cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names = PARAMETERS
+    ) -> RationalFunction:
+        """Own a numerator and a denominator known to be coprime."""
+        result = cls.__new__(cls)
+        scaled = primitive(denominator)
+        if scaled.leading_coefficient() < 0:
+            scaled = -scaled
+        result.numerator = numerator * (scaled.leading_coefficient() / denominator.leading_coefficient())
+        result.denominator, result.names = scaled, names
+        return result
+
+    @property
+    def degree(self) -> int:
+        """The greater of the total degrees of numerator and denominator (0 for the zero function)."""
+        return max(_total_degree(self.numerator), _total_degree(self.denominator), 0)
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """The same in each parameter."""
+        tops = [p.degrees() if not p.is_zero() else (0, 0) for p in (self.numerator, self.denominator)]
+        return max(int(d[0]) for d in tops), max(int(d[1]) for d in tops)
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the denominator is constant."""
+        return bool(self.denominator.is_constant())
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this is the zero function."""
+        return bool(self.numerator.is_zero())
+
+    def diff(self, first: int = 0, second: int = 0) -> RationalFunction:
+        """The partial derivative of these orders."""
+        result = self
+        for index, order in enumerate((first, second)):
+            for _ in range(order):
+                n, d = result.numerator, result.denominator
+                part = n.derivative(index) * d - n * d.derivative(index)
+                result = RationalFunction.quotient(part, d * d, self.names)
+        return result
+
+    def substitute(self, first: RationalFunction, second: RationalFunction) -> RationalFunction:
+        """Exact substitution for the two parameters; raises `ValueError` where it divides by zero."""
+        over = lcm(first.denominator, second.denominator)
+        top = [f.numerator * (over / f.denominator) for f in (first, second)]
+        highest = self.degree
+        parts = [homogenised(p.to_dict(), [*top], over, highest) for p in (self.numerator, self.denominator)]
+        return RationalFunction.quotient(parts[0], parts[1], first.names)
+
+    def at(self, t: Any, h: Any) -> Fraction:
+        """The exact value at a rational point; raises `ValueError` at a pole."""
+        where = rational(t, self.names[0]), rational(h, self.names[1])
+        below = self.denominator(*where)
+        if below == 0:
+            raise ValueError(f"{self} has a pole at {self.names[0]} = {t}, {self.names[1]} = {h}")
+        return to_fraction(self.numerator(*where) / below)
+
+    def __call__(self, t: Any, h: Any) -> Any:
+        """Values at arrays (or jets) of parameters that broadcast."""
+        return self._bundle.quotients(t, h)[0]
+
+    @cached_property
+    def _bundle(self) -> Bundle:
+        return Bundle.of_pairs([(self.numerator, self.denominator)])
+
+    def to_sympy(self) -> Any:
+        """The same function as a sympy expression in the symbols of its parameters."""
+        import sympy
+
+        symbols = sympy.symbols(self.names)
+        parts = []
+        for polynomial in (self.numerator, self.denominator):
+            terms = {e: sympy.Rational(int(c.p), int(c.q)) for e, c in polynomial.to_dict().items()}
+            parts.append(sympy.Poly(terms or {(0, 0): 0}, *symbols).as_expr())
+        return parts[0] / parts[1]
+
+    def __add__(self, other: Any) -> RationalFunction:
+        return self._with(other, lambda a, b: total([a, b]))
+
+    def __sub__(self, other: Any) -> RationalFunction:
+        return self._with(other, lambda a, b: total([a, -b]))
+
+    def __rsub__(self, other: Any) -> RationalFunction:
+        return self._with(other, lambda a, b: total([b, -a]))
+
+    def __mul__(self, other: Any) -> RationalFunction:
+        return self._with(
+            other, lambda a, b: RationalFunction.quotient(a.numerator * b.numerator, a.denominator * b.denominator)
+        )
+
+    def __truediv__(self, other: Any) -> RationalFunction:
+        return self._with(other, _divided)
+
+    def __rtruediv__(self, other: Any) -> RationalFunction:
+        return self._with(other, lambda a, b: _divided(b, a))
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __neg__(self) -> RationalFunction:
+        return RationalFunction.from_lowest_terms(-self.numerator, self.denominator, self.names)
+
+    def __pow__(self, exponent: int) -> RationalFunction:
+        if not isinstance(exponent, int) or isinstance(exponent, bool):
+            raise ValueError(f"the exponent must be a whole number, not {exponent!r}")
+        base = self if exponent >= 0 else 1 / self
+        n = abs(exponent)
+        return RationalFunction.from_lowest_terms(base.numerator**n, base.denominator**n, self.names)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RationalFunction):
+            try:
+                other = RationalFunction(other, self.names)
+            except (TypeError, ValueError):
+                return NotImplemented
+        return bool(self.numerator == other.numerator and self.denominator == other.denominator)
+
+    def __hash__(self) -> int:
+        return hash((str(self.numerator), str(self.denominator)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (_plain_terms(self.numerator), _plain_terms(self.denominator), self.names)
+
+    def __str__(self) -> str:
+        ring = fmpq_mpoly_ctx.get(tuple(name or "_" for name in self.names), Ordering.degrevlex)
+        above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
+        return above if self.is_polynomial else f"({above})/({below})"
+
+    def __repr__(self) -> str:
+        return f"RationalFunction({str(self)!r})"
+
+    def _with(self, other: Any, operation: Any) -> RationalFunction:
+        if not isinstance(other, RationalFunction):
+            try:
+                other = RationalFunction(other, self.names)
+            except TypeError:
+                return NotImplemented
+        result = operation(self, other)
+        return RationalFunction._renamed(result, self.names)
+
+    @staticmethod
+    def _renamed(function: RationalFunction, names: Names) -> RationalFunction:
+        function.names = names
+        return function
+
+
+def total(functions: Sequence[RationalFunction]) -> RationalFunction:
+    """The sum, over the least common denominator, reduced once."""
+    over = ONE
+    for f in functions:
+        over = lcm(over, f.denominator)
+    above = sum((f.numerator * (over / f.denominator) for f in functions), ONE * 0)
+    return RationalFunction.quotient(above, over, functions[0].names if functions else PARAMETERS)
+
+
+def _divided(a: RationalFunction, b: RationalFunction) -> RationalFunction:
+    if b.is_zero:
+        raise ZeroDivisionError("a rational function cannot be divided by zero")
+    return RationalFunction.quotient(a.numerator * b.denominator, a.denominator * b.numerator)
+
+
+def lcm(a: fmpq_mpoly, b: fmpq_mpoly) -> fmpq_mpoly:
+    """The least common multiple, up to a constant."""
+    if a == b or b.is_constant():
+        return a
+    return b if a.is_constant() else a * (b / a.gcd(b))
+
+
+def homogenised(
+    terms: Mapping[tuple[int, ...], fmpq], tops: Sequence[fmpq_mpoly], over: fmpq_mpoly, highest: int
+) -> fmpq_mpoly:
+    """`over^highest` times the polynomial at `tops / over`."""
+    bases = [*tops, over]
+    powers = [[ONE] for _ in bases]
+    for base, table in zip(bases, powers, strict=True):
+        for _ in range(highest):
+            table.append(table[-1] * base)
+    result = ONE * 0
+    for exponents, coefficient in terms.items():
+        product = powers[-1][highest - sum(map(int, exponents))] * coefficient
+        for table, exponent in zip(powers, exponents, strict=False):
+            product = product * table[int(exponent)]
+        result = result + product
+    return result
+
+
+def _total_degree(polynomial: fmpq_mpoly) -> int:
+    return -1 if polynomial.is_zero() else int(polynomial.total_degree())
+
+
+def _plain_terms(polynomial: fmpq_mpoly) -> dict[tuple[int, int], Fraction]:
+    return {(int(a), int(b)): to_fraction(c) for (a, b), c in polynomial.to_dict().items()}
+
+
+def _rebuilt(above: Mapping[Any, Fraction], below: Mapping[Any, Fraction], names: Names) -> RationalFunction:
+    parts = [RING.from_dict({e: rational(c) for e, c in part.items()}) for part in (above, below)]
+    return RationalFunction.from_lowest_terms(parts[0], parts[1], names)
+
+
+def _read(expression: Any, names: Names) -> RationalFunction:
+    if isinstance(expression, RationalFunction):
+        return expression
+    if callable(expression) and not hasattr(expression, "free_symbols"):
+        raise TypeError(f"a callable is not exact; write the expression as a string in {' and '.join(names)}")
+    text = as_text(expression)
+    if text is not None:
+        return evaluate(text, _Exact(names))
+    return RationalFunction.from_lowest_terms(RING.constant(rational(expression, "the expression")), ONE, names)
+
+
+class _Exact:
+    """Exact values for the reader of expressions."""
+
+    def __init__(self, names: Names) -> None:
+        made = (RationalFunction.from_lowest_terms(g, ONE, names) for g in GENERATORS)
+        self.names, self.variables = names, dict(zip(names, made, strict=True))
+
+    def number(self, literal: Fraction) -> RationalFunction:
+        value = RING.constant(fmpq(literal.numerator, literal.denominator))
+        return RationalFunction.from_lowest_terms(value, ONE, self.names)
+
+    def name(self, name: str) -> RationalFunction:
+        if name in self.variables:
+            return self.variables[name]
+        if name in CONSTANTS:
+            raise NotRationalError(f"{name} is not rational")
+        raise ValueError(f"the variable {name!r} is not one of the parameters {', '.join(filter(None, self.names))}")
+
+    def combine(self, operator: ast.operator, left: RationalFunction, right: RationalFunction) -> RationalFunction:
+        if isinstance(operator, ast.Add):
+            return left + right
+        if isinstance(operator, ast.Sub):
+            return left - right
+        if isinstance(operator, ast.Mult):
+            return left * right
+        if right.is_zero:
+            raise ValueError("it divides by zero")
+        return left / right
+
+    def power(self, base: RationalFunction, exponent: RationalFunction) -> RationalFunction:
+        if exponent.degree > 0:
+            raise NotRationalError("an exponent depends on the parameters")
+        value = fmpq(0) if exponent.is_zero else exponent.numerator.leading_coefficient()
+        if value.q != 1:
+            raise NotRationalError(f"the exponent {value} is not a whole number")
+        if abs(value) * max(base.degree, 1) > MAXIMAL_DEGREE:
+            raise ValueError(f"a power is of degree or exponent above {MAXIMAL_DEGREE}")
+        if value < 0 and base.is_zero:
+            raise ValueError("it divides by zero")
+        return base ** int(value)
+
+    def call(self, name: str, argument: RationalFunction) -> RationalFunction:
+        if name in FUNCTIONS:
+            raise NotRationalError(f"{name} is not rational")
+        raise ValueError(f"there is no function {name!r}")

@@ -1,0 +1,344 @@
+"""Parametric surfaces: exact rational ones, and any that can be evaluated.
+
+A surface maps its two parameters, t and h unless named otherwise, to points of space.  Rational
+expressions over Q are held exactly (lowest terms); others (sines, callables) are only evaluated.
+Derivatives of any order are carried along by Taylor arithmetic (`jets`), so an exact surface and a
+callable share one road.
+
+Guaranteed: exact components, derivatives and residuals are exact.  Not guaranteed: that the map is
+injective or regular; `regularity` decides the latter for exact surfaces.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import rational, to_float, vector
+from pas.limits import checkpoint
+from pas.parametric.callables import Values, component, from_derivatives
+from pas.parametric.expressions import Names
+from pas.parametric.horner import Bundle
+from pas.parametric.jets import Jet, variables
+from pas.parametric.rational_function import PARAMETERS, RationalFunction
+from pas.parametric.series import composed
+
+Components = tuple[RationalFunction, RationalFunction, RationalFunction]
+Interval = tuple[float, float]
+Domain = tuple[Interval, Interval]
+PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
+
+CHUNK = 1 << 14
+"""Points evaluated at once: some dozen intermediate arrays of this length fit into the caches."""
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ParametricSurface:
+    """A surface (x, y, z)(t, h).
+
+    Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a
+    number, or a callable of two numpy arrays.  It is exact where all three are rational functions
+    with rational coefficients.  `domain` is a pair of closed intervals, `((0, 1), (None, 2))`,
+    None for an end at infinity; without it the domain is the whole plane.
+
+    Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary
+    functions, else by central differences (relative error about 1e-10 for the first, 1e-7 for the
+    second).  Or give them: `derivatives` maps orders (i, j) to a callable that returns the three
+    components of d^(i+j) P / dt^i dh^j; then no others are made up.
+
+    Raises `ValueError` for unknown variables, unreadable expressions or an empty domain.
+    """
+
+    parameters: Names
+    domain: Domain
+    values: Values
+    source: Callable[[], Components] | None
+    inexact: str
+
+    def __init__(
+        self,
+        x: Any,
+        y: Any,
+        z: Any,
+        parameters: Names = PARAMETERS,
+        domain: Any = None,
+        derivatives: Mapping[tuple[int, int], Callable[[Any, Any], Any]] | None = None,
+    ) -> None:
+        names = _names(parameters)
+        parts = [component(e, names, f"component {axis}") for e, axis in zip((x, y, z), "xyz", strict=True)]
+        exact = [p.exact for p in parts if p.exact is not None]
+        formulas = [p.formula for p in parts]
+        if len(exact) == 3:
+            whole: Components = (exact[0], exact[1], exact[2])
+            _fill(self, names, domain, bundle_values(lambda: whole), lambda: whole, "")
+            return
+        values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
+        if derivatives is not None:
+            values = from_derivatives(values, derivatives)
+        _fill(self, names, domain, values, None, next(p.reason for p in parts if p.exact is None))
+
+    @classmethod
+    def from_parts(
+        cls,
+        values: Values,
+        source: Callable[[], Components] | None,
+        parameters: Names = PARAMETERS,
+        domain: Any = None,
+        inexact: str = "",
+    ) -> ParametricSurface:
+        """A surface with its own way of evaluation; `source` makes its exact components when asked."""
+        result = cls.__new__(cls)
+        _fill(result, _names(parameters), domain, values, source, inexact)
+        return result
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the components are known as rational functions over Q."""
+        return self.source is not None
+
+    @cached_property
+    def components(self) -> Components:
+        """The three exact components; raises `ValueError` for a surface that is not exact."""
+        if self.source is None:
+            raise ValueError(f"this needs an exact surface (rational functions over Q); {self.inexact}")
+        return self.source()
+
+    @property
+    def x(self) -> RationalFunction:
+        """The exact first component."""
+        return self.components[0]
+
+    @property
+    def y(self) -> RationalFunction:
+        """The exact second component."""
+        return self.components[1]
+
+    @property
+    def z(self) -> RationalFunction:
+        """The exact third component."""
+        return self.components[2]
+
+    @property
+    def degree(self) -> int:
+        """The greatest total degree of a numerator or denominator."""
+        return max(c.degree for c in self.components)
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """The greatest degrees of numerators and denominators in each parameter."""
+        each = [c.degrees for c in self.components]
+        return max(d[0] for d in each), max(d[1] for d in each)
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the components are polynomials."""
+        return all(c.is_polynomial for c in self.components)
+
+    def __call__(self, points: Any) -> Floats:
+        """Points of the surface at parameters `points` (..., 2): shape (..., 3).
+
+        Infinite or nan at poles.  Raises `ValueError` outside the domain.
+        """
+        return self._chunked(points, self.values, ())
+
+    def on_grid(self, t: Any, h: Any) -> Floats:
+        """Points at all pairs from two sequences of parameters: shape (len(t), len(h), 3).
+
+        Faster than points one by one, since what depends on one parameter is done once.
+        """
+        first, second = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (t, h))
+        self._check(first, second)
+        result = np.empty((3, len(first), len(second)))
+        step = max(1, CHUNK // max(len(second), 1))
+        with np.errstate(all="ignore"):
+            for start in range(0, len(first), step):
+                checkpoint("evaluating a surface on a grid", start / len(first))
+                rows = slice(start, start + step)
+                for axis, part in enumerate(self.values(first[rows, None], second[None, :])):
+                    result[axis, rows] = part
+        return np.moveaxis(result, 0, -1)
+
+    def derivative(self, points: Any, first: int = 0, second: int = 0) -> Floats:
+        """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
+        orders = _order(first, "first"), _order(second, "second")
+
+        def at(t: Floats, h: Floats) -> tuple[Any, ...]:
+            parts = self.values(*variables(t, h, orders))
+            return tuple(p.derivative(*orders) if isinstance(p, Jet) else 0.0 * t for p in parts)
+
+        return self._chunked(points, at if sum(orders) else self.values, ())
+
+    def tangents(self, points: Any) -> Floats:
+        """Both tangent vectors, dP/dt and dP/dh, at `points` (..., 2): shape (..., 2, 3)."""
+
+        def at(t: Floats, h: Floats) -> tuple[Any, ...]:
+            parts = self.values(*variables(t, h, (1, 1)))
+            both = np.zeros((3, 2, *t.shape))
+            for row, part in zip(both, parts, strict=True):
+                if isinstance(part, Jet):
+                    row[0], row[1] = part.derivative(1, 0), part.derivative(0, 1)
+            return tuple(both)
+
+        return np.moveaxis(self._chunked(points, at, (2,)), 0, -2)
+
+    def normals(self, points: Any) -> Floats:
+        """Unit normals, along dP/dt x dP/dh, at `points` (..., 2): (..., 3); nan where that is zero."""
+        tangents = self.tangents(points)
+        normal = np.cross(tangents[..., 0, :], tangents[..., 1, :])
+        with np.errstate(all="ignore"):
+            return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+
+    def at(self, t: Any, h: Any) -> tuple[Fraction, Fraction, Fraction]:
+        """The exact point at rational parameters; raises `ValueError` at a pole."""
+        x, y, z = (c.at(t, h) for c in self.components)
+        return x, y, z
+
+    def diff(self, first: int = 0, second: int = 0) -> ParametricSurface:
+        """The exact partial derivative as a surface of its own."""
+        orders = _order(first, "first"), _order(second, "second")
+        x, y, z = (c.diff(*orders) for c in self.components)
+        return ParametricSurface(x, y, z, self.parameters, self.domain)
+
+    def implicit_residual(self, polynomial: Any) -> RationalFunction:
+        """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
+        return composed(Polynomial(polynomial), self.components)
+
+    def moved(self, matrix: Any = None, offset: Any = (0, 0, 0)) -> ParametricSurface:
+        """The image under p -> matrix p + offset; rational numbers keep an exact surface exact."""
+        rows = [vector(r, f"matrix[{i}]") for i, r in enumerate(np.eye(3, dtype=int) if matrix is None else matrix)]
+        if len(rows) != 3:
+            raise ValueError(f"matrix must have 3 rows, not {len(rows)}")
+        shift = vector(offset, "offset")
+        table = np.array([[to_float(c) for c in row] for row in rows])
+        start = [to_float(c) for c in shift]
+
+        def values(t: Any, h: Any) -> tuple[Any, ...]:
+            p = self.values(t, h)
+            return tuple(r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + s for r, s in zip(table, start, strict=True))
+
+        def source() -> Components:
+            x, y, z = (
+                sum((c * a for c, a in zip(self.components, row, strict=True)), RationalFunction(s, self.parameters))
+                for row, s in zip(rows, shift, strict=True)
+            )
+            return x, y, z
+
+        made = source if self.is_exact else None
+        return ParametricSurface.from_parts(values, made, self.parameters, self.domain, self.inexact)
+
+    def with_domain(self, domain: Any) -> ParametricSurface:
+        """The same surface on another domain."""
+        return replace_domain(self, domain)
+
+    def contains(self, value: fmpq, axis: int) -> bool:
+        """Whether a value of parameter number `axis` lies in the domain."""
+        low, high = self.domain[axis]
+        return (math.isinf(low) or value >= rational(low)) and (math.isinf(high) or value <= rational(high))
+
+    def __str__(self) -> str:
+        if not self.is_exact:
+            return f"a parametric surface that is not exact; {self.inexact}"
+        return "({}, {}, {})".format(*self.components)
+
+    def __repr__(self) -> str:
+        return f"ParametricSurface{self}" if self.is_exact else f"<{self}>"
+
+    def _chunked(self, points: Any, work: Values, extra: tuple[int, ...]) -> Floats:
+        """Results of `work`, three arrays of shape (*extra, n) for n points, gathered: (*extra, ..., 3)."""
+        array = np.asarray(points, dtype=float)
+        if array.ndim == 0 or array.shape[-1] != 2:
+            raise ValueError(f"points must have shape (..., 2), parameters t and h, not {array.shape}")
+        flat = array.reshape(-1, 2)
+        result = np.empty((3, *extra, len(flat)))
+        with np.errstate(all="ignore"):
+            for start in range(0, len(flat), CHUNK):
+                checkpoint("evaluating a surface", start / len(flat))
+                block = np.ascontiguousarray(flat[start : start + CHUNK].T)
+                self._check(block[0], block[1])
+                for axis, part in enumerate(work(block[0], block[1])):
+                    result[axis, ..., start : start + CHUNK] = part
+        return np.moveaxis(result.reshape(3, *extra, *array.shape[:-1]), 0, -1)
+
+    def _check(self, t: Floats, h: Floats) -> None:
+        for name, values, (low, high) in zip(self.parameters, (t, h), self.domain, strict=True):
+            if values.size == 0 or (values.min() >= low and values.max() <= high):
+                continue
+            bad = values[~((values >= low) & (values <= high))][0]
+            raise ValueError(f"parameter {name} = {bad:.6g} lies outside the domain [{low:.6g}, {high:.6g}]")
+
+
+def replace_domain(surface: ParametricSurface, domain: Any) -> ParametricSurface:
+    """The surface on another domain."""
+    result = ParametricSurface.__new__(ParametricSurface)
+    _fill(result, surface.parameters, domain, surface.values, surface.source, surface.inexact)
+    return result
+
+
+def bundle_values(components: Callable[[], Components]) -> Values:
+    """Evaluation of exact components as they stand, prepared when first asked for."""
+    made: list[Bundle] = []
+
+    def values(t: Any, h: Any) -> tuple[Any, ...]:
+        if not made:
+            made.append(Bundle.of_pairs([(c.numerator, c.denominator) for c in components()]))
+        return made[0].quotients(t, h)
+
+    return values
+
+
+def _fill(
+    surface: ParametricSurface,
+    parameters: Names,
+    domain: Any,
+    values: Values,
+    source: Callable[[], Components] | None,
+    inexact: str,
+) -> None:
+    fields = {"parameters": parameters, "domain": _domain(domain, parameters), "values": values}
+    for name, value in (fields | {"source": source, "inexact": inexact}).items():
+        object.__setattr__(surface, name, value)
+
+
+def _names(parameters: Any) -> Names:
+    names = tuple(parameters)
+    if len(names) != 2 or names[0] == names[1] or not all(isinstance(n, str) and n.isidentifier() for n in names):
+        raise ValueError(f"parameters must be two different names such as ('t', 'h'), not {parameters!r}")
+    return names[0], names[1]
+
+
+def _domain(domain: Any, names: Names) -> Domain:
+    if domain is None:
+        return PLANE
+    if not hasattr(domain, "__len__") or len(domain) != 2:
+        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {domain!r}")
+    intervals = []
+    for name, given in zip(names, domain, strict=True):
+        interval = (None, None) if given is None else given
+        if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
+            raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {interval!r}")
+        low, high = (_end(end, sign, name) for end, sign in zip(interval, (-1, 1), strict=True))
+        if not low < high:
+            raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {interval!r}")
+        intervals.append((low, high))
+    return intervals[0], intervals[1]
+
+
+def _end(end: Any, sign: int, name: str) -> float:
+    if end is None or (isinstance(end, float) and math.isinf(end)):
+        return sign * math.inf
+    return to_float(rational(end, f"an end of the domain of {name}"))
+
+
+def _order(order: Any, name: str) -> int:
+    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
+        raise ValueError(f"{name} must be a whole number >= 0, not {order!r}")
+    return order

@@ -1,0 +1,161 @@
+"""Weights: T = sum f_i(h) P_i(t, h), the surfaces themselves perturbed.
+
+    f_i = N_i / (N_i + (1 - u_i) (h - s_i)^m),   N_i = u_i prod_{j != i} (h - s_j)^m,   m >= k + 1
+
+(for two surfaces Hartmann 2001, with u_2 = 1 - u_1 so that f_1 + f_2 = 1; for more Perez-Diaz and Sendra
+2003, theorem 7, corrected).  f_i is 1 up to order m - 1 at s_i and 0 up to order m - 1 at the other values.
+With m even and 0 < u_i < 1 no denominator has a real zero: it is a sum of two squares that vanish
+nowhere together.  The printed exponent m = k + 1 has real poles for even k and more than two
+surfaces.  For two surfaces m = k + 1 is kept: a pole, if any, lies outside the interval (and both
+signs are chosen so that there is none inside).
+
+For more than two surfaces the f_i do not add up to 1, so the blend depends on the origin of space;
+normalised weights f_i / sum f_j do, keep the order of contact, and commute with affine maps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import prod
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_poly
+
+from pas.algebra.rational import plain, rational, to_float
+from pas.parametric.data import real_roots
+from pas.parametric.hermite import checked_order, distinct
+from pas.parametric.jets import power
+from pas.parametric.rational_function import RationalFunction
+from pas.parametric.series import univariate
+
+
+@dataclass(frozen=True)
+class WeightPole:
+    """A real pole of weight number `weight` at `h`; `inside` where it lies between the outermost values."""
+
+    weight: int
+    h: float
+    inside: bool
+
+
+@dataclass(frozen=True, init=False)
+class Weights:
+    """The weights of n surfaces for contact of order k.
+
+    `balance` is one number u in (0, 1), or one for each surface; for two surfaces one number u means
+    (u, 1 - u).  `exponent` is m; by default k + 1 for two surfaces, else the even one of k + 1, k + 2.
+
+    Raises `ValueError` for a balance outside (0, 1), an exponent below k + 1 or equal values.
+    """
+
+    values: tuple[fmpq, ...]
+    balance: tuple[fmpq, ...]
+    exponent: int
+    normalized: bool
+
+    def __init__(
+        self,
+        values: Sequence[Any],
+        order: int,
+        balance: Any = "1/2",
+        normalized: bool = False,
+        exponent: int | None = None,
+    ) -> None:
+        at, k = distinct(values), checked_order(order)
+        if len(at) < 2:
+            raise ValueError("weights need at least two values")
+        if exponent is None:
+            exponent = k + 1 if len(at) == 2 or k % 2 else k + 2
+        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent <= k:
+            raise ValueError(f"exponent must be a whole number >= {k + 1} for contact of order {k}, not {exponent!r}")
+        for name, value in (("values", at), ("balance", _balance(balance, len(at)))):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "exponent", exponent)
+        object.__setattr__(self, "normalized", bool(normalized))
+
+    @cached_property
+    def functions(self) -> tuple[RationalFunction, ...]:
+        """The weights as exact functions of h."""
+        sums = [above + rest for above, rest in self._parts]
+        if not self.normalized:
+            return tuple(_quotient(above, whole) for (above, _), whole in zip(self._parts, sums, strict=True))
+        everything = prod(sums, start=fmpq_poly([1]))
+        tops = [above * (everything / whole) for (above, _), whole in zip(self._parts, sums, strict=True)]
+        total = sum(tops, fmpq_poly([0]))
+        return tuple(_quotient(top, total) for top in tops)
+
+    def poles(self) -> tuple[WeightPole, ...]:
+        """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
+        low, high = to_float(min(self.values)), to_float(max(self.values))
+        found, known = [], dict[str, list[float]]()
+        for i, f in enumerate(self.functions):
+            key = str(f.denominator)
+            if key not in known:  # normalised weights share theirs
+                known[key] = real_roots(_in_h(f))
+            found += [WeightPole(i, root, low < root < high) for root in known[key]]
+        return tuple(found)
+
+    def __call__(self, h: Any) -> list[Any]:
+        """Values of all weights at an array or jet, from the factors as they stand."""
+        steps = [h - to_float(s) for s in self.values]
+        with np.errstate(all="ignore"):
+            result = [self._weight(steps, i) for i in range(len(steps))]
+            if not self.normalized:
+                return result
+            everything: Any = sum(result[1:], result[0])
+            return [f / everything for f in result]
+
+    def _weight(self, steps: Sequence[Any], number: int) -> Any:
+        others: Any = None
+        for i, step in enumerate(steps):
+            if i != number:
+                others = step if others is None else others * step
+        u = to_float(self.balance[number])
+        above = u * power(others * self._sign, self.exponent)
+        return above / (above + (1.0 - u) * power(steps[number], self.exponent))
+
+    @property
+    def _sign(self) -> int:
+        """For two surfaces and an odd exponent (s_j - h)^m in place of (h - s_j)^m."""
+        return -1 if len(self.values) == 2 and self.exponent % 2 else 1
+
+    @cached_property
+    def _parts(self) -> list[tuple[fmpq_poly, fmpq_poly]]:
+        """N_i and (1 - u_i) (h - s_i)^m."""
+        factors = [fmpq_poly([-s, 1]) for s in self.values]
+        parts = []
+        for i, u in enumerate(self.balance):
+            others = fmpq_poly([self._sign])
+            for j, factor in enumerate(factors):
+                if j != i:
+                    others = others * factor
+            parts.append((others**self.exponent * u, factors[i] ** self.exponent * (1 - u)))
+        return parts
+
+
+def _balance(balance: Any, size: int) -> tuple[fmpq, ...]:
+    if isinstance(balance, str) or not hasattr(balance, "__len__"):
+        u = rational(balance, "balance")
+        balances: tuple[fmpq, ...] = (u, 1 - u) if size == 2 else (u,) * size
+    else:
+        balances = tuple(rational(u, f"balance[{i}]") for i, u in enumerate(balance))
+    if len(balances) != size:
+        raise ValueError(f"balance must be one number or {size}, one for each surface, not {len(balances)}")
+    for i, u in enumerate(balances):
+        if not 0 < u < 1:
+            raise ValueError(f"balance must lie strictly between 0 and 1, not {plain(u)} (for surface {i})")
+    return balances
+
+
+def _quotient(above: fmpq_poly, below: fmpq_poly) -> RationalFunction:
+    """A quotient of polynomials in h, reduced while they have one variable, which is quick."""
+    common = above.gcd(below)
+    return RationalFunction.from_lowest_terms(univariate(above / common, 1), univariate(below / common, 1))
+
+
+def _in_h(function: RationalFunction) -> fmpq_poly:
+    terms = {int(b): c for (_, b), c in function.denominator.to_dict().items()}
+    return fmpq_poly([terms.get(b, fmpq(0)) for b in range(max(terms) + 1)])
