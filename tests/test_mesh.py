@@ -139,7 +139,7 @@ def test_split_keeps_area_and_orientation():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     triangles = np.array([[0, 1, 2], [1, 3, 2]])
     for edges in ([], [(1, 2)], [(0, 1), (1, 2)], [(0, 1), (1, 2), (2, 0)], [(0, 1), (3, 1), (2, 1), (2, 3), (0, 2)]):
-        p, t = split(points, triangles, np.array(edges, dtype=int).reshape(-1, 2))
+        p, t, _ = split(points, triangles, np.array(edges, dtype=int).reshape(-1, 2))
         corners = p[t]
         areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
         assert areas.min() > 0

@@ -214,8 +214,8 @@ def test_the_command_line_reads_solids(tmp_path, capsys):
     assert cli.main(["check", str(joined)]) == cli.DONE
     assert "top meets bottom with GC^1" in capsys.readouterr().out
     assert cli.main(["check", str(ball)]) == cli.FAILED
-    assert cli.main(["render", str(ball), "-o", str(tmp_path / "ball.png")]) == cli.WRONG
-    assert "holds no blend" in capsys.readouterr().err
+    assert cli.main(["render", str(ball), "-o", str(tmp_path / "ball.png"), "--curvature"]) == cli.WRONG
+    assert "curvature colours exist for blends" in capsys.readouterr().err
 
 
 def rewrite(path, change):

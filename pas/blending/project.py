@@ -79,14 +79,6 @@ def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly:
         ) from None
 
 
-def load_blend(path: str | Path, *, edited: bool = False) -> Blend:
-    """Read a blend back; `ProjectFileError` for a file of another kind, otherwise as `load`."""
-    found = load(path, edited=edited)
-    if not isinstance(found, Blend):
-        raise ProjectFileError(f"{Path(path).name}: holds no blend but {found!r}")
-    return found
-
-
 def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:
     solution = content["solution"]
     return Blend(

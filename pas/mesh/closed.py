@@ -34,7 +34,7 @@ HALVINGS = 3
 SHORT = 0.55
 """Edges below this share of the mean length about both their ends are collapsed."""
 
-SMOOTHINGS, LATER_SMOOTHINGS, REFINEMENTS = 3, 1, 16
+SMOOTHINGS, LATER_SMOOTHINGS, REFINEMENTS = 3, 1, 40
 FOLD = 0.2
 """Cosine of a triangle's normal and its face's below which it counts as folded."""
 
