@@ -14,8 +14,9 @@ import pas
 from pas import cli, solid
 from pas.exchange import container
 from pas.exchange.solid_records import function_record, read_function, storable
-from pas.solid.affine import Moved, rotation, translation
+from pas.solid.affine import rotation, translation
 from pas.solid.assembly import assembly
+from pas.solid.distance import Distance, Moved
 from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, Node
@@ -88,7 +89,7 @@ def test_assemblies_come_back_exactly(pair, tmp_path):
 
 
 @dataclass(frozen=True)
-class Sphere:
+class Sphere(Distance):
     """The distance from a sphere about the origin."""
 
     radius: float

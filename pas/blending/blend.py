@@ -27,6 +27,7 @@ from pas.fairing.constraints import Constraints, Normalization
 from pas.fairing.energy import ThinPlate
 from pas.fairing.fairing import Choice
 from pas.partition.cells import Partition
+from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
 from pas.surface.piecewise import PiecewiseSurface
 
@@ -143,6 +144,18 @@ class Blend:
         working = fairing.choose(changed, self.choice.rows)
         choice = replace(self.choice, surface=fairing.surface(working), working=working)
         return _finish(self.space, choice, Wishes(changed, self.plate, False, True), {}, self.attempts)
+
+    def solid(self, length: Any = None, names: Sequence[str] | None = None) -> Solid:
+        """The solid inside the surface, with its neighbours continued by `length` and capped.
+
+        `length` is in the model's units (by default half of the region's size; 0 ends the solid at the
+        clips), `names` are the neighbours' faces ("neighbour 1", ... by default), whose caps are named
+        after them ("neighbour 1 end").  The contacts are its joints.  Raises `GeometryError` where
+        a clip is no plane or the surface has no region.
+        """
+        from pas.blending.bodies import body
+
+        return body(self.surface, length, names)
 
     def save(self, path: str | Path) -> Path:
         """Write the project file (`.pas.json`); returns its path."""

@@ -22,11 +22,13 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
 from pas.errors import PasError, ProjectFileError
 from pas.exchange.container import check_name, read, write
-from pas.exchange.records import polynomial_record, read_polynomial
-from pas.solid.affine import Affine, Moved
+from pas.exchange.records import partition_record, polynomial_record, read_partition, read_polynomial
+from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
+from pas.solid.distance import Distance, Moved
 from pas.solid.joints import Joint
 from pas.solid.mesh import SolidMesh
+from pas.solid.pieces import Pieces
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -143,7 +145,7 @@ def _read_tree(record: dict[str, Any], functions: list[Function]) -> Tree:
 
 
 def function_record(function: Function) -> dict[str, Any]:
-    """A polynomial, a moved function, or one whose class has `to_record` and `from_record`.
+    """A polynomial, a piecewise one, a moved distance, or one whose class has `to_record` and `from_record`.
 
     Raises `ValueError` for others.
     """
@@ -153,6 +155,9 @@ def function_record(function: Function) -> dict[str, Any]:
         rows = [[plain(c) for c in row] for row in function.map.matrix]
         shift = [plain(c) for c in function.map.shift]
         return {"moved": function_record(function.inner), "matrix": rows, "shift": shift}
+    if isinstance(function, Pieces):
+        polynomials = [polynomial_record(p) for p in function.polynomials]
+        return {"pieces": polynomials, "partition": partition_record(function.partition)}
     kind = type(function)
     write_it: Callable[[], Any] | None = getattr(function, "to_record", None)
     if write_it is None or not callable(getattr(kind, "from_record", None)):
@@ -173,9 +178,11 @@ def read_function(record: dict[str, Any]) -> Function:
         a, b, c = (vector(row, "a row of the matrix") for row in record["matrix"])
         place = Affine((a, b, c), vector(record["shift"], "shift"))
         inner = read_function(record["moved"])
-        if isinstance(inner, Polynomial):
-            raise ValueError("a moved function is a polynomial, which should have been written moved")
+        if not isinstance(inner, Distance):
+            raise ValueError("a moved function is no distance; it should have been written moved")
         return Moved(inner, place, place.similarity())
+    if "pieces" in record:
+        return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")

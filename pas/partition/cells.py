@@ -171,6 +171,10 @@ class Partition:
         """The exact points of a cell or face given by vertex indices."""
         return tuple(self.vertices[i] for i in indices)
 
+    def planes(self, cell: int) -> tuple[Polynomial, ...]:
+        """The planes of a cell's four faces, negative in the cell, with coprime integer coefficients."""
+        return tuple(self._plane(triangle, cell) for triangle in combinations(sorted(self.cells[cell]), 3))
+
     def barycentric(self, points: Floats) -> Floats:
         """Barycentric coordinates of `points` (N, 3) in every cell: (cells, 4, N)."""
         maps = self._barycentric_maps

@@ -1,4 +1,4 @@
-"""Exact affine maps of space, and what they do to polynomials, distances and points."""
+"""Exact affine maps of space, and what they do to polynomials and points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, rational, to_float, vector
-from pas.solid.tree import Distance, Function
+from pas.solid.tree import Function
 
 LARGEST_DENOMINATOR = 10**9
 """Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
@@ -46,10 +46,13 @@ class Affine:
         return polynomial.compose(*images)
 
     def function(self, function: Function) -> Function:
-        """The image of a polynomial or of a distance (for similarities only)."""
-        if isinstance(function, Polynomial):
-            return self.polynomial(function)
-        return Moved(function, self, self.similarity())
+        """The function whose zero set is the image of that of `function`."""
+        return self.polynomial(function) if isinstance(function, Polynomial) else function.moved(self)
+
+    def exact(self, point: Vector) -> Vector:
+        """The image of one exact point."""
+        x, y, z = (dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
+        return x, y, z
 
     def points(self, points: Floats) -> Floats:
         """Images of points (..., 3)."""
@@ -69,22 +72,6 @@ class Affine:
         if len(squares) > 1 or any(dot(columns[i], columns[j]) != 0 for i, j in ((0, 1), (0, 2), (1, 2))):
             raise ValueError("a solid with a tube or a shell can only be scaled by the same factor in all directions")
         return math.sqrt(to_float(squares.pop()))
-
-
-@dataclass(frozen=True, eq=False)
-class Moved:
-    """A distance function after a similarity."""
-
-    inner: Distance
-    map: Affine
-    factor: float
-
-    def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
-        jets = self.inner.jets(self.map.inverse.points(points))
-        jets[:, 0] *= self.factor
-        jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
-        return jets
 
 
 IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), fmpq(0), fmpq(1)))

@@ -14,6 +14,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError
+from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
 from pas.solid.tree import Function, Tree
 
@@ -117,13 +118,13 @@ class SolidField:
         return {}
 
     def _find_seam(self, a: int, b: int) -> tuple[int, ...]:
-        first, second = self.program.columns[a], self.program.columns[b]
-        f, g = first.function, second.function
-        if not isinstance(f, Polynomial) or not isinstance(g, Polynomial):
-            return ()
+        first, second = (polynomials_of(self.program.columns[c].function) for c in (a, b))
         for number, ideal in self._seams:
-            if ideal.contains(f) and ideal.contains(g):
+            if any(map(ideal.contains, first)) and any(map(ideal.contains, second)):
                 return number, number + 1
+        if len(first) != 1 or len(second) != 1:
+            return ()
+        f, g = first[0], second[0]
         for number, wall in enumerate(self.program.columns[: self.program.used]):
             w = wall.function
             if wall.face or not isinstance(w, Polynomial) or number in (a, b):

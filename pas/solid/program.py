@@ -1,9 +1,7 @@
 """A tree of inequalities compiled for arrays of points and boxes.
 
-Functions are evaluated together, by one matrix product, in coordinates local to the solid (all points
-here are), so that far from the origin nothing is lost.  Over a box a polynomial is bounded by its
-Taylor expansion about the centre, which is exact:
-`|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for `|u_i| <= r_i`.
+Polynomials are evaluated together (`pas.solid.bank`), in coordinates local to the solid (all points
+here are), so that far from the origin nothing is lost.
 """
 
 from __future__ import annotations
@@ -15,12 +13,12 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import CHUNK_ENTRIES, Floats, count, evaluate, exponents, positions
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
-from pas.solid.tree import Atom, Distance, Function, Tree
+from pas.solid.bank import Bank
+from pas.solid.tree import Atom, Bools, Field, Function, Tree
 
-Bools = NDArray[np.bool_]
 Integers = NDArray[np.intp]
 
 SEPARATOR = " + "
@@ -28,9 +26,6 @@ SEPARATOR = " + "
 
 SAMPLE = 200
 """Boxes that are looked at to choose the side to halve."""
-
-BOX_CHUNK = 1 << 22
-"""Numbers held at once while boxes are bounded."""
 
 
 @dataclass(frozen=True)
@@ -113,24 +108,17 @@ class Program:
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
         result = np.empty((self.used, len(points)), dtype=bool)
-        rows, matrix = self._polynomials
-        step = max(1, CHUNK_ENTRIES // max(len(matrix), 1))
-        for start in range(0, len(points), step):
-            block = points[start : start + step]
-            if len(rows):
-                result[rows, start : start + step] = evaluate(block, matrix).T <= 0
-        for number in self._distances:
-            result[number] = self._distance(number, points)[:, 0] <= 0
+        result[self._rows] = self._bank.signs(points)
+        for number in self._fields:
+            result[number] = self._field_jets(number, points)[:, 0] <= 0
         return result
 
     def values(self, points: Floats) -> Floats:
         """Values of the tree's columns (M, N) at points (N, 3)."""
         result = np.empty((self.used, len(points)))
-        rows, matrix = self._polynomials
-        if len(rows):
-            result[rows] = evaluate(points, matrix).T
-        for number in self._distances:
-            result[number] = self._distance(number, points)[:, 0]
+        result[self._rows] = self._bank.values(points)
+        for number in self._fields:
+            result[number] = self._field_jets(number, points)[:, 0]
         return result
 
     def field(self, points: Floats) -> Floats:
@@ -147,47 +135,47 @@ class Program:
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
     def jets(self, points: Floats, number: int) -> Floats:
-        """Values and gradients (N, 4) of a column at points (N, 3)."""
-        if isinstance(self.columns[number].function, Polynomial):
-            return evaluate(points, self._jet_matrix(number))
-        return self._distance(number, points)
+        """Values and gradients (N, 4) of a column, extra ones included, at points (N, 3)."""
+        if number in self._fields:
+            return self._field_jets(number, points)
+        if number >= self.used:
+            return self._extra.jets(number - self.used, points)
+        return self._bank.jets(int(np.searchsorted(self._rows, number)), points)
 
-    def _distance(self, number: int, points: Floats) -> Floats:
+    def _field_jets(self, number: int, points: Floats) -> Floats:
         """Values and gradients (N, 4) of a column that is no polynomial, in local coordinates."""
-        jets = self.columns[number].function.jets(self.world(points))  # type: ignore[union-attr]
+        jets = self._fields[number].jets(self.world(points))
         return jets * np.array([1 / to_float(self.scale), 1.0, 1.0, 1.0])
 
-    def _jet_matrix(self, number: int) -> Floats:
-        if number not in self._jet_matrices:
-            p = self._localised(number)
-            degree = max(p.degree, 0)
-            self._jet_matrices[number] = np.stack([q.dense(degree) for q in (p, *map(p.diff, range(3)))], axis=1)
-        return self._jet_matrices[number]
+    def _decided(self, number: int, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether a column that is no polynomial is certainly <= 0, and certainly > 0, in boxes."""
+        return self._fields[number].decided(self.world(centers), halves * to_float(self.scale))
 
-    @cached_property
-    def _jet_matrices(self) -> dict[int, Floats]:
-        return {}
-
-    def _localised(self, number: int) -> Polynomial:
-        p = self.columns[number].function
-        assert isinstance(p, Polynomial)
+    def _localised(self, p: Polynomial) -> Polynomial:
         moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
         return p.compose(*moved)
 
     @cached_property
-    def _distances(self) -> list[int]:
-        return [i for i in range(self.used) if not isinstance(self.columns[i].function, Polynomial)]
+    def _fields(self) -> dict[int, Field]:
+        """The columns that are no polynomials."""
+        functions = enumerate(c.function for c in self.columns[: self.used])
+        return {i: f for i, f in functions if not isinstance(f, Polynomial)}
 
     @cached_property
-    def _polynomials(self) -> tuple[Integers, Floats]:
-        """The numbers of the polynomial columns, and their coefficients as columns of one matrix."""
-        rows = [i for i in range(self.used) if isinstance(self.columns[i].function, Polynomial)]
-        local = [self._localised(i) for i in rows]
-        degree = max((p.degree for p in local), default=0)
-        matrix = np.zeros((count(max(degree, 0)), len(rows)))
-        for k, p in enumerate(local):
-            matrix[:, k] = p.dense(max(degree, 0))
-        return np.array(rows, dtype=np.intp), matrix
+    def _rows(self) -> Integers:
+        """The columns that are polynomials, in the order of the bank."""
+        return np.array([i for i in range(self.used) if i not in self._fields], dtype=np.intp)
+
+    @cached_property
+    def _bank(self) -> Bank:
+        """The tree's polynomials in local coordinates."""
+        functions = (c.function for c in self.columns[: self.used])
+        return Bank([self._localised(f) for f in functions if isinstance(f, Polynomial)])
+
+    @cached_property
+    def _extra(self) -> Bank:
+        """The extra columns in local coordinates."""
+        return Bank([self._localised(c.function) for c in self.columns[self.used :]])  # type: ignore[arg-type]
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools, Floats]:
         """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3) or (3,).
@@ -197,92 +185,31 @@ class Program:
         halves = np.broadcast_to(halves, centers.shape)
         yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
         second = np.zeros((self.used, len(centers)))
-        rows, table = self._derivatives
-        size = table.shape[2]
-        step = max(1, BOX_CHUNK // max(1, table.shape[1] * table.shape[2]))
-        for start in range(0, len(centers) if len(rows) else 0, step):
-            part = slice(start, start + step)
-            values = evaluate(centers[part], table.reshape(table.shape[0], -1))
-            values = values.reshape(len(values), len(rows), size)
-            powers = _powers(halves[part], self._degree)
-            change = np.einsum("nmk,nk->mn", np.abs(values[:, :, 1:]), powers[:, 1:])
-            yes[rows, part] = values[:, :, 0].T + change <= 0
-            no[rows, part] = values[:, :, 0].T - change > 0
-            times = self._second_order
-            second[rows, part] = np.einsum("nmk,nk->mn", np.abs(values) * times, powers)
-        reach = np.sqrt((halves * halves).sum(axis=1))
-        for number in self._distances:
-            value = self._distance(number, centers)[:, 0]
-            yes[number], no[number] = value + reach <= 0, value - reach > 0
+        yes[self._rows], no[self._rows], second[self._rows] = self._bank.taylor(centers, halves)
+        for number in self._fields:
+            yes[number], no[number] = self._decided(number, centers, halves)
         return yes, no, second
+
+    def gradient_bounds(self, centers: Floats, half: float, second: Floats) -> tuple[Bools, Bools]:
+        """As `taylor` for cubes, given bounds (M, N) of second-order changes for cubes of this size."""
+        yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
+        yes[self._rows], no[self._rows] = self._bank.gradient_bounds(centers, half, second[self._rows])
+        for number in self._fields:
+            yes[number], no[number] = self._decided(number, centers, np.full(centers.shape, half))
+        return yes, no
 
     def widest(self, centers: Floats, half: Floats, undecided: Bools, hull: Floats) -> Floats:
         """How much each side of boxes (N, 3) adds to what the undecided columns (M, N) change in them (3,).
 
         Sides that are small beside the hull (2, 3) of all boxes count less.
         """
-        rows, table = self._derivatives
-        if not len(rows):
-            return half / np.ptp(hull, axis=0)
+        even = half / np.ptp(hull, axis=0)
+        if not len(self._rows):
+            return even
         some = np.linspace(0, len(centers) - 1, min(len(centers), SAMPLE)).astype(int)
-        values = evaluate(centers[some], table.reshape(table.shape[0], -1))
-        values = np.abs(values.reshape(len(some), len(rows), -1))
-        terms = values * _powers(np.broadcast_to(half, (len(some), 3)), self._degree)[:, None]
-        share = np.array(exponents(self._degree), dtype=float)
-        parts = terms @ share
-        total = np.maximum(parts.sum(axis=2, keepdims=True), 1e-300)
-        weight = (parts / total * undecided[rows][:, some].T[:, :, None]).sum(axis=(0, 1))
-        return weight + 1e-6 * half / np.ptp(hull, axis=0)
-
-    def gradient_bounds(self, centers: Floats, half: float, second: Floats) -> tuple[Bools, Bools]:
-        """As `taylor` for cubes, given bounds (M, N) of second-order changes for cubes of this size."""
-        yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
-        rows, matrix = self._polynomials
-        if len(rows):
-            jets = np.concatenate([self._gradient_matrix, matrix], axis=1)
-            step = max(1, BOX_CHUNK // jets.shape[1])
-            for start in range(0, len(centers), step):
-                part = slice(start, start + step)
-                values = evaluate(centers[part], jets).T.reshape(4, len(rows), -1)
-                change = np.abs(values[:3]).sum(axis=0) * half + second[rows, part]
-                yes[rows, part], no[rows, part] = values[3] + change <= 0, values[3] - change > 0
-        for number in self._distances:
-            value = self._distance(number, centers)[:, 0]
-            reach = half * 3**0.5
-            yes[number], no[number] = value + reach <= 0, value - reach > 0
-        return yes, no
-
-    @property
-    def _degree(self) -> int:
-        matrix = self._polynomials[1]
-        return next(n for n in range(len(matrix) + 1) if count(n) >= len(matrix))
-
-    @cached_property
-    def _gradient_matrix(self) -> Floats:
-        """Coefficients of all first derivatives, the x ones first (count, 3 M)."""
-        matrix = self._polynomials[1]
-        return np.concatenate([_shift_operator(self._degree, i) @ matrix for i in range(3)], axis=1)
-
-    @cached_property
-    def _derivatives(self) -> tuple[Integers, Floats]:
-        """Coefficients (count, M, count) of `p^(a) / a!` for each column and exponent a."""
-        rows, matrix = self._polynomials
-        degree = self._degree
-        where = positions(degree)
-        table = np.zeros((len(matrix), len(rows), len(matrix)))
-        operators = [_shift_operator(degree, i) for i in range(3)]
-        table[:, :, 0] = matrix
-        for e in exponents(degree)[1:]:
-            axis = next(i for i in range(3) if e[i])
-            lower = tuple(v - (i == axis) for i, v in enumerate(e))
-            table[:, :, where[e]] = operators[axis] @ table[:, :, where[lower]] / e[axis]
-        return rows, table
-
-    @cached_property
-    def _second_order(self) -> Floats:
-        """How often each Taylor term counts in a bound of the second-order change: C(|a|, 2)."""
-        orders = np.array([sum(e) for e in exponents(self._degree)])
-        return orders * (orders - 1) / 2.0
+        shares = self._bank.shares(centers[some], half)
+        weight = (shares * undecided[self._rows][:, some].T[:, :, None]).sum(axis=(0, 1))
+        return np.asarray(weight + 1e-6 * even)
 
 
 def _holds(code: Code, yes: Bools, no: Bools) -> Bools:
@@ -309,26 +236,7 @@ def _extremes(code: Code, values: Floats) -> Floats:
 
 def _key(function: Function) -> tuple[object, int]:
     """What makes a column, and the sign of the function in it."""
-    if isinstance(function, Distance):
+    if not isinstance(function, Polynomial):
         return function, 1
     primitive = function.primitive()
     return primitive, 1 if function.raw.coeffs()[0] > 0 else -1
-
-
-def _powers(half: Floats, degree: int) -> Floats:
-    """`r^a` for all exponents (N, count)."""
-    table = np.array(exponents(degree))
-    result = np.ones((len(half), len(table)))
-    for axis in range(3):
-        result *= half[:, axis, None] ** table[:, axis]
-    return result
-
-
-def _shift_operator(degree: int, axis: int) -> Floats:
-    """The matrix that maps a polynomial's coefficients to those of its derivative."""
-    where = positions(degree)
-    result = np.zeros((len(where), len(where)))
-    for e, column in where.items():
-        if e[axis]:
-            result[where[tuple(v - (i == axis) for i, v in enumerate(e))], column] = e[axis]
-    return result

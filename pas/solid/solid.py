@@ -25,6 +25,7 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.joints import Joint, Side, prove, refuse_unknown
 from pas.solid.mesh import SolidMesh, curved_measures
+from pas.solid.pieces import Pieces, polynomials_of
 from pas.solid.tree import Atom, Function, Node, Tree, atoms, combined, complement, mapped
 from pas.surface.certificate import Verdict
 
@@ -136,8 +137,8 @@ class Solid:
         """The polynomials, negative inside, that carry each face."""
         result: dict[str, dict[Polynomial, None]] = {}
         for atom in atoms(self.tree):
-            if atom.face and isinstance(atom.function, Polynomial):
-                result.setdefault(atom.face, {})[-atom.function if atom.outside else atom.function] = None
+            for polynomial in polynomials_of(atom.function) if atom.face else ():
+                result.setdefault(atom.face, {})[-polynomial if atom.outside else polynomial] = None
         return {face: tuple(found) for face, found in result.items()}
 
     @cached_property
@@ -160,8 +161,10 @@ class Solid:
     def _sides(self, face: str) -> tuple[Side, ...]:
         found: dict[Polynomial, list[tuple[Polynomial, ...]]] = {}
         for atom, region in _with_regions(self.tree):
-            if atom.face == face and isinstance(atom.function, Polynomial):
-                found.setdefault(-atom.function if atom.outside else atom.function, []).append(region)
+            function = atom.function
+            cells = function.cells if isinstance(function, Pieces) else ((p, ()) for p in polynomials_of(function))
+            for polynomial, walls in cells if atom.face == face else ():
+                found.setdefault(-polynomial if atom.outside else polynomial, []).append((*walls, *region))
         return tuple(Side(p, tuple(regions)) for p, regions in found.items())
 
     @cached_property

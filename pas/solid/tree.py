@@ -4,21 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 
+if TYPE_CHECKING:
+    from pas.solid.affine import Affine
+
+Bools = NDArray[np.bool_]
+
 
 @runtime_checkable
-class Distance(Protocol):
-    """A function that is no polynomial: its values change by at most 1 per unit of length."""
+class Field(Protocol):
+    """A function that is no polynomial, such as a distance or a piecewise polynomial."""
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3)."""
 
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""
 
-Function = Polynomial | Distance
+    def moved(self, map_: Affine) -> Field:
+        """The function whose zero set is the image of this one's.
+
+        Raises `ValueError` for maps that it cannot follow.
+        """
+
+
+Function = Polynomial | Field
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,84 @@
+"""Piecewise polynomials as functions of solids: the set inside a piecewise algebraic surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
+from pas.partition.cells import Partition
+from pas.solid.affine import Affine
+from pas.solid.bank import Bank
+from pas.solid.tree import Atom, Bools, Function, Node, Tree
+from pas.surface.piecewise import PiecewiseSurface
+
+
+class Pieces:
+    """One exact polynomial in each piece of a partition, with the same zeros where two pieces meet.
+
+    Outside the partition's cells it has no meaning: a tree has it together with `region(partition)`.
+    """
+
+    def __init__(self, partition: Partition, polynomials: Sequence[Polynomial]) -> None:
+        self.partition = partition
+        self.polynomials = tuple(polynomials)
+        self.surface = PiecewiseSurface.from_polynomials(partition, (), 0, self.polynomials)
+
+    @property
+    def cells(self) -> tuple[tuple[Polynomial, tuple[Polynomial, ...]], ...]:
+        """Each cell's polynomial and the planes (`>= 0` in the cell) that bound it."""
+        planes = [tuple(-p for p in self.partition.planes(i)) for i in range(len(self.partition.cells))]
+        return tuple((self.polynomials[p], walls) for p, walls in zip(self.partition.piece_of, planes, strict=True))
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3), of the nearest cell outside all."""
+        frame = self.partition.frame
+        local = frame.local_points(points)
+        cells = self.partition.local.locate(local, tolerance=np.inf)
+        jets = self.surface.local_jets(local, self.partition.piece_of[cells])
+        return jets * np.array([1.0, *[1 / to_float(frame.scale)] * 3])
+
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, where boxes meet cells; > 0 where they meet none."""
+        scale = to_float(self.partition.frame.scale)
+        local, half = self.partition.frame.local_points(centers), halves / scale
+        touched = self._touched(local, half)
+        yes, no, _ = self._bank.taylor(local, half)
+        of_cells = self.partition.piece_of
+        inside, outside = (np.asarray((side[of_cells] | ~touched).all(axis=0)) for side in (yes, no))
+        return inside & np.asarray(touched.any(axis=0)), outside
+
+    def moved(self, map_: Affine) -> Pieces:
+        """The image under an affine map, exact."""
+        p = self.partition
+        center = None if p.center is None else map_.exact(p.center)
+        moved = Partition([map_.exact(v) for v in p.vertices], p.cells, center, p.pieces)
+        return Pieces(moved, [map_.polynomial(f) for f in self.polynomials])
+
+    def _touched(self, local: Floats, half: Floats) -> Bools:
+        """Which cells (C, N) boxes in local coordinates may meet."""
+        partition = self.partition.local
+        slopes = partition.barycentric(np.eye(3)) - partition.barycentric(np.zeros((3, 3)))
+        reach = np.einsum("cbx,nx->cbn", np.abs(slopes), half)
+        return np.asarray((partition.barycentric(local) + reach >= -1e-9).all(axis=1))
+
+    @cached_property
+    def _bank(self) -> Bank:
+        return Bank(self.surface.patches)
+
+
+def polynomials_of(function: Function) -> tuple[Polynomial, ...]:
+    """The polynomials that a function consists of: itself, those of its pieces, or none."""
+    if isinstance(function, Polynomial):
+        return (function,)
+    return function.polynomials if isinstance(function, Pieces) else ()
+
+
+def region(partition: Partition) -> Tree:
+    """The points in the partition's cells; its walls are no faces."""
+    planes = [[Atom(p, "") for p in partition.planes(i)] for i in range(len(partition.cells))]
+    return Node(tuple(Node(tuple(walls), False) for walls in planes), True)
