@@ -71,6 +71,6 @@ def _names(names: Sequence[str] | None, size: int) -> tuple[str, ...]:
         return tuple(f"neighbour {i + 1}" for i in range(size))
     if isinstance(names, str) or len(names) != size or len({*names, "blend"}) != size + 1:
         raise ValueError(
-            f"names must be {size} different names for the neighbours, and not 'blend'; they are {names!r}"
+            f"names must be {size} different names for the neighbours, none of them 'blend'; they are {names!r}"
         )
     return tuple(map(str, names))

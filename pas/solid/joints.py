@@ -7,11 +7,14 @@ solid is on the same side of both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
@@ -19,14 +22,19 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.real_points import count_real_points, has_real_curve, sign_sum
 from pas.bernstein.signs import Status
 from pas.errors import GeometryError
+from pas.solid.tree import Bools
 from pas.surface.certificate import Verdict
 
 HIGHEST_ORDER = 12
 """Orders above are not told apart."""
 
 SAMPLES, NEWTON_STEPS = 4000, 12
-CLOSE = 1e-6
-"""How far a sample of a curve may be off a region, over the solid's extent."""
+CLOSE, BESIDE = 1e-6, 1e-5
+"""How far a sample of a curve may be off a region, and how far beside it the solid is looked for, over
+the solid's extent."""
+
+LINK = 0.01
+"""How far neighbouring samples of a curve's component may be apart, over the solid's extent."""
 
 
 @dataclass(frozen=True)
@@ -71,36 +79,75 @@ def contact_order(polynomial: Polynomial, along: tuple[Polynomial, Polynomial]) 
     return HIGHEST_ORDER
 
 
-def prove(joint: Joint, firsts: Sequence[Side], seconds: Sequence[Side], box: Floats) -> Verdict:
-    """The verdict on a joint, given the polynomials that carry its two faces."""
-    pairs = [
-        (a, b, min(contact_order(a.polynomial, joint.along), contact_order(b.polynomial, joint.along)))
-        for a in firsts
-        for b in seconds
-    ]
-    first, second, order = max(pairs, key=lambda pair: pair[2])
+def prove(
+    joint: Joint, firsts: Sequence[Side], seconds: Sequence[Side], box: Floats, contains: Callable[[Floats], Bools]
+) -> Verdict:
+    """The verdict on a joint, given the polynomials that carry its two faces and the solid's membership.
+
+    Exact but for the question how much of the curve the faces' regions cover, which is looked at in
+    samples: the faces must go together along all of it that is on the solid's boundary.  Components
+    of the curve where they never meet are not part of the joint.
+    """
+    orders = [{s: contact_order(s.polynomial, joint.along) for s in sides} for sides in (firsts, seconds)]
+    order = min(max(found.values(), default=-1) for found in orders)
     if order < joint.order:
         found = f"they meet with GC^{order} there" if order >= 0 else "they do not meet there"
         return Verdict(Status.REFUTED, joint.claim, found)
     if has_real_curve(*joint.along) is False:
         return Verdict(Status.REFUTED, joint.claim, "the curve has no real point")
-    for side, name in ((first, joint.first), (second, joint.second)):
-        verdict = _regular(side, name, joint)
-        if verdict is not None:
-            return verdict
     points = curve_points(joint.along, box)
-    near = [_in_regions(side, points, box) for side in (first, second)]
+    carriers = [[s for s, o in found.items() if o >= joint.order] for found in orders]
+    if any(len(sides) > 1 for sides in carriers):  # those that do not reach the curve have no say
+        carriers = [[s for s in sides if _in_regions(s, points, box).any()] or sides for sides in carriers]
+    for sides, name in zip(carriers, (joint.first, joint.second), strict=True):
+        for side in sides:
+            verdict = _regular(side, name, joint)
+            if verdict is not None:
+                return verdict
+    near = [np.any([_in_regions(s, points, box) for s in sides], axis=0) for sides in carriers]
     if not (near[0] & near[1]).any():
-        witness = points[near[0] | near[1]]
-        place = (float(witness[0, 0]), float(witness[0, 1]), float(witness[0, 2])) if len(witness) else None
-        return Verdict(Status.REFUTED, joint.claim, "the regions of the two faces do not both reach the curve", place)
-    common = points[near[0] & near[1]]
-    slopes = [s.polynomial.gradient(common) for s in (first, second)]
-    if joint.order > 0 and (np.einsum("ni,ni->n", *slopes) < 0).any():
-        return Verdict(Status.REFUTED, joint.claim, "the solid is on opposite sides of the two faces")
+        reason = "the regions of the two faces do not both reach the curve"
+        return Verdict(Status.REFUTED, joint.claim, reason, _place(points[near[0] | near[1]]))
+    for a in carriers[0]:
+        for b in carriers[1]:
+            common = points[_in_regions(a, points, box) & _in_regions(b, points, box)]
+            slopes = [s.polynomial.gradient(common) for s in (a, b)]
+            if joint.order > 0 and (np.einsum("ni,ni->n", *slopes) < 0).any():
+                return Verdict(Status.REFUTED, joint.claim, "the solid is on opposite sides of the two faces")
+    connected = _connected(points, near[0] & near[1], LINK * float(np.ptp(box, axis=0).max()))
+    for here, there, sides, name in ((0, 1, carriers[0], joint.second), (1, 0, carriers[1], joint.first)):
+        alone = points[near[here] & ~near[there] & connected]
+        gap = alone[_on_boundary(alone, sides, contains, box)]
+        if len(gap):
+            reason = f"on a part of the curve {name} is missing: its region does not go there"
+            return Verdict(Status.REFUTED, joint.claim, reason, _place(gap))
+    order = min(min(found[s] for s in sides) for found, sides in zip(orders, carriers, strict=True))
     exactly = f"exactly GC^{order}" if order < HIGHEST_ORDER else "the same surface"
     g, h = joint.along
     return Verdict(Status.PROVED, joint.claim, f"both in <{_short(g)}, ({_short(h)})^{joint.order + 1}>, {exactly}")
+
+
+def _connected(points: Floats, chosen: Bools, reach: float) -> Bools:
+    """Which points (N, 3) chains of steps up to `reach` connect with a chosen one."""
+    pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
+    component = connected_components(graph, directed=False)[1]
+    return np.isin(component, component[chosen])
+
+
+def _place(points: Floats) -> tuple[float, float, float] | None:
+    """The first of points, for a verdict."""
+    return (float(points[0, 0]), float(points[0, 1]), float(points[0, 2])) if len(points) else None
+
+
+def _on_boundary(points: Floats, sides: Sequence[Side], contains: Callable[[Floats], Bools], box: Floats) -> Bools:
+    """Which points (N, 3) have the solid on one side of one of the surfaces and not on the other."""
+    result, step = np.zeros(len(points), dtype=bool), BESIDE * float(np.ptp(box, axis=0).max())
+    for side in sides if len(points) else ():
+        slope = side.polynomial.gradient(points)
+        slope *= step / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300)
+        result |= contains(points - slope) & ~contains(points + slope)
+    return result
 
 
 def _short(polynomial: Polynomial) -> str:
@@ -139,7 +186,7 @@ def curve_points(along: tuple[Polynomial, Polynomial], box: Floats) -> Floats:
     return points[good]
 
 
-def _in_regions(side: Side, points: Floats, box: Floats) -> np.ndarray:
+def _in_regions(side: Side, points: Floats, box: Floats) -> Bools:
     """Which points are in one of a face's regions, up to `CLOSE`."""
     margin = CLOSE * float(np.ptp(box, axis=0).max())
     result = np.zeros(len(points), dtype=bool)

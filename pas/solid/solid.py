@@ -144,7 +144,9 @@ class Solid:
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The exact verdict on each claimed joint, in the order of the claims."""
-        return tuple(prove(j, self._sides(j.first), self._sides(j.second), self.box) for j in self.joints)
+        return tuple(
+            prove(j, self._sides(j.first), self._sides(j.second), self.box, self.contains) for j in self.joints
+        )
 
     @property
     def proved(self) -> bool:
