@@ -118,7 +118,7 @@ def test_curved_clips_have_no_flat_cap():
     contact = pas.Contact("x^2 + y^2 - 1", "z - x^2")
     region = pas.SingleCell((-2, -2, -2), (2, 2, 2))
     surface = pas.PiecewiseSurface.from_polynomials(region, (contact,), 1, ["x^2 + y^2 - 1"])
-    with pytest.raises(pas.GeometryError, match="neighbour 1 ends in .* no plane"):
+    with pytest.raises(pas.GeometryError, match=r"neighbour 1 ends in .* no plane"):
         body_of(surface)
 
 

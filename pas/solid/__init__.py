@@ -12,6 +12,7 @@ from pas.solid.joints import Joint
 from pas.solid.mesh import SolidMesh
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.solid import Solid, intersection, patch, union
+from pas.solid.tube import tube
 
 __all__ = [
     "Assembly",
@@ -29,5 +30,6 @@ __all__ = [
     "intersection",
     "patch",
     "torus",
+    "tube",
     "union",
 ]

@@ -1,0 +1,214 @@
+"""Tubes: all points up to a radius from a curve given by formulas.
+
+The distance from the curve is found by Newton's method from the nearest of many samples; it is accurate
+to rounding as long as the radius is below the curve's radius of curvature, which is asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import plain, rational, to_float
+from pas.errors import GeometryError
+from pas.parametric.callables import component
+from pas.parametric.jets import Jet, variables
+from pas.solid.distance import Distance
+from pas.solid.solid import Solid
+from pas.solid.tree import Atom, Bools, combined
+
+SAMPLES, MOST_SAMPLES = 512, 1 << 17
+PER_RADIUS = 16
+"""Samples of the curve along one radius of the tube."""
+
+NEWTON_STEPS, STILL = 8, 1e-12
+CLOSED = 1e-9
+"""How far apart the ends of a closed curve may be, over its extent."""
+
+
+class Curve:
+    """A curve `t -> (x(t), y(t), z(t))` on an interval, with its nearest points.
+
+    `formulas` are three strings in t (sympy expressions, numbers).
+    """
+
+    def __init__(self, formulas: Sequence[Any], interval: Sequence[Any]) -> None:
+        if isinstance(formulas, str) or len(formulas) != 3:
+            raise ValueError(f"curve must be three formulas in t, not {formulas!r}")
+        self.formulas = tuple(str(f) for f in formulas)
+        self._parts = [
+            component(f, ("t", ""), f"the curve's {n}").formula for f, n in zip(formulas, "xyz", strict=True)
+        ]
+        low, high = (rational(end, "interval") for end in interval)
+        if low >= high:
+            raise ValueError(f"interval must be two rising numbers, not {plain(low)} and {plain(high)}")
+        self.exact_interval = (low, high)
+        self.interval = (to_float(low), to_float(high))
+
+    def jets(self, t: Floats) -> Floats:
+        """Points, first and second derivatives at t (N,): (3, N, 3)."""
+        line, _ = variables(t, np.zeros_like(t), (2, 0))
+        with np.errstate(all="ignore"):
+            parts = [part(line, 0.0) for part in self._parts]
+        flat = np.zeros_like(t)
+        rows = [
+            [p.derivative(k, 0) if isinstance(p, Jet) else (flat + p if k == 0 else flat) for p in parts]
+            for k in range(3)
+        ]
+        result = np.array(rows).transpose(0, 2, 1)
+        if not np.isfinite(result).all():
+            bad = float(t[~np.isfinite(result).all(axis=(0, 2))][0])
+            raise GeometryError(f"the curve ({', '.join(self.formulas)}) is not defined or not smooth at t = {bad:.6g}")
+        return result
+
+    @cached_property
+    def ends(self) -> tuple[Floats, Floats]:
+        """Points (2, 3) and unit tangents (2, 3) at the two ends."""
+        points, slopes, _ = self.jets(np.array(self.interval))
+        return points, slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether the curve ends where and in the direction in which it starts."""
+        points, tangents = self.ends
+        extent = float(np.ptp(self.jets(np.linspace(*self.interval, SAMPLES))[0], axis=0).max())
+        apart = float(np.linalg.norm(points[1] - points[0]))
+        return apart < CLOSED * extent and float(tangents[0] @ tangents[1]) > 1 - CLOSED
+
+    def sampled(self, step: float) -> Floats:
+        """Parameters (n,) whose points are about `step` apart."""
+        t = np.linspace(*self.interval, SAMPLES)
+        speed = np.linalg.norm(self.jets(t)[1], axis=1)
+        length = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(t))])
+        count = int(np.clip(length[-1] / step, SAMPLES, MOST_SAMPLES))
+        return np.interp(np.linspace(0, length[-1], count), length, t)
+
+
+class Tube(Distance):
+    """The distance from a curve less a radius."""
+
+    def __init__(self, curve: Curve, radius: Any) -> None:
+        self.curve, self.exact_radius = curve, rational(radius, "radius")
+        if self.exact_radius <= 0:
+            raise ValueError(f"radius must be positive, not {plain(self.exact_radius)}")
+        self.radius = to_float(self.exact_radius)
+        self.parameters = curve.sampled(self.radius / PER_RADIUS)
+        points, slopes, bends = curve.jets(self.parameters)
+        speed = np.linalg.norm(slopes, axis=1)
+        if (speed < 1e-12 * speed.max()).any():
+            raise GeometryError(f"the curve stops at t = {self.parameters[speed.argmin()]:.6g}: its derivative is zero")
+        curvature = np.linalg.norm(np.cross(slopes, bends), axis=1) / speed**3
+        worst = int(curvature.argmax())
+        if curvature[worst] * self.radius >= 1:
+            raise GeometryError(
+                f"the tube folds over at t = {self.parameters[worst]:.6g}: its radius {self.radius:.6g} must be below "
+                f"the curve's radius of curvature there, {1 / curvature[worst]:.6g}"
+            )
+        self._table, self._tree = (points, slopes, bends), cKDTree(points)
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3)."""
+        _, nearest = self.nearest(points)
+        away = points - nearest
+        distance = np.linalg.norm(away, axis=1)
+        gradient = away / np.maximum(distance, 1e-300)[:, None]
+        return np.concatenate([(distance - self.radius)[:, None], gradient], axis=1)
+
+    def nearest(self, points: Floats) -> tuple[Floats, Floats]:
+        """The parameters (N,) of the nearest points of the curve, and these points (N, 3)."""
+        _, index = self._tree.query(points)
+        last = len(self.parameters) - 1
+        low, high = self.parameters[np.maximum(index - 1, 0)], self.parameters[np.minimum(index + 1, last)]
+        start, t = self.parameters[index], self.parameters[index]
+        kept, d, d2 = (table[index] for table in self._table)
+        p = kept
+        for _ in range(NEWTON_STEPS):
+            away, square = p - points, (d * d).sum(axis=1)
+            slope = np.maximum(square + (away * d2).sum(axis=1), square * 1e-3)
+            before, t = t, np.clip(t - (away * d).sum(axis=1) / slope, low, high)
+            p, d, d2 = self.curve.jets(t)
+            if np.abs(t - before).max(initial=0.0) < STILL * (self.parameters[-1] - self.parameters[0]):
+                break
+        worse = ((p - points) ** 2).sum(axis=1) > ((kept - points) ** 2).sum(axis=1)
+        return np.where(worse, start, t), np.where(worse[:, None], kept, p)
+
+    def to_record(self) -> dict[str, Any]:
+        """The formulas, the interval and the radius, exact."""
+        return {
+            "curve": list(self.curve.formulas),
+            "interval": [plain(c) for c in self.curve.exact_interval],
+            "radius": plain(self.exact_radius),
+        }
+
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> Tube:
+        """The tube of `to_record`."""
+        return cls(Curve(record["curve"], record["interval"]), record["radius"])
+
+
+class End(Distance):
+    """How far points of a tube are beyond its flat start (side 0) or end (1); negative along the tube."""
+
+    def __init__(self, tube: Tube, side: int) -> None:
+        self.tube, self.side = tube, side
+        points, tangents = tube.curve.ends
+        self._point, self._outwards = points[side], tangents[side] * (2 * side - 1)
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3)."""
+        # another strand of the tube may pass this end; the plane cuts only its own
+        far = 2 * self.tube.radius
+        near = np.flatnonzero(np.linalg.norm(points - self._point, axis=1) < far)
+        near = near[np.abs(self._along(self.tube.nearest(points[near])[0])) < far]
+        result = np.concatenate([np.zeros((len(points), 1)), np.broadcast_to(self._outwards, points.shape)], axis=1)
+        result[:, 0] = -self.tube.radius
+        result[near, 0] = (points[near] - self._point) @ self._outwards
+        return result
+
+    def _along(self, t: Floats) -> Floats:
+        """The length of the curve between this end and parameters t (N,)."""
+        return np.interp(t, self.tube.parameters, self._lengths)
+
+    @cached_property
+    def _lengths(self) -> Floats:
+        points = self.tube.curve.jets(self.tube.parameters)[0]
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        lengths = np.concatenate([[0.0], np.cumsum(steps)])
+        return lengths[-1] - lengths if self.side else lengths
+
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Certainly <= 0 in boxes far from the end; never certainly > 0."""
+        reach = np.linalg.norm(halves, axis=1)
+        away = np.linalg.norm(centers - self._point, axis=1) - reach
+        return away > 2 * self.tube.radius, np.zeros(len(centers), dtype=bool)
+
+    def to_record(self) -> dict[str, Any]:
+        """The tube and the side."""
+        return {"tube": self.tube.to_record(), "side": self.side}
+
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> End:
+        """The end of `to_record`."""
+        return cls(Tube.from_record(record["tube"]), int(record["side"]))
+
+
+def tube(curve: Sequence[Any], radius: Any, interval: Sequence[Any], face: str = "tube", ends: str = "flat") -> Solid:
+    """The points up to `radius` from a curve: three formulas in t on an interval.
+
+    `ends` are "flat" (faces "tube start" and "tube end") or "round"; a closed curve has none.  Raises
+    `GeometryError` where the radius is not below the curve's radius of curvature or the curve stops.
+
+        solid.tube(("cos(t)", "sin(t)", "t/10"), "1/8", (0, 20))
+    """
+    if ends not in ("flat", "round"):
+        raise ValueError(f"ends must be 'flat' or 'round', not {ends!r}")
+    shape = Tube(Curve(curve, interval), radius)
+    parts = [Atom(shape, face)]
+    if ends == "flat" and not shape.curve.is_closed:
+        parts += [Atom(End(shape, side), f"{face} {name}") for side, name in enumerate(("start", "end"))]
+    return Solid(combined(False, *parts))
