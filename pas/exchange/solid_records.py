@@ -29,6 +29,7 @@ from pas.solid.distance import Distance, Moved
 from pas.solid.joints import Joint
 from pas.solid.mesh import SolidMesh
 from pas.solid.pieces import Pieces
+from pas.solid.shell import Near
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -158,6 +159,13 @@ def function_record(function: Function) -> dict[str, Any]:
     if isinstance(function, Pieces):
         polynomials = [polynomial_record(p) for p in function.polynomials]
         return {"pieces": polynomials, "partition": partition_record(function.partition)}
+    if isinstance(function, Near):
+        return {
+            "near": solid_record(function.solid),
+            "faces": list(function.faces),
+            "thickness": function.thickness,
+            "tolerance": function.tolerance,
+        }
     kind = type(function)
     write_it: Callable[[], Any] | None = getattr(function, "to_record", None)
     if write_it is None or not callable(getattr(kind, "from_record", None)):
@@ -183,6 +191,9 @@ def read_function(record: dict[str, Any]) -> Function:
         return Moved(inner, place, place.similarity())
     if "pieces" in record:
         return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
+    if "near" in record:
+        faces = [str(face) for face in record["faces"]]
+        return Near(read_solid(record["near"]), faces, float(record["thickness"]), float(record["tolerance"]))
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")

@@ -25,7 +25,9 @@ from pas.mesh.improve import cross
 from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, grouped, least_norm, newton
 
-ROOT_STEPS = 10
+ROOT_STEPS, ROOT_STILL = 24, 1e-10
+"""Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""
+
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
 
@@ -289,18 +291,27 @@ def _check_crossings(
 
 
 def _roots(field: FaceField, label: int, a: Floats, b: Floats) -> Floats:
-    """Parameters in [0, 1] where a function that changes sign from a to b vanishes (Illinois rule)."""
+    """Parameters in [0, 1] where a function that changes sign from a to b vanishes (bracketed Newton)."""
     low, high = np.zeros(len(a)), np.ones(len(a))
-    f_low, f_high = field.jets(a, label)[:, 0], field.jets(b, label)[:, 0]
+    first, last = field.jets(a, label)[:, 0], field.jets(b, label)[:, 0]
+    rising = first <= 0
+    t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
+    active = np.arange(len(a))
     for _ in range(ROOT_STEPS):
-        width = f_high - f_low
-        t = np.where(width != 0, (low * f_high - high * f_low) / np.where(width != 0, width, 1.0), (low + high) / 2)
-        value = field.jets(a + t[:, None] * (b - a), label)[:, 0]
-        same = (value <= 0) == (f_low <= 0)
-        f_high = np.where(same, f_high / 2, value)
-        f_low = np.where(same, value, f_low / 2)
-        low, high = np.where(same, t, low), np.where(same, high, t)
-    return np.where(np.abs(f_low) < np.abs(f_high), low, high)
+        here, along = t[active], b[active] - a[active]
+        jets = field.jets(a[active] + here[:, None] * along, label)
+        before = (jets[:, 0] <= 0) == rising[active]
+        low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
+        slope = (jets[:, 1:] * along).sum(axis=1)
+        step = jets[:, 0] / np.where(slope != 0, slope, np.inf)
+        new = here - step
+        outside = (slope == 0) | (new < low[active]) | (new > high[active])
+        new = np.where(outside, (low[active] + high[active]) / 2, new)
+        t[active] = new
+        active = active[np.abs(new - here) > ROOT_STILL]
+        if not len(active):
+            break
+    return t
 
 
 def _cut(points: Floats, triangles: Integers, labels: Integers) -> Labelled:

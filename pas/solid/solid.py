@@ -26,6 +26,7 @@ from pas.solid.field import SolidField
 from pas.solid.joints import Joint, Side, prove, refuse_unknown
 from pas.solid.mesh import SolidMesh, curved_measures
 from pas.solid.pieces import Pieces, polynomials_of
+from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Node, Tree, atoms, combined, complement, mapped
 from pas.surface.certificate import Verdict
 
@@ -112,6 +113,22 @@ class Solid:
         if renamed == self.tree:
             renamed = combined(False, self.tree, Atom(polynomial, name))
         return replace(self, tree=renamed, _cache={})
+
+    def shell(self, thickness: float, open: Sequence[str] = (), tolerance: float | None = None) -> Solid:
+        """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
+
+        Each inner face is named "inside of ..." after the faces that it follows.  Claimed joints stay.  The
+        thickness is meant to be below the faces' radii of curvature; `tolerance` is that of a mesh which
+        helps to find distances.  Raises `GeometryError` where nothing would be hollow, or an open face
+        does not exist.
+
+            solid.box((0, 0, 0), (4, 3, 2)).shell(0.1, open=["box z+"])
+        """
+        if not 0 < thickness < np.inf:
+            raise ValueError(f"thickness must be a positive number, not {thickness}")
+        if isinstance(open, str):
+            raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
+        return replace(self, tree=shelled(self, float(thickness), open, self._tolerance(tolerance)), _cache={})
 
     def renamed(self, name: str) -> Solid:
         """The solid with all its faces, walls included, under one name."""
@@ -221,13 +238,14 @@ class Solid:
         the tolerance is 1e-3 of the longest side of the box.  Raises `MeshError` where the solid is
         too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
         """
-        found = self._face_mesh(tolerance)
+        found = self.face_mesh(tolerance)
         return SolidMesh.of(found, self._label_names(found), self.field.program.world)
 
     def _label_names(self, found: FaceMesh) -> dict[int, str]:
         return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
 
-    def _face_mesh(self, tolerance: float | None) -> FaceMesh:
+    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
+        """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
         wanted = self._tolerance(tolerance)
         if wanted not in self._cache:
             self.field.refuse_coincident()
@@ -252,7 +270,7 @@ class Solid:
     def _measures(self, tolerance: float | None) -> tuple[float, float]:
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
-            volume, area = curved_measures(self._face_mesh(tolerance), self.field)
+            volume, area = curved_measures(self.face_mesh(tolerance), self.field)
             scale = to_float(self.field.program.scale)
             self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]

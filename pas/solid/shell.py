@@ -1,0 +1,224 @@
+"""Shells: the part of a solid within a thickness of its faces.
+
+The wall is where the solid's points are at most the thickness from the faces that are kept.  Distances are
+exact to rounding where the thickness is below the faces' radii of curvature: the foot of a point is found
+on the faces' own functions, from the nearest vertex of a mesh.  Faces that meet in sharp convex edges
+have inner faces of their own, which meet in sharp edges as well; faces that continue each other share
+one, and so do faces that meet in a groove, whose inner face is round there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float
+from pas.errors import GeometryError
+from pas.mesh.field import Integers
+from pas.mesh.remesh import Labelled, least_norm
+from pas.solid.bounds import bounding_box
+from pas.solid.distance import Distance
+from pas.solid.field import SolidField
+from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
+
+if TYPE_CHECKING:
+    from pas.solid.solid import Solid
+
+SHARP = 0.97
+"""Cosine of the angle between two faces' normals below which they meet in a sharp edge."""
+
+STEPS, STILL = 80, 1e-13
+"""Steps to the foot of a point, and their size (over the local extent, 2) where they may end."""
+
+BESIDE = 1e-7
+"""How far on both sides of a foot the solid is looked for, over the local extent."""
+
+
+@dataclass(frozen=True)
+class _Target:
+    """A face (one label), or the groove between two, with its mesh's vertices."""
+
+    labels: tuple[int, ...]
+    vertices: Floats
+    tree: cKDTree
+
+
+class Near(Distance):
+    """The distance from some faces of a solid, less a thickness.
+
+    `faces` are names, `tolerance` is that of the mesh from which feet are looked for.
+    """
+
+    def __init__(self, solid: Solid, faces: Sequence[str], thickness: float, tolerance: float) -> None:
+        self.solid, self.faces, self.thickness, self.tolerance = solid, tuple(faces), thickness, tolerance
+        mesh, field = solid.face_mesh(tolerance).mesh, solid.field
+        self._field, self._scale = field, to_float(field.program.scale)
+        labels = [int(label) for label in np.unique(mesh.labels) if field.face(int(label)) in self.faces]
+        triangles = mesh.triangles[np.isin(mesh.labels, labels)]
+        self._targets = [_target(mesh, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
+        edges = Edges.of(mesh, field)
+        for a, b in sorted({(int(a), int(b)) for a, b in np.sort(edges.labels[edges.grooves], axis=1)}):
+            if a in labels and b in labels:
+                chosen = edges.grooves & (np.sort(edges.labels, axis=1) == (a, b)).all(axis=1)
+                self._targets.append(_target(mesh, (a, b), edges.ends[chosen]))
+        self._all = _target(mesh, (), triangles)
+        sides = mesh.points[triangles] - mesh.points[np.roll(triangles, 1, axis=1)]
+        self._longest = float(np.sqrt((sides * sides).sum(axis=2).max()))
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4); far from the value 0 they are those of the nearest vertex."""
+        local = self._field.program.local(points)
+        distance, index = self._all.tree.query(local)
+        feet = self._all.vertices[index]
+        aim = self.thickness / self._scale
+        least = np.sqrt(np.maximum(distance**2 - 2 * self._longest**2, 0.0))  # vertices are that dense
+        close = np.flatnonzero((least <= aim) & (distance >= aim - self._longest / 2))
+        feet[close] = self._feet(local[close], distance[close], feet[close])
+        away = local - feet
+        distance = np.linalg.norm(away, axis=1)
+        gradient = away / np.maximum(distance, 1e-300)[:, None]
+        return np.concatenate([(distance * self._scale - self.thickness)[:, None], gradient], axis=1)
+
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in boxes, by the nearest vertices."""
+        reach = np.linalg.norm(halves, axis=1)
+        distance = self._all.tree.query(self._field.program.local(centers))[0] * self._scale - self.thickness
+        return distance + reach <= 0, distance - self._longest * self._scale - reach > 0
+
+    def _feet(self, points: Floats, nearest: Floats, feet: Floats) -> Floats:
+        """The nearest points (N, 3) of the faces, given the nearest vertices and their distances."""
+        if len(self._targets) == 1:  # beyond its sharp edges a face is continued
+            return self._foot(self._targets[0], points)
+        best, result = np.full(len(points), np.inf), feet.copy()
+        for target in self._targets:
+            rows = np.flatnonzero(target.tree.query(points)[0] <= nearest + self._longest)
+            found = self._foot(target, points[rows])
+            square = ((found - points[rows]) ** 2).sum(axis=1)
+            better = square < best[rows]
+            if len(target.labels) == 1:
+                better[better] = self._on_boundary(found[better], target.labels[0])
+            result[rows[better]], best[rows[better]] = found[better], square[better]
+        return result
+
+    def _foot(self, target: _Target, points: Floats) -> Floats:
+        """Where each point's nearest vertex goes when it follows the point inside its face or groove."""
+        feet = target.vertices[target.tree.query(points)[1]]
+        active = np.arange(len(points))
+        for _ in range(STEPS):
+            p = feet[active]
+            move = points[active] - p
+            if len(target.labels) == 1:
+                jets = self._field.jets(p, target.labels[0])
+                size = np.maximum((jets[:, 1:] ** 2).sum(axis=1), 1e-300)
+                move -= (((move * jets[:, 1:]).sum(axis=1) + jets[:, 0]) / size)[:, None] * jets[:, 1:]
+            else:
+                along = np.cross(*(self._normals(p, label) for label in target.labels))
+                along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+                move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, target.labels, p)
+            feet[active] = p + move
+            active = active[(move * move).sum(axis=1) > STILL**2]
+            if not len(active):
+                break
+        return feet
+
+    def _normals(self, points: Floats, label: int) -> Floats:
+        gradient = self._field.jets(points, label)[:, 1:]
+        return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
+
+    def _on_boundary(self, points: Floats, label: int) -> Bools:
+        """Whether the solid is on one side of points on a label's surface and not on the other."""
+        step = BESIDE * self._normals(points, label)
+        inside, outside = (self._field.inside(self._field.signs(points + side * step)) for side in (-1, 1))
+        return np.asarray(inside & ~outside)
+
+
+def _target(mesh: Labelled, labels: tuple[int, ...], cells: Integers) -> _Target:
+    vertices = mesh.points[np.unique(cells)]
+    return _Target(labels, vertices, cKDTree(vertices))
+
+
+@dataclass(frozen=True)
+class Edges:
+    """The edges between labels: `ends` (E, 2), `labels` (E, 2), and which are `smooth` or `grooves` (E,)."""
+
+    ends: Integers
+    labels: Integers
+    smooth: Bools
+    grooves: Bools
+
+    @classmethod
+    def of(cls, mesh: Labelled, field: SolidField) -> Edges:
+        """Those of a mesh; normals are the functions' own."""
+        t = mesh.triangles
+        start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
+        order = np.argsort(np.minimum(start, end) * len(mesh.points) + np.maximum(start, end), kind="stable")
+        first, second = order[::2], order[1::2]
+        differ = mesh.labels[first // 3] != mesh.labels[second // 3]
+        first, second = first[differ], second[differ]
+        labels = np.stack([mesh.labels[first // 3], mesh.labels[second // 3]], axis=1)
+        middle = (mesh.points[start[first]] + mesh.points[end[first]]) / 2
+        normals = np.zeros((2, len(first), 3))
+        for side in (0, 1):
+            for label in np.unique(labels[:, side]):
+                rows = labels[:, side] == label
+                normals[side, rows] = field.jets(middle[rows], int(label))[:, 1:]
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-300)
+        smooth = (normals[0] * normals[1]).sum(axis=1) > SHARP
+        opposite = mesh.points[t[second // 3, (second + 2) % 3]]
+        convex = ((opposite - middle) * normals[0]).sum(axis=1) < 0
+        return cls(np.stack([start[first], end[first]], axis=1), labels, smooth, ~convex & ~smooth)
+
+
+def shelled(solid: Solid, thickness: float, without: Iterable[str], tolerance: float) -> Tree:
+    """The points of a solid within `thickness` of its faces, some faces left out.
+
+    Raises `GeometryError` where nothing would be hollow, for unknown faces, or where none is left.
+    """
+    mesh, field = solid.face_mesh(tolerance).mesh, solid.field
+    names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
+    left_out = tuple(without)
+    for name in left_out:
+        if name not in names.values():
+            raise GeometryError(
+                f"the solid has no face {name!r} to open; its faces are {', '.join(dict.fromkeys(names.values()))}"
+            )
+    kept = [name for name in dict.fromkeys(names.values()) if name not in left_out]
+    if not kept:
+        raise GeometryError("a shell needs at least one face that is not open")
+    groups = _groups(Edges.of(mesh, field), names, kept)
+    walls = [Atom(Near(solid, group, thickness, tolerance), f"inside of {' and '.join(group)}") for group in groups]
+    wall = Node(tuple(walls), True) if len(walls) > 1 else walls[0]
+    try:
+        bounding_box(combined(False, solid.tree, complement(wall)))
+    except GeometryError:
+        vertices = mesh.points[np.unique(mesh.triangles[np.isin(mesh.labels, [i for i in names if names[i] in kept])])]
+        raise GeometryError(
+            f"the shell is thicker than the part: no point of it is {thickness:.6g} away from its faces, so nothing "
+            f"would be hollow; the thickness must be below {_depth(solid, vertices):.2g}"
+        ) from None
+    return combined(False, solid.tree, wall)
+
+
+def _groups(edges: Edges, names: dict[int, str], kept: list[str]) -> list[list[str]]:
+    """Faces whose inner faces are one: all that meet otherwise than in sharp convex edges."""
+    joined = edges.labels[edges.smooth | edges.grooves]
+    rows = [(kept.index(names[a]), kept.index(names[b])) for a, b in joined.tolist() if {names[a], names[b]} <= {*kept}]
+    pairs = np.array(rows, dtype=np.intp).reshape(-1, 2)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(kept),) * 2)
+    group = connected_components(graph, directed=False)[1]
+    return [[f for f, g in zip(kept, group, strict=True) if g == number] for number in dict.fromkeys(group.tolist())]
+
+
+def _depth(solid: Solid, vertices: Floats) -> float:
+    """About how deep the solid is below its kept faces' vertices (local coordinates), by samples."""
+    low, high = solid.field.box
+    grid = np.stack(np.meshgrid(*np.linspace(low, high, 41).T, indexing="ij"), axis=-1).reshape(-1, 3)
+    inside = grid[solid.field.inside(solid.field.signs(grid))]
+    return float(cKDTree(vertices).query(inside)[0].max(initial=0.0)) * to_float(solid.field.program.scale)
