@@ -120,7 +120,7 @@ def test_tubes_and_shells_compose_move_and_survive_files(tmp_path):
         (lambda: solid.tube(RING, 1, (1, 1)), ValueError, "two rising numbers"),
         (lambda: solid.tube(("t", "t"), 1, (0, 1)), ValueError, "three formulas in t"),
         (lambda: solid.tube(("t", "u", "0"), 1, (0, 1)), ValueError, "the curve's y"),
-        (lambda: solid.tube(("t^2", "t^2", "0"), 1, (-1, 1)), pas.GeometryError, "stops at t = "),
+        (lambda: solid.tube(("t^2", "t^2", "0"), 1, (-1, 1)), pas.GeometryError, "stops or turns back at t = "),
         (lambda: solid.tube(("1/t", "0", "0"), 1, (0, 1)), pas.GeometryError, "not defined or not smooth at t = 0"),
         (lambda: solid.tube(RING, "1/4", TURN, ends="sharp"), ValueError, "'flat' or 'round'"),
     ],

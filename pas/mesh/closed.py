@@ -4,7 +4,7 @@ Guarantees, each checked on the result: the mesh is closed and a manifold, verti
 faces, curves and corners, no triangle is turned away from its face, and the measured deviation is
 below the tolerance.  Not guaranteed: that details below the lattice's spacing are seen.  Cubes that
 the boundary provably misses are the only ones left out, and the lattice is made finer until the next
-finer one has the same number of pieces and holes and the same faces, and all curves and corners come
+finer ones have the same number of pieces and holes and the same faces, and all curves and corners come
 out where they are.
 """
 
@@ -12,20 +12,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.faces import march_faces
+from pas.mesh.faces import Crossings, march_faces
 from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh
 from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
-FIRST_PARTS, FINER, LATTICES = 40, 1.6, 7
+FIRST_PARTS, FINER, LATTICES, COMPARED = 16, 1.6, 9, 4
 """Cubes along the longest side of the box in the first lattice, how many times more in each further
-one, and how many are tried."""
+one, how many are tried, and how many at least must show the same pieces, holes and faces."""
 
 SNAPS = (0.3, 0.15, 0.0)
 """Shares of a lattice edge within which crossings merge, tried in turn."""
@@ -95,15 +94,19 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
 
 
 def _first(field: FaceField, tolerance: float) -> tuple[Labelled, float]:
-    """The mesh of the coarsest lattice that shows all faces soundly, and as the next finer one does."""
+    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do."""
     extent = float(np.ptp(field.box, axis=0).max())
     lattices = [extent / (FIRST_PARTS * FINER**i) for i in range(LATTICES)]
+    marched: list[Crossings | None] = []
     reason = ""
-    finer = march_faces(field, lattices[0], HALVINGS)
-    for spacing, next_spacing in pairwise(lattices):
-        crossings, finer = finer, march_faces(field, next_spacing, HALVINGS)
-        if crossings is None or finer is None or crossings.shape != finer.shape:
-            reason = "its pieces, holes or faces are too small" if finer is not None else reason
+    for number, spacing in enumerate(lattices[:-1]):
+        wanted = max(number + 2, COMPARED)
+        marched += [march_faces(field, lattices[i], HALVINGS) for i in range(len(marched), wanted)]
+        shapes = {None if c is None else c.shape for c in marched[number:]}
+        crossings = marched[number]
+        marched[number] = None
+        if crossings is None or len(shapes) > 1:
+            reason = "its pieces, holes or faces are too small" if shapes != {None} else reason
             continue
         raw = next((m for snap in SNAPS if (m := crossings.mesh(field, snap)) is not None), None)
         if raw is None or (raw.labels < 0).any():

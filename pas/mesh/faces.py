@@ -31,7 +31,9 @@ ROOT_STEPS, ROOT_STILL = 24, 1e-10
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
 
-LOCAL_HALVINGS = 7
+LOCAL_HALVINGS, GROWTH = 7, 2.0
+"""How often triangles near curves are halved, and how many times as many they may become."""
+
 FARTHEST = 4.0
 """How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
 
@@ -88,16 +90,19 @@ class Crossings:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
         Where curves come closer than the lattice shows, triangles are made smaller until each
-        curve and corner is found.  None where merging pinched the mesh, so that it is no manifold.
+        curve and corner is found.  None where merging pinched the mesh, so that it is no manifold, or
+        where so many triangles are too large that a finer lattice does better.
         """
         points, triangles, source = snapped(self.points, self.triangles, self.edges, self.t, snap, self.nodes)
         if not is_closed_manifold(triangles):
             return None
-        labels = self.labels[source]
+        labels, most = self.labels[source], GROWTH * len(triangles)
         for _ in range(LOCAL_HALVINGS):
             unclear = _unclear(field, points, triangles, labels)
             if not len(unclear):
                 break
+            if len(triangles) > most:
+                return None
             points, triangles, labels = _refined(field, points, triangles, labels, unclear)
         return _cut(points, triangles, labels)
 

@@ -22,6 +22,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.mesh.field import Integers
+from pas.mesh.improve import cross
 from pas.mesh.remesh import Labelled, least_norm
 from pas.solid.bounds import bounding_box
 from pas.solid.distance import Distance
@@ -119,7 +120,7 @@ class Near(Distance):
                 size = np.maximum((jets[:, 1:] ** 2).sum(axis=1), 1e-300)
                 move -= (((move * jets[:, 1:]).sum(axis=1) + jets[:, 0]) / size)[:, None] * jets[:, 1:]
             else:
-                along = np.cross(*(self._normals(p, label) for label in target.labels))
+                along = cross(self._normals(p, target.labels[0]), self._normals(p, target.labels[1]))
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, target.labels, p)
             feet[active] = p + move

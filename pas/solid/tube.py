@@ -100,8 +100,10 @@ class Tube(Distance):
         self.parameters = curve.sampled(self.radius / PER_RADIUS)
         points, slopes, bends = curve.jets(self.parameters)
         speed = np.linalg.norm(slopes, axis=1)
-        if (speed < 1e-12 * speed.max()).any():
-            raise GeometryError(f"the curve stops at t = {self.parameters[speed.argmin()]:.6g}: its derivative is zero")
+        turned = (slopes[1:] * slopes[:-1]).sum(axis=1) <= 0
+        if (speed < 1e-12 * speed.max()).any() or turned.any():
+            at = self.parameters[turned.argmax() if turned.any() else speed.argmin()]
+            raise GeometryError(f"the curve stops or turns back at t = {at:.6g}; its derivative must not vanish")
         curvature = np.linalg.norm(np.cross(slopes, bends), axis=1) / speed**3
         worst = int(curvature.argmax())
         if curvature[worst] * self.radius >= 1:
