@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -31,6 +31,9 @@ from pas.parametric.horner import Bundle
 from pas.parametric.jets import Jet, variables
 from pas.parametric.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.series import composed
+
+if TYPE_CHECKING:
+    from pas.parametric.meshing import ParametricMesh
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 Interval = tuple[float, float]
@@ -211,6 +214,18 @@ class ParametricSurface:
     def implicit_residual(self, polynomial: Any) -> RationalFunction:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
         return composed(Polynomial(polynomial), self.components)
+
+    def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+        """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
+
+        The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a
+        parameter or an end that the surface's own bounds.  The bound is proved for exact surfaces, measured for
+        others; the mesh says which.  Raises `ValueError` for an infinite domain, `GeometryError` near poles,
+        `MeshError` for a tolerance that needs too many triangles.
+        """
+        from pas.parametric.meshing import mesh_surface
+
+        return mesh_surface(self, tolerance, domain)
 
     def moved(self, matrix: Any = None, offset: Any = (0, 0, 0)) -> ParametricSurface:
         """The image under p -> matrix p + offset; rational numbers keep an exact surface exact."""
