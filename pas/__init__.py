@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     from pas.parametric.data import PointKind as PointKind
     from pas.parametric.hermite import hermite_basis as hermite_basis
     from pas.parametric.hermite import hermite_determinant as hermite_determinant
+    from pas.parametric.meshing import ParametricMesh as ParametricMesh
     from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
     from pas.parametric.rational_function import RationalFunction as RationalFunction
     from pas.parametric.regularity import regularity as regularity
@@ -181,6 +182,7 @@ _HOMES = {
         "hermite_basis",
         "hermite_determinant",
     ),
+    "pas.parametric.meshing": ("ParametricMesh",),
     "pas.parametric.proofs": ("ParametricCertificate",),
     "pas.parametric.rational_function": ("RationalFunction",),
     "pas.parametric.regularity": ("regularity",),
