@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.cells import write_cells as write_cells
     from pas.exchange.problem import read_problem as read_problem
-    from pas.exchange.rational import RationalPatch as RationalPatch
     from pas.exchange.rational import ball_patches as ball_patches
     from pas.exchange.rational import cone_patches as cone_patches
     from pas.exchange.rational import cylinder_patches as cylinder_patches
@@ -79,6 +78,10 @@ if TYPE_CHECKING:
     from pas.parametric.blends import has_polynomial_solution as has_polynomial_solution
     from pas.parametric.blends import hermite_blend as hermite_blend
     from pas.parametric.blends import weighted_blend as weighted_blend
+    from pas.parametric.conversion import FittedPatch as FittedPatch
+    from pas.parametric.conversion import bezier_patch as bezier_patch
+    from pas.parametric.conversion import bezier_patches as bezier_patches
+    from pas.parametric.conversion import fit_patch as fit_patch
     from pas.parametric.curves import SurfaceCurve as SurfaceCurve
     from pas.parametric.curves import iso_curve as iso_curve
     from pas.parametric.data import BlendingData as BlendingData
@@ -87,6 +90,7 @@ if TYPE_CHECKING:
     from pas.parametric.hermite import hermite_basis as hermite_basis
     from pas.parametric.hermite import hermite_determinant as hermite_determinant
     from pas.parametric.meshing import ParametricMesh as ParametricMesh
+    from pas.parametric.patches import RationalPatch as RationalPatch
     from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
     from pas.parametric.rational_function import RationalFunction as RationalFunction
     from pas.parametric.regularity import regularity as regularity
@@ -149,7 +153,7 @@ _HOMES = {
     ),
     "pas.exchange.cells": ("write_cells",),
     "pas.exchange.problem": ("read_problem",),
-    "pas.exchange.rational": ("RationalPatch", "ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
+    "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
     "pas.exchange.step": ("write_step",),
@@ -169,6 +173,7 @@ _HOMES = {
         "hermite_blend",
         "weighted_blend",
     ),
+    "pas.parametric.conversion": ("FittedPatch", "bezier_patch", "bezier_patches", "fit_patch"),
     "pas.parametric.curves": (
         "SurfaceCurve",
         "iso_curve",
@@ -183,6 +188,7 @@ _HOMES = {
         "hermite_determinant",
     ),
     "pas.parametric.meshing": ("ParametricMesh",),
+    "pas.parametric.patches": ("RationalPatch",),
     "pas.parametric.proofs": ("ParametricCertificate",),
     "pas.parametric.rational_function": ("RationalFunction",),
     "pas.parametric.regularity": ("regularity",),

@@ -27,7 +27,7 @@ from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers, TriangleMesh
 from pas.mesh.triangulate import MeshError
-from pas.parametric.nets import exact_net, halved, rectangle_of
+from pas.parametric.nets import exact_net, halved, product, rectangle_of
 from pas.parametric.tiling import GRID, assemble
 
 if TYPE_CHECKING:
@@ -82,10 +82,7 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
     rectangle = finite_domain(surface, domain)
     bounded = surface.with_domain(rectangle)
     size = extent(bounded)
-    if tolerance is None:
-        tolerance = RELATIVE * size
-    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not 0 < tolerance < math.inf:
-        raise ValueError(f"tolerance must be a positive number, not {tolerance!r}")
+    tolerance = RELATIVE * size if tolerance is None else checked_tolerance(tolerance)
     net = exact_net(bounded, rectangle_of(rectangle)).rounded if bounded.is_exact else None
     certified = net is not None and net[..., 0].size <= HIGHEST
     if net is not None and certified:
@@ -94,6 +91,13 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
         leaves, worst = _leaves(np.zeros((1, 1, 1, 4)), _measured(bounded), tolerance, bounded)
     points, triangles, normals, parameters = assemble(bounded, leaves, size)
     return ParametricMesh(points, triangles, normals, parameters, worst, certified)
+
+
+def checked_tolerance(tolerance: Any) -> float:
+    """A tolerance as a positive number; raises `ValueError` for anything else."""
+    if isinstance(tolerance, bool | str) or not 0 < float(tolerance) < math.inf:
+        raise ValueError(f"tolerance must be a positive number, not {tolerance!r}")
+    return float(tolerance)
 
 
 def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
@@ -191,32 +195,9 @@ def _bounded(nets: Nets, cells: Integers) -> tuple[Floats, Floats]:
     with np.errstate(all="ignore"):
         corners = points[:, [0, 0, -1, -1], [0, -1, 0, -1]] / weights[:, [0, 0, -1, -1], [0, -1, 0, -1]]
         corners = corners.reshape(-1, 2, 2, 3)
-        errors = _raised(points) - _times_bilinear(weights, corners)
+        errors = product(points, np.ones((1, 2, 2, 1))) - product(weights, corners)
         least = weights.min(axis=(1, 2), keepdims=True)
         return np.where(least > 0, errors / least, math.inf), corners
-
-
-def _raised(nets: Nets) -> Nets:
-    """The same polynomials with each degree raised by one."""
-    for axis in (1, 2):
-        nets = np.moveaxis(nets, axis, -1)
-        size = nets.shape[-1]
-        share = np.arange(size + 1) / size
-        padded = np.concatenate([nets[..., :1], nets, nets[..., -1:]], axis=-1)
-        nets = np.moveaxis(padded[..., :-1] * share + padded[..., 1:] * (1 - share), -1, axis)
-    return nets
-
-
-def _times_bilinear(weights: Nets, corners: Floats) -> Nets:
-    """The product of a polynomial and the bilinear interpolant of four points, with degrees raised by one."""
-    _, rows, columns, _ = weights.shape
-    result = np.zeros((len(weights), rows + 1, columns + 1, 3))
-    up, across = (np.arange(size + 1) / size for size in (rows, columns))
-    for i, share in ((0, 1 - up[:-1]), (1, up[1:])):
-        for j, part in ((0, 1 - across[:-1]), (1, across[1:])):
-            shares = (share[:, None] * part)[..., None]
-            result[:, i : i + rows, j : j + columns] += weights * shares * corners[:, None, None, i, j]
-    return result
 
 
 def _measured(surface: ParametricSurface) -> Look:

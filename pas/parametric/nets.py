@@ -89,6 +89,24 @@ def halved(nets: Floats, axis: int) -> tuple[Floats, Floats]:
     return left, right
 
 
+def product(left: Floats, right: Floats) -> Floats:
+    """Products of nets (C, m+1, n+1, d) and (C, k+1, l+1, d): degrees add, C and d broadcast (Farin 2002, 5.12)."""
+    degrees = [(a - 1, b - 1) for a, b in zip(left.shape[1:3], right.shape[1:3], strict=True)]
+    (rows, more), (columns, further) = ((_binomials(a), _binomials(b)) for a, b in degrees)
+    first = left * (rows[:, None] * columns[None, :])[..., None]
+    second = right * (more[:, None] * further[None, :])[..., None]
+    count, last = max(len(left), len(right)), max(left.shape[3], right.shape[3])
+    result = np.zeros((count, degrees[0][0] + degrees[0][1] + 1, degrees[1][0] + degrees[1][1] + 1, last))
+    for i in range(right.shape[1]):
+        for j in range(right.shape[2]):
+            result[:, i : i + left.shape[1], j : j + left.shape[2]] += first * second[:, i, j][:, None, None]
+    return result / (_binomials(sum(degrees[0]))[:, None] * _binomials(sum(degrees[1]))[None, :])[..., None]
+
+
+def _binomials(degree: int) -> Floats:
+    return np.array([math.comb(degree, i) for i in range(degree + 1)], dtype=float)
+
+
 @lru_cache(maxsize=64)
 def _halving(size: int) -> tuple[Floats, Floats]:
     left = np.array([[math.comb(i, k) / 2**i for k in range(size)] for i in range(size)])
