@@ -51,6 +51,9 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.cells import write_cells as write_cells
+    from pas.exchange.meshes import write_mesh as write_mesh
+    from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
+    from pas.exchange.parametric_records import save_parametric as save_parametric
     from pas.exchange.problem import read_problem as read_problem
     from pas.exchange.rational import ball_patches as ball_patches
     from pas.exchange.rational import cone_patches as cone_patches
@@ -152,6 +155,9 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.cells": ("write_cells",),
+    "pas.exchange.meshes": ("write_mesh",),
+    "pas.exchange.parametric_problem": ("read_parametric_problem",),
+    "pas.exchange.parametric_records": ("save_parametric",),
     "pas.exchange.problem": ("read_problem",),
     "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),

@@ -76,6 +76,12 @@ class ParametricMesh(TriangleMesh):
     deviation: float
     certified: bool
 
+    def to_pyvista(self) -> Any:
+        """The mesh as a `pyvista.PolyData` with normals and `parameters` as point data."""
+        data = super().to_pyvista()
+        data.point_data["parameters"] = self.parameters
+        return data
+
 
 def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
     """The mesh of a surface over its domain, or another; see `ParametricSurface.mesh`."""
