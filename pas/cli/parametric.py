@@ -40,13 +40,14 @@ def run_parametric(options: argparse.Namespace) -> int:
     start = _passed("blend", start)
     certificate = blend.prove()
     start = _passed("proofs", start)
+    print(f"{blend}\n\n{certificate}\n")
     made = blend.mesh(tolerance)
     _passed(f"mesh ({len(made.triangles)} triangles)", start)
     folder.mkdir(parents=True, exist_ok=True)
     base = folder / problem.name
     written = [save_parametric(blend, f"{base}.pas.json", certificate), write_mesh(made, f"{base}.stl")]
     notes = "" if options.no_picture else _draw(problem, blend, made, base, written)
-    print(f"{blend}\n\n{certificate}\n\nmesh: {size_of(made)}")
+    print(f"mesh: {size_of(made)}")
     print("\nwritten:", *written, sep="\n  ")
     if notes:
         print(f"pas: no picture: {notes}", file=sys.stderr)
