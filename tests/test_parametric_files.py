@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from conftest import ROOT
 
 import pas
 from pas.cli import main
@@ -17,7 +16,6 @@ FIRST = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1")
 SECOND = pas.ParametricSurface("2*(1 - t^2)/(1 + t^2)", "4*t/(1 + t^2)", "h + 1")
 THIRD = pas.ParametricSurface("t", "1/3*h*t^2 + 1/7", "5/(t^2 + h^2 + 2) + h")
 DATA = pas.BlendingData([FIRST, SECOND])
-PROBLEM = ROOT / "examples/parametric/tubes.toml"
 TEXT = """\
 order = 1
 [[surfaces]]
