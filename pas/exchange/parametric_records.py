@@ -14,6 +14,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pas._version import __version__
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.errors import PasError, ProjectFileError
@@ -82,6 +84,10 @@ def read_surface(record: dict[str, Any]) -> ParametricSurface:
 
 def _blend_record(blend: ParametricBlend) -> dict[str, Any]:
     method, options = method_of(blend)
+    if not blend.surface.is_exact and not _same(blend, blend_by(method, blend.data, blend.order, options)):
+        raise ValueError(
+            f"this surface is not what the method {method!r} makes of its data, and it is not exact to be kept"
+        )
     return {
         "surfaces": [surface_record(s) for s in blend.data.surfaces],
         "values": [plain(v) for v in blend.data.values],
@@ -91,6 +97,15 @@ def _blend_record(blend: ParametricBlend) -> dict[str, Any]:
         "domain": _domain_record(blend.surface),
         "components": [_function_record(c) for c in blend.surface.components] if blend.surface.is_exact else None,
     }
+
+
+def _same(blend: ParametricBlend, other: ParametricBlend) -> bool:
+    """Whether two surfaces that can only be evaluated have the same values at a few points."""
+    low, high = blend.surface.domain[0]
+    start = max(low, min(-1.0, high - 1.0))
+    places = np.linspace(start, min(high, start + 2.0), 5), np.linspace(*blend.surface.domain[1], 5)
+    first, second = (b.surface.with_domain(None).on_grid(*places) for b in (blend, other))
+    return np.array_equal(first, second, equal_nan=True)
 
 
 def _read_blend(content: dict[str, Any]) -> ParametricBlend:

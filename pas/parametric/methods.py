@@ -1,4 +1,8 @@
-"""Ways of blending by name, for files and the command line: a new one needs an entry of METHODS and nothing else."""
+"""Ways of blending by name, for files and the command line.
+
+A new way needs an entry of METHODS and nothing else: a function that makes a `ParametricBlend`, best of a class of
+its own that remembers the options, so that they can be told from it.
+"""
 
 from __future__ import annotations
 
@@ -23,15 +27,19 @@ class Method:
     options_of: Callable[[ParametricBlend], dict[str, Any] | None]
 
 
+def _hermite(blend: ParametricBlend) -> dict[str, Any] | None:
+    return {} if type(blend) is ParametricBlend and blend.weights is None else None
+
+
 def _weights(blend: ParametricBlend) -> dict[str, Any] | None:
     w = blend.weights
-    if w is None:
+    if type(blend) is not ParametricBlend or w is None:
         return None
     return {"balance": [plain(u) for u in w.balance], "normalized": w.normalized, "exponent": w.exponent}
 
 
 METHODS: dict[str, Method] = {
-    "hermite": Method(hermite_blend, {}, lambda blend: {} if blend.weights is None else None),
+    "hermite": Method(hermite_blend, {}, _hermite),
     "weighted": Method(weighted_blend, {"balance": Any, "normalized": bool, "exponent": int}, _weights),
 }
 
