@@ -51,8 +51,10 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.cells import write_cells as write_cells
+    from pas.exchange.meshes import write_mesh as write_mesh
+    from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
+    from pas.exchange.parametric_records import save_parametric as save_parametric
     from pas.exchange.problem import read_problem as read_problem
-    from pas.exchange.rational import RationalPatch as RationalPatch
     from pas.exchange.rational import ball_patches as ball_patches
     from pas.exchange.rational import cone_patches as cone_patches
     from pas.exchange.rational import cylinder_patches as cylinder_patches
@@ -79,6 +81,10 @@ if TYPE_CHECKING:
     from pas.parametric.blends import has_polynomial_solution as has_polynomial_solution
     from pas.parametric.blends import hermite_blend as hermite_blend
     from pas.parametric.blends import weighted_blend as weighted_blend
+    from pas.parametric.conversion import FittedPatch as FittedPatch
+    from pas.parametric.conversion import bezier_patch as bezier_patch
+    from pas.parametric.conversion import bezier_patches as bezier_patches
+    from pas.parametric.conversion import fit_patch as fit_patch
     from pas.parametric.curves import SurfaceCurve as SurfaceCurve
     from pas.parametric.curves import iso_curve as iso_curve
     from pas.parametric.data import BlendingData as BlendingData
@@ -86,6 +92,8 @@ if TYPE_CHECKING:
     from pas.parametric.data import PointKind as PointKind
     from pas.parametric.hermite import hermite_basis as hermite_basis
     from pas.parametric.hermite import hermite_determinant as hermite_determinant
+    from pas.parametric.meshing import ParametricMesh as ParametricMesh
+    from pas.parametric.patches import RationalPatch as RationalPatch
     from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
     from pas.parametric.rational_function import RationalFunction as RationalFunction
     from pas.parametric.regularity import regularity as regularity
@@ -147,8 +155,11 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.cells": ("write_cells",),
+    "pas.exchange.meshes": ("write_mesh",),
+    "pas.exchange.parametric_problem": ("read_parametric_problem",),
+    "pas.exchange.parametric_records": ("save_parametric",),
     "pas.exchange.problem": ("read_problem",),
-    "pas.exchange.rational": ("RationalPatch", "ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
+    "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.solids": ("write_solid",),
     "pas.exchange.step": ("write_step",),
@@ -168,6 +179,7 @@ _HOMES = {
         "hermite_blend",
         "weighted_blend",
     ),
+    "pas.parametric.conversion": ("FittedPatch", "bezier_patch", "bezier_patches", "fit_patch"),
     "pas.parametric.curves": (
         "SurfaceCurve",
         "iso_curve",
@@ -181,6 +193,8 @@ _HOMES = {
         "hermite_basis",
         "hermite_determinant",
     ),
+    "pas.parametric.meshing": ("ParametricMesh",),
+    "pas.parametric.patches": ("RationalPatch",),
     "pas.parametric.proofs": ("ParametricCertificate",),
     "pas.parametric.rational_function": ("RationalFunction",),
     "pas.parametric.regularity": ("regularity",),

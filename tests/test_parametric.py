@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 
 import pas
 from pas import BlendingData, ParametricSurface, RationalFunction
+from pas.parametric.evaluation import _prepared
+from pas.parametric.kernel import FactoredGroup
 from pas.parametric.proofs import contact_verdicts
 
 T, H = sympy.symbols("t h")
@@ -363,3 +365,21 @@ def test_values_need_not_be_in_order():
     assert not any(p.inside for p in blend.weights.poles())
     assert all(v.proved for v in blend.prove(effort=1).contacts)
     assert blend.surface.at(0, "1/2") == tuple(map(Fraction, (blend.surface.at(0, "1/2"))))
+
+
+def test_separable_components_are_evaluated_as_products():
+    """Circles: x and y are (1 - t^2) A(h) and 2 t A(h) over 1 + t^2; values and derivatives are the exact ones."""
+    ring = ("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)")
+    data = pas.BlendingData([pas.ParametricSurface(*(f"{r}*{c}" for c in ring), f"h + {r}") for r in (1, "5/2", 3)])
+    blend = pas.hermite_blend(data, 2)
+    groups, rest = _prepared(data, 2)
+    assert not rest
+    (factored,) = [g for g in groups if isinstance(g, FactoredGroup) and g.below is not None]
+    assert (factored.axes, len(factored.matrix)) == ((0, 1), 1)
+    points = np.random.default_rng(3).uniform(0, 2, (20, 2))
+    exact = lambda f: np.array([float(f.at(*map(Fraction, p))) for p in points.tolist()])  # noqa: E731
+    for orders in ((0, 0), (1, 0), (0, 1), (2, 1)):
+        expected = np.stack([exact(c.diff(*orders)) for c in blend.surface.components], axis=-1)
+        assert np.allclose(blend.surface.derivative(points, *orders), expected, rtol=1e-10, atol=1e-10)
+    grid = blend.surface.on_grid(points[:5, 0], points[:7, 1])
+    assert np.allclose(grid[2, 3], blend.surface(np.array([points[2, 0], points[3, 1]])))

@@ -12,8 +12,9 @@ import pytest
 import pas
 from pas import solid
 from pas.exchange import step as module
-from pas.exchange.rational import RationalPatch, ball_patches, cone_patches, cylinder_patches, torus_patches
+from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
 from pas.exchange.step import write_step
+from pas.parametric.patches import RationalPatch
 
 AXIS, START, END = (1, -2, "1/2"), (1, 2, 3), (2, 0, "7/2")
 CASES = {
@@ -83,7 +84,10 @@ def test_simple_numbers_are_exact():
     ("make", "words"),
     [
         (lambda: RationalPatch(np.zeros((2, 2, 2)), np.ones((2, 2))), r"must have shapes \(m\+1, n\+1, 3\)"),
-        (lambda: RationalPatch(np.zeros((1, 2, 3)), np.ones((1, 2))), "degrees must be from 1 to 25"),
+        (
+            lambda: RationalPatch(np.zeros((1, 2, 3)), np.ones((1, 2))),
+            "degrees must be from 1 to the number of control points",
+        ),
         (lambda: RationalPatch(np.zeros((2, 2, 3)), np.zeros((2, 2))), "weights finite and positive"),
         (lambda: RationalPatch(np.full((2, 2, 3), np.nan), np.ones((2, 2))), "points must be finite"),
         (lambda: ball_patches((0, 0, 0), 0), "radius must be positive"),

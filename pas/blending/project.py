@@ -1,6 +1,6 @@
 """Blends as project files (`.pas.json`): the whole problem, the exact solution, the verdicts.
 
-`load` reads project files of every kind: blends, solids and assemblies.
+`load` reads project files of every kind: blends, solids, assemblies, parametric surfaces and blends.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pas.algebra.rational import rational, to_fraction
 from pas.blending.blend import Attempt, Blend
 from pas.errors import PasError, ProjectFileError
 from pas.exchange.container import check_name, read, write
+from pas.exchange.parametric_records import PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
 from pas.exchange.records import (
     constraints_record,
     energy_record,
@@ -25,6 +26,8 @@ from pas.exchange.records import (
     surface_record,
 )
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
+from pas.parametric.blends import ParametricBlend
+from pas.parametric.surface import ParametricSurface
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
@@ -55,10 +58,10 @@ def save(blend: Blend, path: str | Path) -> Path:
     return write(path, content, f"pas {__version__}")
 
 
-def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly:
-    """Read a project file back: a blend, a solid or an assembly, exactly as it was written.
+def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend:
+    """Read a project file back: whatever it holds, exactly as it was written.
 
-    A blend has the verdicts as they were written; the joints of solids are proved anew when asked for.
+    A blend has the verdicts as they were written; everything else is proved anew when asked for.
     With `edited`, a file whose checksum does not match is read all the same, without its
     verdicts: they are proved anew when asked for.
 
@@ -68,6 +71,8 @@ def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly:
     kind = content.get("kind", BLEND)
     if kind in (SOLID, ASSEMBLY):
         return solid_from_content(content, name)
+    if kind in (PARAMETRIC_SURFACE, PARAMETRIC_BLEND):
+        return parametric_from_content(content, name)
     if kind != BLEND:
         raise ProjectFileError(f"{name}: holds a thing of kind {kind!r}, which this program does not know; update pas")
     try:

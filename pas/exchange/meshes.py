@@ -9,6 +9,8 @@ import numpy as np
 
 from pas.exchange.files import replacing
 from pas.mesh.field import Floats, Integers, TriangleMesh
+from pas.parametric.blends import ParametricBlend
+from pas.parametric.surface import ParametricSurface
 
 SUFFIXES = (".stl", ".obj", ".ply", ".vtp", ".glb")
 
@@ -21,12 +23,23 @@ def check_mesh_suffix(path: str | Path) -> str:
     return suffix
 
 
-def write_mesh(mesh: TriangleMesh, path: str | Path) -> Path:
+def write_mesh(
+    shape: TriangleMesh | ParametricSurface | ParametricBlend,
+    path: str | Path,
+    *,
+    tolerance: Any = None,
+    domain: Any = None,
+) -> Path:
     """Write a mesh with its normals (STL has those of its facets only); returns the path.
 
-    `.stl` is binary; `.vtp` is VTK's XML format.  Raises `ValueError` for another suffix.
+    `.stl` is binary; `.vtp` is VTK's XML format, with the parameters of vertices where there are any.  `tolerance`
+    and `domain` are those of `ParametricSurface.mesh`, for surfaces and blends.
+
+    Raises `ValueError` for another suffix and for these two beside a mesh, `TypeError` for another shape, and what
+    `mesh` raises.
     """
     suffix = check_mesh_suffix(path)
+    mesh = _mesh(shape, tolerance, domain)
     with replacing(path) as temporary:
         if suffix == ".stl":
             temporary.write_bytes(binary_stl(mesh.points, mesh.triangles))
@@ -35,6 +48,16 @@ def write_mesh(mesh: TriangleMesh, path: str | Path) -> Path:
         else:
             _trimesh(mesh).export(temporary, file_type=suffix[1:], **_options(suffix))
     return Path(path)
+
+
+def _mesh(shape: Any, tolerance: Any, domain: Any) -> TriangleMesh:
+    if isinstance(shape, ParametricSurface | ParametricBlend):
+        return shape.mesh(tolerance, domain)
+    if not isinstance(shape, TriangleMesh):
+        raise TypeError(f"shape must be a TriangleMesh, a parametric surface or a blend of such, not {shape!r}")
+    if tolerance is not None or domain is not None:
+        raise ValueError("tolerance and domain are for surfaces; a mesh has them behind it")
+    return shape
 
 
 def _options(suffix: str) -> dict[str, Any]:

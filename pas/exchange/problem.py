@@ -37,7 +37,6 @@ given basis; `prove = false` and `guard = false` are as in `pas.blend`.
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -45,8 +44,9 @@ from pathlib import Path
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
-from pas.errors import PasError, ProblemFileError
+from pas.errors import PasError
 from pas.exchange.records import read_energy, read_normalization
+from pas.exchange.tables import TableReader, read_toml
 from pas.fairing.constraints import Normalization
 from pas.fairing.energy import ThinPlate
 from pas.partition.cells import Partition
@@ -117,68 +117,53 @@ def read_problem(path: str | Path) -> Problem:
     Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong
     types and values; `FileNotFoundError`.
     """
-    file = Path(path)
-    try:
-        text = file.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise ProblemFileError(f"{file.name}: not a text file in UTF-8") from None
-    try:
-        data = tomllib.loads(text, parse_float=_decimal)
-    except tomllib.TOMLDecodeError as error:
-        line = re.search(r"at line (\d+)", str(error))
-        number = int(line.group(1)) if line else text.count("\n") + 1
-        reason = re.sub(r" \(at .*\)", "", str(error))
-        raise ProblemFileError(f"{file.name}, line {number}: {_lower(reason)}", number) from None
+    file, text, data = read_toml(path)
     return _Reader(file, text).problem(data)
 
 
-class _Reader:
-    def __init__(self, file: Path, text: str) -> None:
-        self.file, self.lines = file, text.splitlines()
+class _Reader(TableReader):
+    keys, required, lists = KEYS, REQUIRED, LISTS
 
     def problem(self, data: dict[str, Any]) -> Problem:
-        self._check(data, "", 0)
+        self.check(data, "", 0)
         items = [
             self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))
         ]
         if not items:
-            raise self._error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
-        name = self._typed(data, "name", str, self.file.name.removesuffix(".toml"))
-        if not name or Path(name).name != name:
-            raise self._error(f"name must be a plain file name without folders, not {name!r}", "", 0, "name")
+            raise self.error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
         return Problem(
-            name=name,
+            name=self.name(data),
             contacts=tuple(items),
-            order=self._typed(data, "order", int, None),
-            degree=self._typed(data, "degree", int, None),
-            tolerance=float(self._typed(data, "tolerance", (int, float, Fraction), Fraction(1, 1000))),
+            order=self.typed(data, "order", int, None),
+            degree=self.typed(data, "degree", int, None),
+            tolerance=float(self.typed(data, "tolerance", (int, float, Fraction), Fraction(1, 1000))),
             partition=self._made("partition", data, self._partition),
             energy=self._made("energy", data, self._energy) or ThinPlate(),
             points=self._made("points", data, dict) or {},
             normalize=self._made("normalize", data, self._normalization),
             basis=self._basis(data),
-            prove=self._typed(data, "prove", bool, True),
-            guard=self._typed(data, "guard", bool, True),
+            prove=self.typed(data, "prove", bool, True),
+            guard=self.typed(data, "guard", bool, True),
         )
 
     def _item(self, kind: str, index: int, entry: dict[str, Any]) -> Pipe | Contact:
-        self._check(entry, kind, index)
+        self.check(entry, kind, index)
         make: Callable[..., Pipe | Contact] = Pipe if kind == "pipes" else Contact
         try:
             return make(**entry)
         except (ValueError, TypeError, PasError) as error:
             places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
             key = min(places, key=places.__getitem__) if places else None
-            raise self._error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
+            raise self.error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
 
     def _made(self, table: str, data: dict[str, Any], make: Callable[[dict[str, Any]], Any]) -> Any:
         if table not in data:
             return None
-        self._check(data[table], table, 0)
+        self.check(data[table], table, 0)
         try:
             return make(data[table])
         except (ValueError, TypeError, PasError) as error:
-            raise self._error(f"[{table}]: {error}", table, 0) from None
+            raise self.error(f"[{table}]: {error}", table, 0) from None
 
     @staticmethod
     def _partition(table: dict[str, Any]) -> Partition:
@@ -217,57 +202,4 @@ class _Reader:
         try:
             return tuple(tuple(Polynomial(p) for p in member) for member in data["basis"])
         except (ValueError, TypeError) as error:
-            raise self._error(f"basis: {error}", "", 0, "basis") from None
-
-    def _check(self, table: Any, section: str, index: int) -> None:
-        """That a table is one, has only known keys and all that it needs, of the right shape."""
-        name = f"[{section}]" if section else "the file"
-        if not isinstance(table, dict):
-            raise self._error(f"{section} must be a table, written [{section}] or [[{section}]]", "", 0, section)
-        for key, value in table.items():
-            if key not in KEYS[section]:
-                known = ", ".join(sorted(KEYS[section]))
-                raise self._error(f"unknown key {key!r} in {name}; known are {known}", section, index, key)
-            if not section and key in LISTS and not isinstance(value, list):
-                raise self._error(f"{key} must be a list of tables, written [[{key}]]", "", 0, key)
-        for key in REQUIRED.get(section, set()) - set(table):
-            raise self._error(f"{name} has no {key!r}, which it needs", section, index)
-
-    def _typed(self, data: dict[str, Any], key: str, kind: Any, default: Any) -> Any:
-        value = data.get(key, default)
-        if key in data and (not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)):
-            words = {int: "a whole number", str: "a string", bool: "true or false"}.get(kind, "a number")
-            shown = float(value) if isinstance(value, Fraction) else value
-            raise self._error(f"{key} must be {words}, not {shown!r}", "", 0, key)
-        return value
-
-    def _error(self, reason: str, section: str, index: int, key: str | None = None) -> ProblemFileError:
-        line = self._line(section, index, key)
-        place = f", line {line}" if line else ""
-        return ProblemFileError(f"{self.file.name}{place}: {reason}", line)
-
-    def _line(self, section: str, index: int, key: str | None) -> int | None:
-        """The 1-based line of a key, or of its table's heading, as far as it can be found."""
-        current, heading = "", None
-        seen: dict[str, int] = {}
-        for number, line in enumerate(self.lines, start=1):
-            header = re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?", line)
-            if header:
-                current = header.group(1)
-                seen[current] = seen.get(current, -1) + 1
-                if key == current and not section:
-                    return number
-            if current == section and seen.get(current, 0) == index:
-                heading = heading or number
-                if key and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
-                    return number
-        return heading if section else None
-
-
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]
-
-
-def _decimal(text: str) -> Fraction | float:
-    """A decimal exactly as written; nan and inf are left for those who use them to refuse."""
-    return float(text) if text.strip("+-") in ("nan", "inf") else Fraction(text.replace("_", ""))
+            raise self.error(f"basis: {error}", "", 0, "basis") from None

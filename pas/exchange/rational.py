@@ -1,4 +1,4 @@
-"""Rational Bezier patches, and those of balls, cylinders, cones and tori, exact.
+"""Rational Bezier patches of balls, cylinders, cones and tori, exact.
 
 A quarter of the unit circle is the conic with control points (1, 0), (1, 1), (0, 1) and weights 1, 1, 2:
 `((1 - t^2) / (1 + t^2), 2 t / (1 + t^2))`.  All its numbers are whole, so that the patches are exactly on
@@ -11,65 +11,19 @@ points where a side of a patch shrinks to a point (poles and apexes).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import comb
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational, to_float, to_floats, vector
-
-HIGHEST_DEGREE = 25
-"""In each direction: what the common kernels take."""
+from pas.parametric.patches import RationalPatch
 
 QUARTER = ((1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 2.0))
 """Control points and weights of a quarter of the unit circle."""
 
 QUARTER_TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """Cosines and sines of multiples of 90 degrees."""
-
-
-@dataclass(frozen=True, eq=False)
-class RationalPatch:
-    """A rational Bezier patch of degree (m, n) with control points (m+1, n+1, 3) and positive weights (m+1, n+1).
-
-    `x(u, v) = sum w_ij B_i(u) B_j(v) p_ij / sum w_ij B_i(u) B_j(v)` for u, v from 0 to 1.
-    """
-
-    points: Floats
-    weights: Floats
-
-    def __post_init__(self) -> None:
-        points, weights = np.array(self.points, dtype=float), np.array(self.weights, dtype=float)
-        if points.ndim != 3 or points.shape[2] != 3 or weights.shape != points.shape[:2]:
-            raise ValueError(
-                "points and weights must have shapes (m+1, n+1, 3) and (m+1, n+1), "
-                f"not {points.shape} and {weights.shape}"
-            )
-        if not all(2 <= size <= HIGHEST_DEGREE + 1 for size in weights.shape):
-            raise ValueError(f"degrees must be from 1 to {HIGHEST_DEGREE}, not {self.degrees}")
-        if not np.isfinite(points).all() or not np.isfinite(weights).all() or not (weights > 0).all():
-            raise ValueError("points must be finite, and weights finite and positive")
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "weights", weights)
-
-    @property
-    def degrees(self) -> tuple[int, int]:
-        """The degrees in u and v."""
-        m, n = np.shape(self.weights)
-        return m - 1, n - 1
-
-    def __call__(self, u: Any, v: Any) -> Floats:
-        """Points (..., 3) at parameters that broadcast to (...)."""
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        first, second = (_bernstein(d, t) for d, t in zip(self.degrees, (u, v), strict=True))
-        total = np.einsum("...i,...j,ij,ijx->...x", first, second, self.weights, self.points)
-        return np.asarray(total / np.einsum("...i,...j,ij->...", first, second, self.weights)[..., None])
-
-
-def _bernstein(degree: int, t: Floats) -> Floats:
-    return np.stack([comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(degree + 1)], axis=-1)
 
 
 def ball_patches(center: Any, radius: Any) -> list[RationalPatch]:

@@ -1,22 +1,31 @@
-"""STEP files (ISO 10303-21) of rational Bezier patches, by Open Cascade.
+"""STEP files (ISO 10303-21) of rational patches and exact parametric surfaces, by Open Cascade.
 
-Guaranteed: each patch is one face on a rational B-spline surface with the patch's own control points and
-weights, so nothing is approximated; files are whole or not at all.  Not guaranteed: trimmed faces (a patch
+Guaranteed: each patch is one face on a rational B-spline surface with the patch's own control points, weights and
+knots, and exact surfaces and blends are written as their Bezier patches, so nothing is approximated but that
+fractions become doubles; files are whole or not at all.  Not guaranteed: trimmed faces (a patch
 is written whole), and names of faces.  Open Cascade's settings of units and product names, which are of the whole
 process, are set by each call.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
 from pas.exchange.files import replacing
-from pas.exchange.rational import RationalPatch
+from pas.parametric.blends import ParametricBlend
+from pas.parametric.conversion import bezier_patches
+from pas.parametric.patches import RationalPatch
+from pas.parametric.surface import ParametricSurface
+
+Shape = RationalPatch | ParametricSurface | ParametricBlend
 
 SUFFIXES = (".step", ".stp")
 
@@ -26,22 +35,26 @@ UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M
 DEGENERATE = 1e-9
 """Sides of patches that are shorter, over the patch's size, are points to Open Cascade."""
 
+HIGHEST_DEGREE = 25
+"""In each direction: what the common kernels take."""
+
 FORMAT = "%.16E"
 """Of numbers: doubles come back as they were, which Open Cascade's own twelve digits would round.  Its
 suppression of zeros must stay off: it drops exponents of this format."""
 
 
 def write_step(
-    patches: Sequence[RationalPatch], path: str | Path, *, sew: float | None = None, unit: str = "millimeter"
+    patches: Shape | Sequence[Shape], path: str | Path, *, sew: float | None = None, unit: str = "millimeter"
 ) -> Path:
-    """Write patches as the faces of a STEP file; returns the path.
+    """Write patches, exact surfaces and exact blends as the faces of a STEP file; returns the path.
 
-    With `sew`, faces whose sides are within that distance are joined to shells, and a shell that is closed
-    becomes a solid.  `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
+    A surface or a blend is one face for each of its `bezier_patches` over its own domain; `fit_patch` makes patches
+    of what is not exact.  With `sew`, faces whose sides are within that distance are joined to shells, and a shell
+    that is closed becomes a solid.  `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
 
-    Raises `ValueError` for another suffix or unit or no patches, `TypeError` for what is no
-    `RationalPatch`, `GeometryError` for a patch that Open Cascade refuses, `MissingLibraryError`
-    without it.
+    Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
+    exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch
+    that Open Cascade refuses or a surface with a pole, `MissingLibraryError` without Open Cascade.
     """
     if Path(path).suffix.lower() not in SUFFIXES:
         raise ValueError(f"cannot write STEP as {Path(path).name!r}; the suffix must be one of {', '.join(SUFFIXES)}")
@@ -49,17 +62,36 @@ def write_step(
         raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     if sew is not None and not 0 < sew < float("inf"):
         raise ValueError(f"sew must be a positive number, not {sew}")
-    items = list(patches)
-    if not items:
-        raise ValueError("there must be at least one patch")
-    for item in items:
-        if not isinstance(item, RationalPatch):
-            raise TypeError(f"patches must be RationalPatch objects, not {item!r}")
+    items = _patches(patches)
     _require_library()
     with replacing(path) as temporary, _quiet():
         faces = [_face(item, number) for number, item in enumerate(items)]
         _export(_compound(faces) if sew is None else _sewn(faces, sew), temporary, Path(path).stem, UNITS[unit])
     return Path(path)
+
+
+def _patches(patches: Any) -> list[RationalPatch]:
+    """All patches, checked; an error names the item by its number."""
+    items = list(patches) if isinstance(patches, Iterable) else [patches]
+    if not items:
+        raise ValueError("there must be at least one patch")
+    found: list[RationalPatch] = []
+    for number, item in enumerate(items):
+        surface = item.surface if isinstance(item, ParametricBlend) else item
+        if isinstance(surface, ParametricSurface) and not surface.is_exact:
+            raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
+        if isinstance(surface, ParametricSurface):
+            found += bezier_patches(surface)
+        elif isinstance(surface, RationalPatch):
+            found.append(surface)
+        else:
+            raise TypeError(f"patches must be RationalPatch objects, parametric surfaces or blends, not {item!r}")
+        if max(found[-1].degrees) > HIGHEST_DEGREE:
+            raise ValueError(
+                f"patches[{number}] has the degrees {found[-1].degrees}, but STEP is read up to {HIGHEST_DEGREE}; "
+                "write fit_patch(surface, tolerance) in its place"
+            )
+    return found
 
 
 def _require_library() -> None:
@@ -87,7 +119,7 @@ def _quiet() -> Iterator[None]:
 def _face(patch: RationalPatch, number: int) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
     from OCP.collections import Array2_double, Array2_gp_Pnt
-    from OCP.Geom import Geom_BezierSurface
+    from OCP.Geom import Geom_BezierSurface, Geom_BSplineSurface
     from OCP.gp import gp_Pnt
 
     size = float(abs(patch.points - patch.points[0, 0]).max())
@@ -99,10 +131,27 @@ def _face(patch: RationalPatch, number: int) -> Any:
         for j in range(columns):
             points.SetValue(i + 1, j + 1, gp_Pnt(*patch.points[i, j].tolist()))
             weights.SetValue(i + 1, j + 1, float(patch.weights[i, j]))
-    made = BRepBuilderAPI_MakeFace(Geom_BezierSurface(points, weights), DEGENERATE * size)
+    if patch.is_bezier:
+        surface: Any = Geom_BezierSurface(points, weights)
+    else:
+        (u, many), (v, times) = (_open_knots(k) for k in patch.knots)
+        surface = Geom_BSplineSurface(points, weights, u, v, many, times, *patch.degrees)
+    made = BRepBuilderAPI_MakeFace(surface, DEGENERATE * size)
     if not made.IsDone():
         raise GeometryError(f"patches[{number}] is no surface to Open Cascade: {made.Error().name}")
     return made.Face()
+
+
+def _open_knots(knots: Floats) -> tuple[Any, Any]:
+    """The distinct knots and how often each occurs, as Open Cascade's arrays."""
+    from OCP.collections import Array1_double, Array1_int
+
+    distinct, times = np.unique(knots, return_counts=True)
+    values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
+    for place, (value, count) in enumerate(zip(distinct.tolist(), times.tolist(), strict=True), start=1):
+        values.SetValue(place, value)
+        counts.SetValue(place, count)
+    return values, counts
 
 
 def _compound(shapes: Sequence[Any]) -> Any:

@@ -24,6 +24,7 @@ from pas.parametric.data import AXES, BlendingData
 from pas.parametric.evaluation import hermite_values
 from pas.parametric.hermite import checked_order
 from pas.parametric.interpolation import exact_hermite
+from pas.parametric.meshing import ParametricMesh, mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.rational_function import RationalFunction, total
 from pas.parametric.regularity import regularity
@@ -73,6 +74,10 @@ class ParametricBlend:
         contacts = contact_verdicts(self.surface, self.data, self.order)
         within = self.surface if domain is None else self.surface.with_domain(domain)
         return ParametricCertificate(contacts, regularity(within, effort))
+
+    def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+        """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
+        return mesh_surface(self.surface, tolerance, domain)
 
     def __str__(self) -> str:
         kind = "Hermite" if self.weights is None else "weighted"

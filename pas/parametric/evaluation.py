@@ -21,7 +21,7 @@ from pas.parametric.data import BlendingData
 from pas.parametric.hermite import inverse_series
 from pas.parametric.horner import as_arrays, combinations, dense, horner
 from pas.parametric.jets import Jet, along, constant, nilpotency, variables
-from pas.parametric.kernel import Group, GroupBuilder, functions_of_h, stacked
+from pas.parametric.kernel import FactoredGroup, Group, GroupBuilder, functions_of_h, stacked
 from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
@@ -33,7 +33,7 @@ _Series = Callable[[Any], list[tuple[int, list[Any]]]]
 def hermite_values(data: BlendingData, order: int) -> Values:
     """Evaluation of the Hermite blend from the given surfaces, prepared when first asked for."""
     nodes = [to_float(s) for s in data.values]
-    prepared: list[tuple[tuple[Group, ...], list[tuple[int, _Series]]]] = []
+    prepared: list[tuple[tuple[Group | FactoredGroup, ...], list[tuple[int, _Series]]]] = []
 
     def values(t: Any, h: Any) -> tuple[Any, ...]:
         if not prepared:
@@ -60,7 +60,7 @@ def hermite_values(data: BlendingData, order: int) -> Values:
     return values
 
 
-def _prepared(data: BlendingData, order: int) -> tuple[tuple[Group, ...], list[tuple[int, _Series]]]:
+def _prepared(data: BlendingData, order: int) -> tuple[tuple[Group | FactoredGroup, ...], list[tuple[int, _Series]]]:
     """What can be added over denominators in t alone, and the rest surface by surface."""
     builder = GroupBuilder(len(data.surfaces) * (order + 1))
     series: list[tuple[int, _Series]] = []

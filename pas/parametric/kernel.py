@@ -46,6 +46,32 @@ class Group:
         return list(whole)
 
 
+@dataclass(frozen=True)
+class FactoredGroup:
+    """The same where each component is p(t) F(h) over `below`, as for circles.
+
+    `matrix[d]` gives F_d, each once; `parts[c]` is d and the coefficients of p for component `axes[c]`.
+    """
+
+    axes: tuple[int, ...]
+    matrix: Floats
+    parts: tuple[tuple[int, Floats], ...]
+    below: Floats | None
+
+    def values(self, t: Any, functions: Floats) -> list[Any]:
+        """Values of the components `axes`; `functions` are stacked (of jets, the coefficients)."""
+        rows: Any = product(self.matrix, functions)
+        if isinstance(t, Jet):
+            rows = [Jet(row) for row in rows]
+        inverse = None if self.below is None else 1.0 / horner(self.below, t)
+        result = []
+        for number, polynomial in self.parts:
+            factor = horner(polynomial, t) if len(polynomial) > 1 else polynomial[0]
+            whole = factor if inverse is None else inverse * factor
+            result.append(rows[number] * whole)
+        return result
+
+
 def _along_t(rows: Sequence[Any] | Floats, t: Any) -> Any:
     """Horner's rule in t, in place once the shape is the full one."""
     value = rows[-1]
@@ -99,17 +125,49 @@ class GroupBuilder:
         _, columns = self.entries.setdefault(str(monic), (monic, {}))
         columns[axis, first] = [p / lead for p in above]
 
-    def groups(self) -> tuple[Group, ...]:
+    def groups(self) -> tuple[Group | FactoredGroup, ...]:
         """The groups, as matrices of doubles."""
         return tuple(self._group(below, columns) for below, columns in self.entries.values())
 
-    def _group(self, below: fmpq_poly, columns: dict[tuple[int, int], list[fmpq_poly]]) -> Group:
+    def _group(self, below: fmpq_poly, columns: dict[tuple[int, int], list[fmpq_poly]]) -> Group | FactoredGroup:
         scale = fmpq(1) if below.degree() == 0 else max(abs(c) for c in below.coeffs())
+        bottom = None if below.degree() == 0 else dense([below], scale)[:, 0]
         axes = tuple(sorted({axis for axis, _ in columns}))
-        height = max((p.length() for ps in columns.values() for p in ps), default=1)
-        matrix = np.zeros((max(height, 1), len(axes), self.functions))
+        rows: dict[tuple[int, int], dict[int, fmpq]] = {}
         for (axis, first), polynomials in columns.items():
             for j, p in enumerate(polynomials):
                 for a, c in enumerate(p.coeffs()):
-                    matrix[a, axes.index(axis), first + j] = to_float(c / scale)
-        return Group(axes, matrix, None if below.degree() == 0 else dense([below], scale)[:, 0])
+                    if c != 0:
+                        rows.setdefault((a, axes.index(axis)), {})[first + j] = c / scale
+        factored = self._factored(rows, axes, bottom)
+        if factored is not None:
+            return factored
+        matrix = np.zeros((max((a for a, _ in rows), default=0) + 1, len(axes), self.functions))
+        for (a, place), row in rows.items():
+            for m, c in row.items():
+                matrix[a, place, m] = to_float(c)
+        return Group(axes, matrix, bottom)
+
+    def _factored(
+        self, rows: dict[tuple[int, int], dict[int, fmpq]], axes: tuple[int, ...], below: Floats | None
+    ) -> FactoredGroup | None:
+        """The group with rows that are multiples of one another put together, if each component then has one part."""
+        known: dict[tuple[tuple[int, fmpq], ...], int] = {}
+        parts: list[dict[int, dict[int, float]]] = [{} for _ in axes]
+        for (a, place), row in sorted(rows.items()):
+            entries = sorted(row.items())
+            lead = entries[0][1]
+            number = known.setdefault(tuple((m, c / lead) for m, c in entries), len(known))
+            parts[place].setdefault(number, {})[a] = to_float(lead)
+        if len(known) == len(rows) or any(len(part) != 1 for part in parts):
+            return None
+        matrix = np.zeros((len(known), self.functions))
+        for entry, number in known.items():
+            for m, c in entry:
+                matrix[number, m] = to_float(c)
+        made = tuple(
+            (number, np.array([p.get(a, 0.0) for a in range(max(p) + 1)]))
+            for part in parts
+            for number, p in part.items()
+        )
+        return FactoredGroup(axes, matrix, made, below)

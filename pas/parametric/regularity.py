@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.bernstein.signs import UNIT_ROUNDOFF, Status
 from pas.limits import checkpoint
+from pas.parametric.nets import bernstein
 from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction
 from pas.parametric.surface import ParametricSurface
 from pas.surface.certificate import Verdict
@@ -284,23 +284,7 @@ def _moved(polynomial: fmpq_mpoly, piece: _Piece, degrees: list[int]) -> fmpq_mp
 
 
 def _bernstein(polynomial: fmpq_mpoly, degrees: list[int]) -> Floats:
-    """Over [0, 1]^2, b_ij = sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq: exact, then rounded."""
-    n, m = degrees
-    table = [[fmpq(0)] * (m + 1) for _ in range(n + 1)]
-    for (p, q), c in polynomial.to_dict().items():
-        table[int(p)][int(q)] = c / (math.comb(n, int(p)) * math.comb(m, int(q)))
-    table = [_accumulated(row) for row in table]
-    table = [
-        list(row) for row in zip(*(_accumulated(list(column)) for column in zip(*table, strict=True)), strict=True)
-    ]
+    """The exact coefficients, rounded."""
+    table = bernstein(polynomial, degrees)
     largest = max((abs(c) for row in table for c in row), default=fmpq(0)) or fmpq(1)
     return np.array([[to_float(c / largest) for c in row] for row in table]) * to_float(largest)
-
-
-def _accumulated(values: list[fmpq]) -> list[fmpq]:
-    """b_i = sum_p C(i, p) a_p by repeated sums."""
-    result, row = [], list(values)
-    while row:
-        result.append(row[0])
-        row = [a + b for a, b in pairwise(row)]
-    return result

@@ -12,25 +12,28 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational, to_float, vector
+from pas.algebra.rational import Vector, plain, rational, to_float, vector
 from pas.limits import checkpoint
 from pas.parametric.callables import Values, component, from_derivatives
-from pas.parametric.expressions import Names
+from pas.parametric.expressions import Names, as_text
 from pas.parametric.horner import Bundle
 from pas.parametric.jets import Jet, variables
 from pas.parametric.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.series import composed
+
+if TYPE_CHECKING:
+    from pas.parametric.meshing import ParametricMesh
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 Interval = tuple[float, float]
@@ -63,6 +66,7 @@ class ParametricSurface:
     values: Values
     source: Callable[[], Components] | None
     inexact: str
+    text: tuple[str, str, str] | None
 
     def __init__(
         self,
@@ -84,7 +88,8 @@ class ParametricSurface:
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
         if derivatives is not None:
             values = from_derivatives(values, derivatives)
-        _fill(self, names, domain, values, None, next(p.reason for p in parts if p.exact is None))
+        text = None if derivatives is not None else _text((x, y, z))
+        _fill(self, names, domain, values, None, next(p.reason for p in parts if p.exact is None), text)
 
     @classmethod
     def from_parts(
@@ -94,10 +99,14 @@ class ParametricSurface:
         parameters: Names = PARAMETERS,
         domain: Any = None,
         inexact: str = "",
+        text: tuple[str, str, str] | None = None,
     ) -> ParametricSurface:
-        """A surface with its own way of evaluation; `source` makes its exact components when asked."""
+        """A surface with its own way of evaluation; `source` makes its exact components when asked.
+
+        `text` are expressions that come to the same, where there are any: they can be saved.
+        """
         result = cls.__new__(cls)
-        _fill(result, _names(parameters), domain, values, source, inexact)
+        _fill(result, _names(parameters), domain, values, source, inexact, text)
         return result
 
     @property
@@ -212,6 +221,18 @@ class ParametricSurface:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
         return composed(Polynomial(polynomial), self.components)
 
+    def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+        """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
+
+        The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a
+        parameter or an end that the surface's own bounds.  The bound is proved for exact surfaces, measured for
+        others; the mesh says which.  Raises `ValueError` for an infinite domain, `GeometryError` near poles,
+        `MeshError` for a tolerance that needs too many triangles.
+        """
+        from pas.parametric.meshing import mesh_surface
+
+        return mesh_surface(self, tolerance, domain)
+
     def moved(self, matrix: Any = None, offset: Any = (0, 0, 0)) -> ParametricSurface:
         """The image under p -> matrix p + offset; rational numbers keep an exact surface exact."""
         rows = [vector(r, f"matrix[{i}]") for i, r in enumerate(np.eye(3, dtype=int) if matrix is None else matrix)]
@@ -233,7 +254,8 @@ class ParametricSurface:
             return x, y, z
 
         made = source if self.is_exact else None
-        return ParametricSurface.from_parts(values, made, self.parameters, self.domain, self.inexact)
+        text = None if self.text is None else _moved_text(self.text, rows, shift)
+        return ParametricSurface.from_parts(values, made, self.parameters, self.domain, self.inexact, text)
 
     def with_domain(self, domain: Any) -> ParametricSurface:
         """The same surface on another domain."""
@@ -279,7 +301,7 @@ class ParametricSurface:
 def replace_domain(surface: ParametricSurface, domain: Any) -> ParametricSurface:
     """The surface on another domain."""
     result = ParametricSurface.__new__(ParametricSurface)
-    _fill(result, surface.parameters, domain, surface.values, surface.source, surface.inexact)
+    _fill(result, surface.parameters, domain, surface.values, surface.source, surface.inexact, surface.text)
     return result
 
 
@@ -302,10 +324,28 @@ def _fill(
     values: Values,
     source: Callable[[], Components] | None,
     inexact: str,
+    text: tuple[str, str, str] | None = None,
 ) -> None:
     fields = {"parameters": parameters, "domain": _domain(domain, parameters), "values": values}
-    for name, value in (fields | {"source": source, "inexact": inexact}).items():
+    for name, value in (fields | {"source": source, "inexact": inexact, "text": text}).items():
         object.__setattr__(surface, name, value)
+
+
+def _text(expressions: Sequence[Any]) -> tuple[str, str, str] | None:
+    """The expressions as strings; None where one is a callable."""
+    found = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
+    if any(callable(e) and not isinstance(e, RationalFunction) for e in found):
+        return None
+    x, y, z = (e if isinstance(e, str) else str(RationalFunction(e)) for e in found)
+    return x, y, z
+
+
+def _moved_text(text: Sequence[str], rows: Sequence[Vector], shift: Vector) -> tuple[str, str, str]:
+    x, y, z = (
+        " + ".join([*(f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)), f"({plain(s)})"])
+        for row, s in zip(rows, shift, strict=True)
+    )
+    return x, y, z
 
 
 def _names(parameters: Any) -> Names:

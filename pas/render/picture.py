@@ -1,7 +1,8 @@
-"""Pictures of a blend and the surfaces it continues."""
+"""Pictures of a blend and the surfaces it continues; those of parametric ones are made in `parametric`."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,13 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing
 from pas.mesh.field import TriangleMesh
+from pas.render.layers import BLEND_COLOR, CURVE_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
 from pas.render.offscreen import offscreen_pyvista
+from pas.render.parametric import Parametric, parametric_layers, widest_view
 from pas.surface.piecewise import PiecewiseSurface
 
 SIZE = (1200, 900)
-BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
 STRIPES = 28
 """Dark and bright bands over the range of the isophotes."""
 
@@ -30,6 +32,20 @@ COARSE, FINE = 1e-3, 2e-4
 VIEW_ANGLE, MARGIN = 24.0, 1.12
 """Of the camera, in degrees, and the picture's height over that of what is drawn."""
 
+BAR = {
+    "title": "mean curvature",
+    "color": "black",
+    "vertical": True,
+    "position_x": 0.88,
+    "position_y": 0.08,
+    "height": 0.45,
+    "width": 0.07,
+}
+"""Of the colours of curvature."""
+
+FONTS = {"title": 18, "label": 16}
+"""Sizes of its letters in a picture of width SIZE[0]."""
+
 
 class Style(Enum):
     """What the colours show."""
@@ -40,89 +56,98 @@ class Style(Enum):
 
 
 def draw(
-    surface: PiecewiseSurface,
+    surface: PiecewiseSurface | Parametric | Sequence[Parametric],
     path: str | Path,
     *,
     style: Style = Style.PLAIN,
     mesh: TriangleMesh | None = None,
     size: tuple[int, int] = SIZE,
+    domain: Any = None,
+    view: Any = None,
 ) -> Path:
     """Draw a surface with its neighbours into a PNG file; returns the path.
 
+    The surface is a piecewise algebraic one, a parametric surface or blend, or several of these.  A parametric blend
+    is drawn with its surfaces beyond their curves, in other colours; `domain` is that of `ParametricSurface.mesh`
+    (for all that are given).
+
     `Style.ZEBRA` shows isophotes, lines of equal angle between normal and a direction: across a
     joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.
-    `Style.CURVATURE` shows the mean curvature.  `mesh` spares meshing again.
+    `Style.CURVATURE` shows the mean curvature.  `mesh` spares meshing again; `view` is the direction from where one
+    looks, of parametric surfaces in the coordinates, else in the frame of the contact directions.
 
-    Raises `ValueError` for another suffix than .png, `MissingLibraryError` without OpenGL.
+    Raises `ValueError` for another suffix than .png and what meshing raises, `MissingLibraryError` without OpenGL.
     """
     if Path(path).suffix.lower() != ".png":
         raise ValueError(f"a picture's name must end in .png, not {Path(path).name!r}")
     if not isinstance(style, Style):
         raise TypeError(f"style must be a pas.render.picture.Style, not {style!r}")
     pyvista = offscreen_pyvista()
-    extent = float(np.ptp(surface.partition.points, axis=0).max())
-    mesh = mesh or surface.triangulate(extent * (FINE if style is Style.ZEBRA else COARSE))
-    others = neighbours(surface, mesh, extent * 0.25)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     low, high = ("#aebac4", "#c9d3dc") if style is Style.ZEBRA else ("white", "#dfe8f0")
     plotter.set_background(low, top=high)
-    _add(plotter, surface, mesh, others, style)
-    _look(plotter, surface, np.concatenate([part.points for part in (mesh, *others)]), size)
+    if isinstance(surface, PiecewiseSurface):
+        extent = float(np.ptp(surface.partition.points, axis=0).max())
+        mesh = mesh or surface.triangulate(extent * (FINE if style is Style.ZEBRA else COARSE))
+        others = neighbours(surface, mesh, extent * 0.25)
+        layers, frame = _layers(surface, mesh, others, style), _frame(surface)
+        meshes: list[TriangleMesh] = [mesh, *others]
+    else:
+        layers, frame = parametric_layers(surface, mesh, domain, style.value), np.eye(3)
+        meshes = [layer.mesh for layer in layers]
+        view = widest_view([layer.mesh for layer in layers]) if view is None else view
+    for layer in layers:
+        _add(plotter, layer, style, frame, size[0] / SIZE[0])
+    plotter.enable_anti_aliasing("ssaa")
+    _look(plotter, frame, VIEW if view is None else view, np.concatenate([part.points for part in meshes]), size)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()
     return Path(path)
 
 
-def _add(plotter: Any, surface: PiecewiseSurface, mesh: TriangleMesh, others: list[TriangleMesh], style: Style) -> None:
-    shading = {"smooth_shading": True, "specular": 0.25, "specular_power": 20, "ambient": 0.18}
+def _layers(surface: PiecewiseSurface, mesh: TriangleMesh, others: list[TriangleMesh], style: Style) -> list[Layer]:
+    curvature = surface.curvatures(mesh.points)[:, 0] if style is Style.CURVATURE else None
+    blend = Layer(mesh, BLEND_COLOR, curvature=curvature, outlined=True)
+    return [blend, *(Layer(other, PIPE_COLOR) for other in others)]
+
+
+def _add(plotter: Any, layer: Layer, style: Style, frame: Floats, scale: float) -> None:
+    shading = {
+        "smooth_shading": True, "specular": 0.25, "specular_power": 20, "ambient": 0.18, "opacity": layer.opacity,
+    }  # fmt: skip
+    data = layer.mesh.to_pyvista()
     if style is Style.ZEBRA:
-        for part in (mesh, *others):
-            data = part.to_pyvista()
-            data["isophotes"] = _isophotes(part.normals, _frame(surface))
-            plotter.add_mesh(
-                data, scalars="isophotes", cmap=["white", "black"] * (STRIPES // 2), clim=(-1, 1),
-                interpolate_before_map=True, show_scalar_bar=False, n_colors=STRIPES, ambient=0.6, diffuse=0.4,
-                smooth_shading=True,
-            )  # fmt: skip
-    elif style is Style.CURVATURE:
-        data = mesh.to_pyvista()
-        data["mean curvature"] = surface.curvatures(mesh.points)[:, 0]
-        limit = max(float(np.nanpercentile(np.abs(data["mean curvature"]), 98)), 1e-12)
-        bar = {
-            "title": "mean curvature",
-            "color": "black",
-            "vertical": True,
-            "position_x": 0.88,
-            "position_y": 0.08,
-            "height": 0.45,
-            "width": 0.07,
-            "title_font_size": 18,
-            "label_font_size": 16,
-        }
+        data["isophotes"] = _isophotes(layer.mesh.normals, frame)
         plotter.add_mesh(
-            data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=bar, **shading
-        )
-        for part in others:
-            plotter.add_mesh(part.to_pyvista(), color=PIPE_COLOR, **shading)
+            data, scalars="isophotes", cmap=[layer.tint, "black"] * (STRIPES // 2), clim=(-1, 1),
+            interpolate_before_map=True, show_scalar_bar=False, n_colors=STRIPES,
+            **(shading | {"specular": 0.0, "ambient": 0.6, "diffuse": 0.4}),
+        )  # fmt: skip
+        return
+    if layer.curvature is not None:
+        data["mean curvature"] = layer.curvature
+        limit = max(float(np.nanpercentile(np.abs(layer.curvature), 98)), 1e-12)
+        fonts = {f"{part}_font_size": round(font * scale) for part, font in FONTS.items()}
+        plotter.add_mesh(
+            data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=BAR | fonts,
+            nan_color="#dddddd", **shading,
+        )  # fmt: skip
     else:
-        plotter.add_mesh(mesh.to_pyvista(), color=BLEND_COLOR, **shading)
-        for part in others:
-            plotter.add_mesh(part.to_pyvista(), color=PIPE_COLOR, **shading)
-    rim = mesh.to_pyvista().extract_feature_edges(
-        boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
-    )
-    if rim.n_points and style is not Style.ZEBRA:
-        plotter.add_mesh(rim, color=CURVE_COLOR, line_width=3)
-    plotter.enable_anti_aliasing("ssaa")
+        plotter.add_mesh(data, color=layer.color, **shading)
+    if layer.outlined:
+        rim = data.extract_feature_edges(
+            boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
+        )
+        if rim.n_points:
+            plotter.add_mesh(rim, color=CURVE_COLOR, line_width=3)
 
 
-def _look(plotter: Any, surface: PiecewiseSurface, points: Floats, size: tuple[int, int]) -> None:
+def _look(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int]) -> None:
     """Point the camera so that the points fill the picture."""
-    frame = _frame(surface)
-    ahead = -np.array(VIEW) @ frame
+    ahead = -np.array(view, dtype=float) @ frame
     ahead /= np.linalg.norm(ahead)
-    right = np.cross(ahead, frame[2])
+    right = np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1])
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(right, ahead), ahead])
     seen = points @ axes.T

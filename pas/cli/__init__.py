@@ -1,0 +1,44 @@
+"""The command line `pas`.
+
+Exit codes: 0 done (for `check`: all proved), 1 what could not be done or proved, 2 what the user
+got wrong.  Errors go to stderr as one sentence; `--debug` shows the traceback.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import traceback
+from collections.abc import Sequence
+
+from pas.cli.common import DONE as DONE
+from pas.cli.common import FAILED as FAILED
+from pas.cli.common import WRONG as WRONG
+from pas.cli.parser import parser
+from pas.errors import InputError, PasError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    reader = parser()
+    options = reader.parse_args(arguments)
+    if options.command is None:
+        reader.print_help()
+        return WRONG
+    try:
+        return int(options.run(options))
+    except KeyboardInterrupt:
+        print("pas: interrupted; nothing was left half-written", file=sys.stderr)
+        return FAILED
+    except (InputError, ValueError, TypeError, FileNotFoundError, PermissionError, IsADirectoryError) as error:
+        return _fail(options, error, WRONG)
+    except (PasError, OSError) as error:
+        return _fail(options, error, FAILED)
+
+
+def _fail(options: argparse.Namespace, error: Exception, code: int) -> int:
+    if options.debug:
+        traceback.print_exc()
+    text = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) and error.strerror else str(error)
+    print(f"pas: {' '.join(text.split())}", file=sys.stderr)
+    return code

@@ -1,0 +1,193 @@
+"""What the commands do."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pas.cli import parametric
+from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, progress
+from pas.errors import MissingLibraryError
+
+if TYPE_CHECKING:
+    from pas.blending.blend import Blend
+    from pas.mesh.field import TriangleMesh
+
+
+def run_blend(options: argparse.Namespace) -> int:
+    """`pas blend`."""
+    from pas.blending.blend import blend
+    from pas.blending.summary import summary
+    from pas.exchange.meshes import write_mesh
+    from pas.exchange.problem import read_problem
+
+    problem = read_problem(options.problem)
+    folder = output_folder(options.output)
+    tolerance = checked_tolerance(problem.tolerance if options.tolerance is None else options.tolerance)
+    result = blend(
+        problem.contacts,
+        problem.order if options.order is None else options.order,
+        problem.degree if options.degree is None else options.degree,
+        progress=progress,
+        **problem.options,
+    )
+    start = time.perf_counter()
+    mesh = result.surface.triangulate(tolerance)
+    result.timings["mesh"] = time.perf_counter() - start
+    progress(f"mesh ({len(mesh.triangles)} triangles)", result.timings["mesh"])
+    folder.mkdir(parents=True, exist_ok=True)
+    base = folder / problem.name
+    written = [result.save(f"{base}.pas.json"), write_mesh(mesh, f"{base}.stl")]
+    notes = "" if options.no_picture else _draw(result, mesh, base, written)
+    print(summary(result, {"mesh": f"{len(mesh.triangles)} triangles, within {tolerance:g} of the surface"}))
+    print("\nwritten:", *written, sep="\n  ")
+    if notes:
+        print(f"pas: no picture: {notes}", file=sys.stderr)
+        return FAILED
+    return DONE if result.certificate.proved or not problem.prove else FAILED
+
+
+def run_solve(options: argparse.Namespace) -> int:
+    """`pas solve`."""
+    from pas.blending.report import report
+    from pas.blending.solutions import solutions
+    from pas.exchange.problem import read_problem
+    from pas.limits import limit
+
+    problem = read_problem(options.problem)
+    with limit(options.seconds, lambda line: print(line, file=sys.stderr, flush=True)):
+        space = solutions(
+            problem.contacts,
+            problem.order if options.order is None else options.order,
+            problem.degree if options.degree is None else options.degree,
+            problem.partition,
+            method=options.method,
+            regular=options.regular,
+        )
+        print(report(space, options.form, module=options.generators))
+    return DONE
+
+
+def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) -> str:
+    """Draw the picture; returns why there is none where OpenGL is missing."""
+    from pas.render.picture import draw
+
+    start = time.perf_counter()
+    try:
+        written.append(draw(result.surface, f"{base}.png", mesh=mesh))
+    except MissingLibraryError as error:
+        return str(error)
+    result.timings["picture"] = time.perf_counter() - start
+    progress("picture", result.timings["picture"])
+    return ""
+
+
+def run_check(options: argparse.Namespace) -> int:
+    """`pas check`."""
+    from pas.blending.blend import Blend
+    from pas.blending.project import load
+    from pas.parametric.blends import ParametricBlend
+    from pas.parametric.surface import ParametricSurface
+
+    thing = load(options.project, edited=options.edited)
+    if isinstance(thing, ParametricSurface | ParametricBlend):
+        return parametric.check(thing)
+    start = time.perf_counter()
+    certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
+    print(certificate)
+    verdict = "all proved" if certificate.proved else "not all proved"
+    print(f"\n{verdict}, in {time.perf_counter() - start:.2f} s")
+    return DONE if certificate.proved else FAILED
+
+
+def run_mesh(options: argparse.Namespace) -> int:
+    """`pas mesh`."""
+    from pas.blending.blend import Blend
+    from pas.blending.project import load
+    from pas.exchange.meshes import check_mesh_suffix, write_mesh
+    from pas.exchange.solids import write_solid
+    from pas.parametric.blends import ParametricBlend
+    from pas.parametric.surface import ParametricSurface
+
+    tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
+    thing = load(options.project)
+    if isinstance(thing, ParametricSurface | ParametricBlend):
+        return parametric.mesh(thing, options.output, tolerance)
+    if not isinstance(thing, Blend):
+        print(write_solid(thing, options.output, tolerance=tolerance))
+        return DONE
+    check_mesh_suffix(options.output)
+    tolerance = 0.001 if tolerance is None else tolerance
+    mesh = thing.surface.triangulate(tolerance)
+    path = write_mesh(mesh, options.output)
+    print(f"{path}: {len(mesh.triangles)} triangles, within {tolerance:g} of the surface")
+    return DONE
+
+
+def run_render(options: argparse.Namespace) -> int:
+    """`pas render`."""
+    from pas.blending.blend import Blend
+    from pas.blending.project import load
+    from pas.render.parts import Look, draw_parts
+    from pas.render.picture import Style, draw
+    from pas.solid.assembly import Assembly
+    from pas.solid.solid import Solid
+
+    thing = load(options.project)
+    if not isinstance(thing, Solid | Assembly):
+        style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
+        print(draw(thing.surface if isinstance(thing, Blend) else thing, options.output, style=style))
+        return DONE
+    if options.curvature:
+        raise ValueError("curvature colours exist for blends; of a solid draw it plain or with --zebra")
+    print(draw_parts(thing, options.output, look=Look.ZEBRA if options.zebra else Look.PLAIN))
+    return DONE
+
+
+def run_convert(options: argparse.Namespace) -> int:
+    """`pas convert`."""
+    from pas.blending.project import load
+    from pas.exchange.solids import write_solid
+    from pas.solid.assembly import Assembly
+    from pas.solid.solid import Solid
+
+    tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
+    thing = load(options.project)
+    if not isinstance(thing, Solid | Assembly):
+        raise ValueError(f"{options.project} holds no solid but a surface; write it with `pas mesh`")
+    print(write_solid(thing, options.output, tolerance=tolerance, unit=options.unit))
+    return DONE
+
+
+def run_teapot(options: argparse.Namespace) -> int:
+    """`pas teapot`."""
+    from pas.exchange.solid_records import save_solid
+    from pas.exchange.solids import write_solid
+    from pas.render.parts import Look, draw_parts
+    from pas.teapot.pot import teapot
+
+    tolerance = checked_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    folder = output_folder(options.output)
+    start = time.perf_counter()
+    pot = teapot(
+        options.style,
+        lid_height=options.lid_height,
+        spout_tilt=options.spout_tilt,
+        handle_size=options.handle_size,
+    )
+    progress("build and prove", time.perf_counter() - start)
+    start = time.perf_counter()
+    mesh = pot.solid.mesh(tolerance)
+    progress(f"mesh ({len(mesh.triangles)} triangles)", time.perf_counter() - start)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [write_solid(mesh, folder / "teapot.stl"), save_solid(pot.assembly, folder / "teapot.pas.json")]
+    print(pot.solid)
+    try:
+        written.append(draw_parts(mesh, folder / "teapot.png", look=Look.FOUR_VIEWS))
+    except MissingLibraryError as error:
+        print(f"pas: no picture: {error}", file=sys.stderr)
+    print("\nwritten:", *written, sep="\n  ")
+    return DONE if pot.solid.proved else FAILED

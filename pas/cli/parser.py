@@ -1,0 +1,170 @@
+"""The arguments of the commands."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from pas._version import __version__
+from pas.cli import commands, parametric
+
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
+
+def parser() -> argparse.ArgumentParser:
+    """The reader of all arguments."""
+    result = argparse.ArgumentParser(
+        prog="pas",
+        description="Smooth transitions between algebraic surfaces, with a proof.",
+        epilog="`pas COMMAND --help` tells more of a command.",
+    )
+    result.add_argument("--version", action="version", version=f"pas {__version__}")
+    result.set_defaults(command=None, debug=False)
+    added = result.add_subparsers(title="commands", metavar="COMMAND")
+    _blend_parser(added)
+    _parametric_parser(added)
+    _solve_parser(added)
+    _check_parser(added)
+    _mesh_parser(added)
+    _render_parser(added)
+    _convert_parser(added)
+    _teapot_parser(added)
+    return result
+
+
+def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.ArgumentParser:
+    parser = added.add_parser(
+        name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def _blend_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "blend",
+        "find, prove, mesh and draw the blend of a problem file",
+        "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
+        "A problem file is TOML:\n\n"
+        "  order = 2            # the k of GC^k\n\n"
+        "  [[pipes]]            # three of them, perpendicular, through one point\n"
+        '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
+        "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
+        "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
+    )
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
+    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
+    parser.add_argument("--degree", type=int, metavar="N", help="this degree only, instead of the lowest proved")
+    _tolerance(parser, "the file's, or 0.001")
+    parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
+    parser.set_defaults(command="blend", run=commands.run_blend)
+
+
+def _parametric_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "parametric",
+        "find, prove, mesh and draw the parametric blend of a problem file",
+        "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
+        "A problem file is TOML:\n\n"
+        '  order = 2\n  method = "hermite"   # or "weighted", with balance, normalized, exponent\n\n'
+        "  [[surfaces]]         # two or more, met at h = 0, 1, ... or at values = [...]\n"
+        '  x = "(1 - t^2)/(1 + t^2)"\n  y = "2*t/(1 + t^2)"\n  z = "h - 1"\n\n'
+        "  [domain]             # of proof, mesh and picture\n  t = [-1, 1]\n\n"
+        "Also: parameters, tolerance, prove, [picture] (style, view).",
+    )
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
+    parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
+    _tolerance(parser, "the file's, or 0.001 of the blend's extent")
+    parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
+    parser.set_defaults(command="parametric", run=parametric.run_parametric)
+
+
+def _solve_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "solve",
+        "find all surfaces of a degree that meet the contacts of a problem file",
+        "Prints degree, dimension, a basis, the generators of all solutions, and which of them are\n"
+        "singular along a contact.  The file is one of `pas blend`; for a single polynomial it has\n\n"
+        '  [partition]\n  kind = "single cell"',
+    )
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
+    parser.add_argument("--degree", type=int, metavar="N", help="this degree, instead of the lowest with solutions")
+    parser.add_argument("--method", default="linear", help="linear, syzygy, normal-form or intersection")
+    parser.add_argument("--regular", action="store_true", help="the lowest degree with regular solutions")
+    parser.add_argument("--generators", action="store_true", help="of several pieces: the generators of the module too")
+    parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
+    form = parser.add_mutually_exclusive_group()
+    for name in ("json", "latex", "sympy"):
+        form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
+    parser.set_defaults(command="solve", run=commands.run_solve, form="text")
+
+
+def _check_parser(added: Commands) -> None:
+    parser = _command(added, "check", "prove everything again from a project file alone")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument(
+        "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
+    )
+    parser.set_defaults(command="check", run=commands.run_check)
+
+
+def _mesh_parser(added: Commands) -> None:
+    parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; solids also .3mf"
+    )
+    _tolerance(parser, "0.001; of a solid, 0.001 of its longest side")
+    parser.set_defaults(command="mesh", run=commands.run_mesh)
+
+
+def _render_parser(added: Commands) -> None:
+    parser = _command(added, "render", "draw the surface of a project file")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
+    parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
+    style = parser.add_mutually_exclusive_group()
+    style.add_argument("--zebra", action="store_true", help="isophotes, which show the order of continuity")
+    style.add_argument("--curvature", action="store_true", help="colours by mean curvature")
+    parser.set_defaults(command="render", run=commands.run_render)
+
+
+def _convert_parser(added: Commands) -> None:
+    parser = _command(added, "convert", "write the solid or assembly of a project file in another format")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file of a solid or assembly")
+    parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
+    parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
+    _tolerance(parser, "0.001 of the size")
+    parser.set_defaults(command="convert", run=commands.run_convert)
+
+
+def _teapot_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "teapot",
+        "build, prove, mesh and draw the teapot",
+        "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
+    )
+    parser.add_argument("--style", default="better", help="better (12 patches, all joined) or paper (8 patches)")
+    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
+    parser.add_argument("--lid-height", default="7/5", metavar="Z", help="height of the knob's top")
+    parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
+    parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
+    _tolerance(parser, "0.001")
+    parser.set_defaults(command="teapot", run=commands.run_teapot)
+
+
+def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="T",
+        help=f"largest distance of the mesh from the surface (default: {default})",
+    )

@@ -1,0 +1,175 @@
+"""Problem files (TOML) of parametric blends: which surfaces, at which values, and how.
+
+order = 2                      # of contact
+method = "hermite"             # the default; or "weighted", or another one of METHODS
+values = [0, 1]                # optional: the value of the second parameter at which each surface is met
+parameters = ["t", "h"]        # optional
+tolerance = 1e-3               # optional; of the mesh, in the model's units
+prove = true                   # optional; false: the exit code does not depend on the proof of regularity
+
+balance = "1/2"                # options of the method "weighted": balance (one number or one for each surface),
+normalized = false             # normalized and exponent
+
+[[surfaces]]
+x = "(1 - t^2)/(1 + t^2)"      # exact: a string, an integer, or the decimal as written
+y = "2*t/(1 + t^2)"
+z = "h - 1"
+domain = [[-5, 5], [-inf, 1]]  # optional
+
+[domain]                       # optional; of the proof, the mesh and the picture, by parameter
+t = [-1, 1]
+
+[picture]                      # optional
+style = "zebra"                # plain, zebra or curvature
+view = [1, -1, "1/2"]          # the direction from where one looks
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pas.algebra.rational import rational, to_float, vector
+from pas.errors import PasError
+from pas.exchange.tables import TableReader, read_toml
+from pas.parametric.blends import ParametricBlend
+from pas.parametric.data import BlendingData
+from pas.parametric.methods import METHODS, blend_by
+from pas.parametric.rational_function import PARAMETERS
+from pas.parametric.surface import Domain, ParametricSurface
+
+OPTIONS = {name for method in METHODS.values() for name in method.options}
+STYLES = ("plain", "zebra", "curvature")
+WHOLE = {"name", "order", "method", "values", "parameters", "tolerance", "prove", "surfaces", "domain", "picture"}
+
+
+@dataclass(frozen=True)
+class ParametricProblem:
+    """A problem as read from a file; `domain` is that of proof, mesh and picture, None for the blend's own."""
+
+    name: str
+    data: BlendingData
+    order: int
+    method: str
+    options: dict[str, Any]
+    domain: Domain | None
+    tolerance: float | None
+    prove: bool
+    style: str
+    view: tuple[float, float, float] | None
+
+    def blend(self) -> ParametricBlend:
+        """The blend; raises what its method raises."""
+        return blend_by(self.method, self.data, self.order, self.options)
+
+
+def read_parametric_problem(path: str | Path) -> ParametricProblem:
+    """Read a problem file.
+
+    Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong types and values, and
+    surfaces that cannot be blended; `FileNotFoundError`.
+    """
+    file, text, data = read_toml(path)
+    return _Reader(file, text).problem(data)
+
+
+class _Reader(TableReader):
+    keys: ClassVar = {
+        "": WHOLE | OPTIONS,
+        "surfaces": {"x", "y", "z", "domain"},
+        "picture": {"style", "view"},
+    }
+    required: ClassVar = {"": {"order", "surfaces"}, "surfaces": {"x", "y", "z"}}
+    lists: ClassVar = {"surfaces"}
+
+    def problem(self, data: dict[str, Any]) -> ParametricProblem:
+        self.check(data, "", 0)
+        method = self.typed(data, "method", str, "hermite")
+        if method not in METHODS:
+            known = ", ".join(map(repr, METHODS))
+            raise self.error(f"method must be one of {known}, not {method!r}", "", 0, "method")
+        options = {name: data[name] for name in OPTIONS if name in data}
+        for name in options:
+            if name not in METHODS[method].options:
+                raise self.error(f"{name} is no option of the method {method!r}", "", 0, name)
+            if METHODS[method].options[name] is not Any:
+                self.typed(data, name, METHODS[method].options[name], None)
+        names = self._parameters(data)
+        surfaces = [self._surface(i, entry, names) for i, entry in enumerate(data["surfaces"])]
+        try:
+            blending = BlendingData(surfaces, data.get("values"))
+        except (ValueError, TypeError, PasError) as error:
+            raise self.error(str(error), "", 0, "values") from None
+        tolerance = self.typed(data, "tolerance", (int, float, Fraction), None)
+        picture = data.get("picture", {})
+        self.check(picture, "picture", 0)
+        return ParametricProblem(
+            name=self.name(data),
+            data=blending,
+            order=self.typed(data, "order", int, None),
+            method=method,
+            options=options,
+            domain=self._domain(data, names, blending),
+            tolerance=None if tolerance is None else float(tolerance),
+            prove=self.typed(data, "prove", bool, True),
+            style=self._style(picture),
+            view=self._view(picture),
+        )
+
+    def _parameters(self, data: dict[str, Any]) -> tuple[str, str]:
+        names = data.get("parameters", list(PARAMETERS))
+        if not (isinstance(names, list) and len(names) == 2 and all(isinstance(n, str) for n in names)):
+            raise self.error(f'parameters must be two names such as ["t", "h"], not {names!r}', "", 0, "parameters")
+        return names[0], names[1]
+
+    def _surface(self, index: int, entry: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
+        self.check(entry, "surfaces", index)
+        try:
+            return ParametricSurface(entry["x"], entry["y"], entry["z"], names, _intervals(entry.get("domain")))
+        except (ValueError, TypeError) as error:
+            key = next((k for k in "xyz" if f"component {k}" in str(error)), "domain" if "domain" in entry else None)
+            raise self.error(f"surface {index + 1}: {error}", "surfaces", index, key) from None
+
+    def _domain(self, data: dict[str, Any], names: tuple[str, str], blending: BlendingData) -> Domain | None:
+        if "domain" not in data:
+            return None
+        table = data["domain"]
+        if not isinstance(table, dict) or set(table) - set(names):
+            raise self.error(f"[domain] must be a table with intervals of {' and '.join(names)}", "domain", 0)
+        try:
+            own = blending.domain
+            given = _intervals([table.get(name, list(ends)) for name, ends in zip(names, own, strict=True)])
+            return blending.surfaces[0].with_domain(None).with_domain(given).domain
+        except (ValueError, TypeError, PasError) as error:
+            raise self.error(str(error), "domain", 0) from None
+
+    def _style(self, picture: dict[str, Any]) -> str:
+        style = picture.get("style", "zebra")
+        if style not in STYLES:
+            raise self.error(f"style must be one of {', '.join(STYLES)}, not {style!r}", "picture", 0, "style")
+        return str(style)
+
+    def _view(self, picture: dict[str, Any]) -> tuple[float, float, float] | None:
+        if "view" not in picture:
+            return None
+        try:
+            x, y, z = map(to_float, vector(picture["view"], "view"))
+        except (ValueError, TypeError) as error:
+            raise self.error(str(error), "picture", 0, "view") from None
+        if x == y == z == 0:
+            raise self.error("view must not be the zero vector", "picture", 0, "view")
+        return x, y, z
+
+
+def _intervals(domain: Any) -> Any:
+    """Intervals as they are written, with None for infinite ends."""
+    if not isinstance(domain, list):
+        return domain
+    return [[_end(end) for end in pair] if isinstance(pair, list) else pair for pair in domain]
+
+
+def _end(end: Any) -> Any:
+    return None if isinstance(end, float) and math.isinf(end) else rational(end, "an end of an interval")

@@ -1,0 +1,283 @@
+"""Parametric surfaces as patches: exact rational Bezier patches, and B-splines within a tolerance.
+
+Over a rectangle an exact surface is a rational Bezier patch over its least common denominator; weights are the
+denominator's Bernstein coefficients.  Where these are not all positive the rectangle is halved: if the
+denominator has no zero they become positive (Farouki and Rajan 1988 on convergence).
+
+Guaranteed: `bezier_patches` are the surface, identically.  `fit_patch` of an exact surface is certified: S being the
+B-spline and N / D the surface, the Bernstein coefficients of N - D S over the least of D's bound the distance on each
+rectangle between knots (up to rounding, some 1e-12 of the coordinates).  For other surfaces the distance is measured
+at DENSE points for each of these and each parameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import comb, factorial
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import plain, rational, to_float, to_fraction
+from pas.errors import GeometryError
+from pas.limits import checkpoint
+from pas.parametric.meshing import RELATIVE, checked_tolerance, extent, finite_domain
+from pas.parametric.nets import ExactNet, Rectangle, Table, exact_net, halved, product, rectangle_of
+from pas.parametric.patches import ExactControl, Knots, RationalPatch
+from pas.parametric.surface import ParametricSurface
+
+HALVINGS = 16
+"""Halvings after which a denominator without positive coefficients is taken to have a zero."""
+
+DEGREE = 3
+"""Of B-splines in both parameters."""
+
+MOST = 512
+"""Spans of a B-spline in one parameter."""
+
+LINES = 17
+"""Lines of one parameter along which the spans of the other are chosen."""
+
+DENSE, LEAST = 6, 96
+"""Points for each span at which surfaces that are not exact are compared, and in all at least."""
+
+ROWS = 64
+"""Rows of them at once."""
+
+SHARE = 0.4
+"""Of the tolerance: what the choice of spans allows each parameter."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPatch(RationalPatch):
+    """A B-spline with its distance from the surface, at equal parameters: proved where `certified`, else measured."""
+
+    deviation: float = 0.0
+    certified: bool = False
+
+
+def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatch:
+    """The exact rational Bezier patch of an exact surface over a rectangle of rational numbers.
+
+    `domain` is by default the surface's own, None for an interval or an end that is its own.  Raises `ValueError` for a
+    surface that is not exact or an infinite domain, `GeometryError` where a weight is not positive: then
+    `bezier_patches` gives several patches, if there is no pole.
+    """
+    net = exact_net(surface, exact_rectangle(surface, domain))
+    least = min(w for row in net.below for w in row)
+    if least <= 0:
+        raise GeometryError(
+            f"a weight of this patch is not positive ({plain(least)}); bezier_patches splits it into several"
+        )
+    return _patch(net)
+
+
+def bezier_patches(surface: ParametricSurface, domain: Any = None) -> tuple[RationalPatch, ...]:
+    """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
+
+    Raises what `bezier_patch` raises, but `GeometryError` only for a pole.
+    """
+    pending = [(exact_net(surface, exact_rectangle(surface, domain)), 0)]
+    found: list[RationalPatch] = []
+    while pending:
+        net, depth = pending.pop()
+        checkpoint("splitting a surface into patches")
+        if min(w for row in net.below for w in row) > 0:
+            found.append(_patch(net))
+            continue
+        corners = [net.below[i][j] for i in (0, -1) for j in (0, -1)]
+        if depth >= HALVINGS or min(corners) <= 0:
+            place = ", ".join(
+                f"{name} = {to_float((a + b) / 2):.6g}"
+                for name, (a, b) in zip(surface.parameters, net.rectangle, strict=True)
+            )
+            raise GeometryError(f"the surface has a pole or base point near {place}; give a domain that avoids it")
+        splits = [_split(net, axis) for axis in (0, 1)]
+        best = max(splits, key=lambda halves: min(_least(half) for half in halves))
+        pending += [(half, depth + 1) for half in reversed(best)]
+    return tuple(found)
+
+
+def fit_patch(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> FittedPatch:
+    """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
+
+    It interpolates at the Greville abscissae of uniform knots.  Raises `ValueError` for an infinite domain,
+    `GeometryError` for a pole or where MOST spans do not suffice.
+    """
+    rectangle = finite_domain(surface, domain)
+    bounded = surface.with_domain(rectangle)
+    aim = RELATIVE * extent(bounded) if tolerance is None else checked_tolerance(tolerance)
+    spans = [_spans(bounded, axis, aim * SHARE) for axis in (0, 1)]
+    while True:
+        knots, points = _interpolated(bounded, spans)
+        deviation = _bound(bounded, knots, points) if bounded.is_exact else _compared(bounded, knots, points)
+        if deviation <= aim:
+            return FittedPatch(points, np.ones(points.shape[:2]), knots, None, deviation, bounded.is_exact)
+        if max(spans) >= MOST:
+            raise GeometryError(
+                f"the tolerance {aim:.3g} needs more than {MOST} spans; {deviation:.2g} is reached with "
+                f"{spans[0]} x {spans[1]}; fit parts of the surface, or give a larger tolerance"
+            )
+        spans = [2 * s for s in spans]
+
+
+def exact_rectangle(surface: ParametricSurface, domain: Any) -> Rectangle:
+    """The rectangle to convert: rational numbers as they are given, completed by the surface's own domain."""
+    rounded = rectangle_of(finite_domain(surface, domain))
+    result = []
+    for axis, (low, high) in enumerate(rounded):
+        given = None if domain is None else domain[axis]
+        ends = (None, None) if given is None else given
+        first, last = (own if end is None else rational(end) for end, own in zip(ends, (low, high), strict=True))
+        result.append((first, last))
+    return result[0], result[1]
+
+
+def _patch(net: ExactNet) -> RationalPatch:
+    weights = np.array([[to_fraction(w) for w in row] for row in net.below], dtype=object)
+    points = np.empty((*weights.shape, 3), dtype=object)
+    for axis, table in enumerate(net.tops):
+        for i, (row, below) in enumerate(zip(table, net.below, strict=True)):
+            points[i, :, axis] = [to_fraction(c / w) for c, w in zip(row, below, strict=True)]
+    ends = np.array([[to_fraction(e) for e in interval] for interval in net.rectangle], dtype=object)
+    knots = tuple(np.repeat(e.astype(float), size) for e, size in zip(ends, weights.shape, strict=True))
+    exact = ExactControl(points, weights, ends)
+    return RationalPatch(points.astype(float), weights.astype(float), (knots[0], knots[1]), exact)
+
+
+def _split(net: ExactNet, axis: int) -> tuple[ExactNet, ExactNet]:
+    tables = [_halved_exactly(table, axis) for table in (*net.tops, net.below)]
+    low, high = net.rectangle[axis]
+    halves = []
+    for side, interval in ((0, (low, (low + high) / 2)), (1, ((low + high) / 2, high))):
+        x, y, z, w = (pair[side] for pair in tables)
+        sides = (interval, net.rectangle[1]) if axis == 0 else (net.rectangle[0], interval)
+        halves.append(ExactNet((x, y, z), w, sides))
+    return halves[0], halves[1]
+
+
+def _halved_exactly(table: Table, axis: int) -> tuple[Table, Table]:
+    rows = [list(r) for r in zip(*table, strict=True)] if axis == 0 else table
+    left, right = [], []
+    for start in rows:
+        row, first, last = start, list[fmpq](), list[fmpq]()
+        while row:
+            first.append(row[0])
+            last.insert(0, row[-1])
+            row = [(a + b) / 2 for a, b in pairwise(row)]
+        left.append(first)
+        right.append(last)
+    if axis == 1:
+        return left, right
+    return [list(r) for r in zip(*left, strict=True)], [list(r) for r in zip(*right, strict=True)]
+
+
+def _least(net: ExactNet) -> Fraction:
+    """The least weight over the greatest."""
+    weights = [w for row in net.below for w in row]
+    return to_fraction(min(weights) / max(abs(w) for w in weights))
+
+
+def _knots(interval: tuple[float, float], spans: int) -> Floats:
+    inner = np.linspace(*interval, spans + 1)
+    return np.concatenate([np.full(DEGREE, interval[0]), inner, np.full(DEGREE, interval[1])])
+
+
+def _sites(knots: Floats) -> Floats:
+    """Greville abscissae: means of DEGREE successive knots."""
+    windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], DEGREE)
+    return np.asarray(np.clip(windows.mean(axis=1), knots[0], knots[-1]))
+
+
+def _spline(knots: Floats, values: Floats) -> Floats:
+    """Coefficients of the B-spline that has the values (r, ...) at the sites."""
+    from scipy.interpolate import make_interp_spline
+
+    return np.asarray(make_interp_spline(_sites(knots), values, k=DEGREE, t=knots).c)
+
+
+def _spans(surface: ParametricSurface, axis: int, tolerance: float) -> int:
+    """The power of 2 of spans in one parameter that suffices along some lines."""
+    from scipy.interpolate import BSpline
+
+    lines = np.linspace(*surface.domain[1 - axis], LINES)
+
+    def along(t: Floats) -> Floats:
+        values = surface.on_grid(t, lines) if axis == 0 else np.swapaxes(surface.on_grid(lines, t), 0, 1)
+        if not np.isfinite(values).all():
+            raise GeometryError("the surface is not finite on the whole domain; give one that avoids its poles")
+        return values
+
+    spans = 1
+    while spans < MOST:
+        knots = _knots(surface.domain[axis], spans)
+        dense = np.linspace(*surface.domain[axis], DENSE * spans + 1)
+        errors = along(dense) - BSpline(knots, _spline(knots, along(_sites(knots))), DEGREE)(dense)
+        if np.linalg.norm(errors, axis=-1).max() <= tolerance:
+            break
+        spans *= 2
+    return spans
+
+
+def _interpolated(surface: ParametricSurface, spans: list[int]) -> tuple[Knots, Floats]:
+    first, second = (_knots(interval, s) for interval, s in zip(surface.domain, spans, strict=True))
+    values = surface.on_grid(_sites(first), _sites(second))
+    rows = _spline(first, values)
+    return (first, second), np.swapaxes(_spline(second, np.swapaxes(rows, 0, 1)), 0, 1)
+
+
+def _compared(surface: ParametricSurface, knots: Knots, points: Floats) -> float:
+    """The greatest distance at DENSE points a span."""
+    from scipy.interpolate import BSpline
+
+    places = [np.linspace(k[0], k[-1], max(LEAST, DENSE * (len(k) - 2 * DEGREE - 1)) + 1) for k in knots]
+    first, second = (BSpline(k, np.eye(len(k) - DEGREE - 1), DEGREE)(p) for k, p in zip(knots, places, strict=True))
+    worst = 0.0
+    for start in range(0, len(places[0]), ROWS):
+        rows = slice(start, start + ROWS)
+        values = np.einsum("bj,ajx->abx", second, np.tensordot(first[rows], points, 1), optimize=True)
+        off = surface.on_grid(places[0][rows], places[1]) - values
+        worst = max(worst, float(np.linalg.norm(off, axis=-1).max()))
+    return worst
+
+
+def _bound(surface: ParametricSurface, knots: Knots, points: Floats) -> float:
+    """The greatest coefficient of N - D S over the least of D's, over all rectangles between knots."""
+    nets = exact_net(surface, rectangle_of(surface.domain)).rounded[None]
+    first, second = (_extraction(k) for k in knots)
+    strips = _spread(nets, 0, len(first))
+    worst = 0.0
+    for number, strip in enumerate(strips):
+        checkpoint("bounding the distance of a B-spline", number / len(strips))
+        cells = _spread(strip[None], 1, len(second))
+        pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
+        weights = cells[..., 3:]
+        least = weights.min(axis=(1, 2, 3))
+        if not (least > 0).all():
+            return float("inf")
+        errors = product(cells[..., :3], np.ones((1, DEGREE + 1, DEGREE + 1, 1))) - product(weights, pieces)
+        worst = max(worst, float((np.linalg.norm(errors, axis=-1).max(axis=(1, 2)) / least).max()))
+    return worst
+
+
+def _spread(nets: Floats, axis: int, count: int) -> Floats:
+    """A net over `count` (a power of 2) equal parts of its interval, in order."""
+    while len(nets) < count:
+        nets = np.stack(halved(nets, axis), axis=1).reshape(-1, *nets.shape[1:])
+    return nets
+
+
+def _extraction(knots: Floats) -> Floats:
+    """Matrices (spans, DEGREE + 1, r) from B-spline to Bernstein coefficients on each span, by Taylor coefficients."""
+    from scipy.interpolate import BSpline
+
+    size = len(knots) - DEGREE - 1
+    basis = BSpline(knots, np.eye(size), DEGREE)
+    starts, widths = knots[DEGREE:size], np.diff(knots[DEGREE : size + 1])
+    taylor = [basis(starts, nu=j) * (widths**j / factorial(j))[:, None] for j in range(DEGREE + 1)]
+    shares = np.array([[comb(i, j) / comb(DEGREE, j) for j in range(DEGREE + 1)] for i in range(DEGREE + 1)])
+    return np.asarray(np.einsum("ij,jsr->sir", shares, np.stack(taylor)))

@@ -1,0 +1,171 @@
+"""Rational tensor-product patches: Bezier and B-spline, with control points, weights and knots.
+
+    x(u, v) = sum w_ij N_i(u) N_j(v) p_ij / sum w_ij N_i(u) N_j(v)
+
+N_i are the B-splines of clamped knots, each end as often as the degree and once more (Piegl and Tiller 1997,
+chapters 3 and 4); with no other knots they are the Bernstein polynomials of the interval.
+
+Guaranteed: a patch of an exact surface keeps its control points and weights as fractions, and `surface` gives back the
+same rational functions; that of any Bezier patch is exact for the doubles that it has.  Weights are positive, so the
+patch has no pole and lies in the convex hull of its control points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import rational
+from pas.parametric.expressions import Names
+from pas.parametric.jets import composed
+from pas.parametric.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
+from pas.parametric.surface import Components, ParametricSurface
+
+Knots = tuple[Floats, Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class ExactControl:
+    """Control points (m+1, n+1, 3), weights (m+1, n+1) and the rectangle's ends (2, 2) as arrays of fractions."""
+
+    points: Any
+    weights: Any
+    rectangle: Any
+
+
+@dataclass(frozen=True, eq=False)
+class RationalPatch:
+    """A rational patch with control points (r, s, 3) and positive weights (r, s).
+
+    `knots` are two clamped knot vectors, of lengths r + m + 1 and s + n + 1 for the degrees (m, n); without them the
+    patch is a Bezier patch on [0, 1]^2.  `exact` is what the doubles stand for, where that is known.
+
+    Raises `ValueError` for other shapes, numbers that are not finite, weights that are not positive or bad knots.
+    """
+
+    points: Floats
+    weights: Floats
+    knots: Knots = ()  # type: ignore[assignment]  # filled in below
+    exact: ExactControl | None = None
+
+    def __post_init__(self) -> None:
+        points, weights = np.array(self.points, dtype=float), np.array(self.weights, dtype=float)
+        if points.ndim != 3 or points.shape[2] != 3 or weights.shape != points.shape[:2]:
+            raise ValueError(
+                "points and weights must have shapes (m+1, n+1, 3) and (m+1, n+1), "
+                f"not {points.shape} and {weights.shape}"
+            )
+        if not np.isfinite(points).all() or not np.isfinite(weights).all() or not (weights > 0).all():
+            raise ValueError("points must be finite, and weights finite and positive")
+        given = self.knots or tuple(np.repeat([0.0, 1.0], size) for size in weights.shape)
+        knots = tuple(_checked(k, size, name) for k, size, name in zip(given, weights.shape, "uv", strict=True))
+        for name, value in (("points", points), ("weights", weights), ("knots", knots)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """The degrees in u and v."""
+        m, n = (len(k) - size - 1 for k, size in zip(self.knots, np.shape(self.weights), strict=True))
+        return m, n
+
+    @property
+    def is_bezier(self) -> bool:
+        """Whether there are no knots but the ends."""
+        return all(len(k) == 2 * (d + 1) for k, d in zip(self.knots, self.degrees, strict=True))
+
+    @property
+    def domain(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The ends of the knots."""
+        u, v = self.knots
+        return (float(u[0]), float(u[-1])), (float(v[0]), float(v[-1]))
+
+    @property
+    def control_points(self) -> Any:
+        """The control points (r, s, 3): fractions where they are exact, else doubles."""
+        return self.points if self.exact is None else self.exact.points
+
+    def __call__(self, u: Any, v: Any) -> Floats:
+        """Points (..., 3) at parameters within the knots that broadcast to (...)."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        four = self._homogeneous(u, v, (0, 0))
+        return np.asarray(four[..., :3] / four[..., 3:])
+
+    def surface(self, parameters: Names = PARAMETERS) -> ParametricSurface:
+        """The patch as a parametric surface: exact for a Bezier patch, else one that can be evaluated."""
+        if not self.is_bezier:
+            reason = "a B-spline with inner knots is no rational function"
+            return ParametricSurface.from_parts(self._values, None, parameters, self.domain, reason)
+        made = self._components(parameters)
+        return ParametricSurface(*made, parameters=parameters, domain=self.domain)
+
+    def _homogeneous(self, u: Floats, v: Floats, orders: tuple[int, int]) -> Floats:
+        """Partial derivatives of weight times point, and of the weight (..., 4), at u, v of one shape."""
+        table = np.concatenate([self.points * self.weights[..., None], self.weights[..., None]], axis=-1)
+        if self.is_bezier and orders == (0, 0):
+            shares = ((x - k[0]) / (k[-1] - k[0]) for x, k in zip((u, v), self.knots, strict=True))
+            first, second = (_bernstein(d, share) for d, share in zip(self.degrees, shares, strict=True))
+            return np.asarray(np.einsum("...i,...ix->...x", first, np.einsum("...j,ijx->...ix", second, table)))
+        if any(order > degree for order, degree in zip(orders, self.degrees, strict=True)):
+            return np.zeros((*u.shape, 4))
+        from scipy.interpolate import NdBSpline
+
+        return np.asarray(NdBSpline(self.knots, table, self.degrees)(np.stack([u, v], axis=-1), nu=list(orders)))
+
+    def _values(self, t: Any, h: Any) -> tuple[Any, ...]:
+        """Coordinates at arrays or Taylor series."""
+        places = (np.asarray(getattr(x, "value", x), dtype=float) for x in (t, h))
+        u, v = np.broadcast_arrays(*places)
+        known: dict[tuple[int, int], Floats] = {}
+
+        def spline(axis: int) -> Any:
+            def derivative(first: int, second: int) -> Floats:
+                if (first, second) not in known:
+                    known[first, second] = self._homogeneous(u, v, (first, second))
+                return known[first, second][..., axis]
+
+            return composed(derivative, t, h)
+
+        x, y, z, w = map(spline, range(4))
+        return x / w, y / w, z / w
+
+    def _components(self, names: Names) -> Components:
+        exact = self.exact
+        points, weights = (self.points, self.weights) if exact is None else (exact.points, exact.weights)
+        ends = np.array(self.domain) if exact is None else exact.rectangle
+        bases = [_polynomials(d, g, *map(rational, e)) for d, g, e in zip(self.degrees, GENERATORS, ends, strict=True)]
+        sums = [ONE * 0] * 4
+        for i, first in enumerate(bases[0]):
+            rows = [ONE * 0] * 4
+            for j, second in enumerate(bases[1]):
+                w = rational(weights[i, j])
+                four = (*(w * rational(points[i, j, axis]) for axis in range(3)), w)
+                rows = [row + second * c for row, c in zip(rows, four, strict=True)]
+            sums = [s + first * row for s, row in zip(sums, rows, strict=True)]
+        x, y, z = (RationalFunction.quotient(top, sums[3], names) for top in sums[:3])
+        return x, y, z
+
+
+def _checked(knots: Any, size: int, name: str) -> Floats:
+    array = np.array(knots, dtype=float)
+    degree = len(array) - size - 1 if array.ndim == 1 else 0
+    if degree < 1 or degree >= size:
+        raise ValueError(f"degrees must be from 1 to the number of control points - 1; in {name} it is {degree}")
+    clamped = (array[: degree + 1] == array[0]).all() and (array[-degree - 1 :] == array[-1]).all()
+    if not (np.isfinite(array).all() and (np.diff(array) >= 0).all() and clamped and array[0] < array[-1]):
+        raise ValueError(f"the knots of {name} must not fall, with each end {degree + 1} times")
+    return array
+
+
+def _bernstein(degree: int, t: Floats) -> Floats:
+    return np.stack([comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(degree + 1)], axis=-1)
+
+
+def _polynomials(degree: int, generator: fmpq_mpoly, low: fmpq, high: fmpq) -> list[fmpq_mpoly]:
+    """The exact Bernstein polynomials of [low, high]."""
+    ahead, behind = (generator - low) / (high - low), (high - generator) / (high - low)
+    return [comb(degree, i) * ahead**i * behind ** (degree - i) for i in range(degree + 1)]

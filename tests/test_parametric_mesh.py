@@ -1,0 +1,184 @@
+"""Meshes of parametric surfaces: within their bounds, closed at seams and poles, with the surface's normals."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pas
+from pas.mesh.field import TriangleMesh
+from pas.parametric.meshing import _bounded, _judged
+from pas.parametric.nets import exact_net, halved, rectangle_of
+
+SPHERE = "x^2 + y^2 + z^2 - 1"
+TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
+SQUARE = ((0, 1), (0, 1))
+CLOSED = {
+    "sphere": (pas.ellipsoid(angle=True), None, 2, 0),
+    "torus": (pas.torus(2, 1, angle=True), None, 0, 0),
+    "cylinder": (pas.elliptic_cylinder(angle=True), (None, (0, 1)), 0, 2),
+    "cone": (pas.elliptic_cone(angle=True), (None, (0, 1)), 1, 1),
+    "half a sphere": (pas.ellipsoid(), ((-1, 1), None), 1, 1),
+    "paraboloid": (pas.elliptic_paraboloid(), ((-1, 1), (0, 2)), 1, 1),
+    "square": (pas.plane(), SQUARE, 1, 1),
+}
+"""Surface, domain, Euler characteristic and number of boundary curves."""
+
+
+def boundary_curves(mesh: TriangleMesh) -> int:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    edges, times = mesh.edges
+    rim = edges[times == 1]
+    names, places = np.unique(rim, return_inverse=True)
+    if not len(names):
+        return 0
+    a, b = places.reshape(-1, 2).T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(names), len(names)))
+    return int(connected_components(graph, directed=False)[0])
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_seams_and_poles(name):
+    surface, domain, characteristic, curves = CLOSED[name]
+    mesh = surface.mesh(0.01, domain)
+    assert mesh.is_manifold
+    assert (mesh.euler_characteristic, boundary_curves(mesh)) == (characteristic, curves)
+    assert mesh.certified is surface.is_exact
+    assert mesh.deviation <= 0.01
+    p = mesh.points[mesh.triangles]
+    facets = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert (np.linalg.norm(facets, axis=1) > 1e-7).all()
+    assert ((facets[:, None] * mesh.normals[mesh.triangles]).sum(axis=-1) > 0).all()
+    assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+    assert np.array_equal(np.unique(mesh.triangles), np.arange(len(mesh.points)))
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.01, 0.001])
+@pytest.mark.parametrize(("name", "equation"), [("sphere", SPHERE), ("torus", TORUS)])
+def test_deviation_and_normals(name, equation, tolerance):
+    surface = CLOSED[name][0]
+    mesh, f = surface.mesh(tolerance), pas.Polynomial(equation)
+    inside = mesh.points[mesh.triangles].mean(axis=1)
+    assert (np.abs(f(inside)) / np.linalg.norm(f.gradient(inside), axis=1)).max() < tolerance
+    assert np.abs(f(mesh.points)).max() < 1e-12
+    gradient = f.gradient(mesh.points)
+    cosines = (gradient * mesh.normals).sum(axis=1) / np.linalg.norm(gradient, axis=1)
+    assert np.abs(np.abs(cosines) - 1).max() < 1e-9
+    assert np.ptp(np.sign(cosines)) == 0
+
+
+def test_twice_as_fine_is_four_times_as_near():
+    counts = [len(pas.torus(2, 1, angle=True).mesh(t).triangles) for t in (4e-2, 1e-2, 2.5e-3)]
+    assert all(3 < b / a < 6 for a, b in pairwise(counts))
+
+
+def test_flat_and_bent_parts_get_what_they_need():
+    assert len(pas.plane().mesh(1e-6, SQUARE).triangles) == 2
+    strips = pas.elliptic_cylinder().mesh(1e-3, ((-1, 1), (0, 100)))
+    assert len(strips.points) == 2 * (len(strips.triangles) // 2 + 1)
+    assert set(strips.parameters[:, 1]) == {0.0, 100.0}
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.fractions(-2, 2, max_denominator=7), min_size=12, max_size=12), st.integers(0, 2))
+def test_bounds_hold(numbers, kind):
+    """At equal parameters triangles are no further from the surface than the certified bound."""
+    a, b, c, d = (
+        " + ".join(f"({n})*{m}" for n, m in zip(numbers[i::4], ("t^2", "h*t", "h^2"), strict=True)) for i in range(4)
+    )
+    below = ("1", "(1 + t^2 + h^2)", f"(4 + ({d})^2)")[kind]
+    surface = pas.ParametricSurface(f"t + ({a})/{below}", f"h + ({b})/{below}", f"({c})/{below}", domain=SQUARE)
+    mesh = surface.mesh(0.05)
+    assert mesh.certified
+    shares = np.random.default_rng(0).dirichlet((1, 1, 1), 20)
+    triangles = mesh.triangles
+    flat = np.einsum("sk,tkx->tsx", shares, mesh.points[triangles])
+    true = surface(np.einsum("sk,tkx->tsx", shares, mesh.parameters[triangles]))
+    assert np.linalg.norm(flat - true, axis=-1).max() <= mesh.deviation <= 0.05
+
+
+def test_bounds_are_not_far_off():
+    """The bound of a cell is at most a small multiple of what is measured."""
+    surface = pas.torus(2, 1).with_domain(((0, "1/8"), (0, "1/8")))
+    net = exact_net(surface, rectangle_of(surface.domain)).rounded[None]
+    bound, _ = _judged(*_bounded(net, np.zeros((1, 4))))
+    grid = surface.on_grid(*np.linspace(0, 1 / 8, 33)[None].repeat(2, 0))
+    share = np.linspace(0, 1, 33)
+    hats = np.stack([1 - share, share])
+    bilinear = np.einsum("ia,jb,ijx->abx", hats, hats, grid[::32, ::32])
+    assert (
+        np.linalg.norm(grid - bilinear, axis=-1).max() <= bound[0] < 5 * np.linalg.norm(grid - bilinear, axis=-1).max()
+    )
+
+
+def test_nets_are_the_surface():
+    surface = pas.torus(2, 1).with_domain(((-1, 2), ("1/4", 1)))
+    net = exact_net(surface, rectangle_of(surface.domain))
+    m, n = len(net.below) - 1, len(net.below[0]) - 1
+    u, v = Fraction(2, 7), Fraction(3, 5)
+
+    def value(table):
+        return sum(
+            Fraction(str(table[i][j])) * math.comb(m, i) * math.comb(n, j)
+            * u**i * (1 - u) ** (m - i) * v**j * (1 - v) ** (n - j)
+            for i in range(m + 1) for j in range(n + 1)
+        )  # fmt: skip
+
+    point = tuple(value(table) / value(net.below) for table in net.tops)
+    assert point == surface.at(-1 + 3 * u, Fraction(1, 4) + Fraction(3, 4) * v)
+    left, right = halved(net.rounded[None], 0)
+    assert np.array_equal(left[:, -1], right[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("surface", "domain", "error", "words"),
+    [
+        (pas.ellipsoid(), None, ValueError, r"domain of t is infinite .* domain=\(\(-1, 1\), None\)"),
+        (pas.plane(), ((0, 1), None), ValueError, "domain of h is infinite"),
+        (pas.plane(), ((0, None), (0, 1)), ValueError, r"domain of t is infinite \(0 to inf\)"),
+        (pas.ellipsoid(), ((0, 1), (0, 2)), ValueError, "interval .* of h is not within"),
+        (pas.ParametricSurface("1/(t - h)", "t", "h"), SQUARE, pas.GeometryError, "has a pole, .* near t = "),
+        (pas.ParametricSurface("t*h/(t^2 + h^2)", "t", "h"), ((-1, 2), (-1, 2)), pas.GeometryError, "near t = .*e-"),
+        (pas.ParametricSurface("1/sin(t)", "t", "h"), ((-1, 2), (0, 1)), pas.GeometryError, "has a pole"),
+        (pas.ParametricSurface("1", "2", "0*t"), SQUARE, pas.GeometryError, "single point"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_meshed(surface, domain, error, words):
+    with pytest.raises(error, match=words):
+        surface.mesh(0.01, domain)
+
+
+@pytest.mark.parametrize("tolerance", [0, -1, math.inf, math.nan, "fine", True])
+def test_tolerances_are_checked(tolerance):
+    with pytest.raises(ValueError, match="tolerance must be a positive number"):
+        pas.plane().mesh(tolerance, SQUARE)
+
+
+def test_a_blend_is_meshed_within_the_default_tolerance():
+    first = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1")
+    second = pas.ParametricSurface("2*(1 - t^2)/(1 + t^2)", "4*t/(1 + t^2)", "h + 1")
+    mesh = pas.hermite_blend(pas.BlendingData([first, second]), 1).mesh(domain=((-1, 1), None))
+    assert mesh.certified
+    assert mesh.deviation <= 4e-3
+    low, high = (mesh.points[mesh.parameters[:, 1] == h] for h in (0, 1))
+    assert np.allclose(np.linalg.norm(low[:, :2], axis=1), 1)
+    assert np.allclose(np.linalg.norm(high[:, :2], axis=1), 2)
+
+
+def test_a_double_cone_has_normals_at_its_apex():
+    mesh = pas.elliptic_cone().mesh(0.01, ((-1, 1), (-1, 1)))
+    assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+    assert (np.linalg.norm(mesh.points, axis=1) == 0).sum() == 1
+
+
+def test_a_deadline_stops_it():
+    with pytest.raises(pas.LimitError), pas.limit(seconds=0.2):
+        pas.torus(2, 1, angle=True).mesh(1e-8)
