@@ -248,7 +248,9 @@ def space_curve(expression: Any, name: str) -> ParametricSurface:
 
 
 def _of_one(function: Any) -> Any:
-    return function if hasattr(function, "free_symbols") or isinstance(function, RationalFunction) else _ignoring(function)
+    return (
+        function if hasattr(function, "free_symbols") or isinstance(function, RationalFunction) else _ignoring(function)
+    )
 
 
 def _ignoring(function: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:

@@ -299,7 +299,10 @@ def _with_extrema(value: Any, grid: Floats, values: Floats) -> list[float]:
         if values[i - 1] * values[i] > 0 and values[i] * values[i + 1] > 0:
             sign = np.sign(values[i])
             found = minimize_scalar(
-                lambda a, sign=sign: sign * value(a), bounds=(grid[i - 1], grid[i + 1]), method="bounded", options={"xatol": 1e-9}
+                lambda a, sign=sign: sign * value(a),
+                bounds=(grid[i - 1], grid[i + 1]),
+                method="bounded",
+                options={"xatol": 1e-9},
             )
             knots.append(float(found.x))
     return sorted(knots)
@@ -347,5 +350,3 @@ def _polished(quadrics: tuple[Quadric, Quadric], points: Floats) -> Floats:
         moved = points - a[..., None] * p - b[..., None] * q
         good = np.isfinite(moved).all(axis=-1) & (gram > 1e-12 * pp * qq)
     return np.where(good[..., None], moved, points)
-
-
