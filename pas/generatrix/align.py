@@ -17,8 +17,9 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary, unit
+from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadric import text
+from pas.generatrix.space import unit
 
 SAMPLES = 240
 UNCLEAR = 0.03

@@ -18,24 +18,21 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, alignment, require_apart, sides
-from pas.generatrix.boundary import NAMES, Boundary, space_curve
+from pas.generatrix.boundary import Boundary
+from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.generatrix.lengths import with_lengths
+from pas.generatrix.shape import GeneratrixShape
+from pas.generatrix.space import NAMES, space_curve
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.mesh.field import TriangleMesh
 from pas.parametric.callables import plain
 from pas.parametric.jets import Jet, composed
-from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction, total
-from pas.parametric.surface import Components, ParametricSurface
-
-THIRD = 1 / 3
-"""A straight generatrix has its inner control points at thirds: so l is a third of the mean distance by default."""
+from pas.parametric.surface import ParametricSurface
 
 HALVINGS = 6
 """How often a length that was not given is halved in search of a blend that does not cross itself."""
@@ -87,8 +84,8 @@ class GeneratrixBlend:
         Exact where all data are: rational boundaries, `unit=False`, polynomial lengths, constant slants with
         rational sqrt(1 - lambda^2), a rational middle curve, and no shift of a closed curve.
         """
-        reason = self._inexact
-        source = None if reason else self._components
+        reason = why_inexact(self.frames, self.shape)
+        source = None if reason else lambda: exact_components(self.frames, self.shape)
         return ParametricSurface.from_parts(self._values, source, NAMES, UNIT_SQUARE, reason)
 
     def sheet(self, size: tuple[int, int] = (100, 100)) -> tuple[Floats, Floats]:
@@ -120,7 +117,7 @@ class GeneratrixBlend:
         shape, frames = self.shape.changed(**changes), self.frames
         if "middle" in changes:
             frames = Frames(frames.boundaries, frames.signs, frames.unit, _middle(shape, frames.boundaries[0]))
-        return _checked(GeneratrixBlend(frames, _with_lengths(shape, self.alignment.distance), self.alignment))
+        return _checked(GeneratrixBlend(frames, with_lengths(shape, frames), self.alignment))
 
     @cached_property
     def certificate(self) -> GeneratrixCertificate:
@@ -164,9 +161,10 @@ class GeneratrixBlend:
 
     def __str__(self) -> str:
         first, second = self.boundaries
-        turned = " reversed and" if self.alignment.reversed else ""
-        shift = f", the second{turned} shifted by {self.alignment.shift:.4g}" if turned or self.alignment.shift else ""
-        return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{shift}"
+        done = ["reversed"] if self.alignment.reversed else []
+        done += [f"shifted by {self.alignment.shift:.4g}"] if self.alignment.shift else []
+        turned = f", the second {' and '.join(done)}" if done else ""
+        return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{turned}"
 
     @cached_property
     def _inward(self) -> bool:
@@ -204,57 +202,6 @@ class GeneratrixBlend:
         low, high = (self._controls(center + k * step, order - 1) for k in (-1, 1))
         return np.asarray((high - low) / (2 * step))
 
-    @cached_property
-    def _inexact(self) -> str:
-        """Why the surface is not exact; empty where it is."""
-        if self.frames.unit:
-            return "the vectors are made of length one (unit=False leaves them)"
-        for boundary in self.boundaries:
-            if boundary.exact is None:
-                return f"{boundary.name} is not rational"
-            if boundary.phase not in (0.0, 1.0) or (boundary.closed and boundary.phase):
-                return f"{boundary.name} starts at {boundary.phase:.4g}, between its ends"
-        if self.frames.middle is not None and not self.frames.middle.is_exact:
-            return "the middle curve is not rational"
-        for name in ("l1", "l2"):
-            if getattr(self.shape, name).exact is None:
-                return f"{name} is no polynomial"
-        for name in ("lambda1", "lambda2"):
-            if _cosine_of(getattr(self.shape, name)) is None:
-                return f"{name} is not a constant with a rational sqrt(1 - {name}^2), such as 0 or 3/5"
-        return ""
-
-    def _components(self) -> Components:
-        rows: list[tuple[RationalFunction, ...]] = []
-        for boundary, sign, length, slant in zip(
-            self.boundaries, self.frames.signs, self.shape.lengths, self.shape.slants, strict=True
-        ):
-            exact, slope, rest = boundary.exact, slant.value, _cosine_of(slant)
-            assert exact is not None and length is not None and slope is not None and rest is not None
-            back, along = (-1, -slope) if boundary.backwards else (1, slope)
-            start = GENERATORS[0] if back > 0 else 1 - GENERATORS[0]
-            own = RationalFunction.quotient(start, ONE, NAMES)
-            point = tuple(c.substitute(own, own) for c in exact.curve)
-            tangent = (
-                (w * (rest * sign) + e * rational(along)).substitute(own, own)
-                for w, e in zip(exact.across, exact.velocity, strict=True)
-            )
-            size = length.exact
-            assert size is not None
-            rows += [point, tuple(c + size * w for c, w in zip(point, tangent, strict=True))]
-        rows = [
-            rows[0],
-            rows[1],
-            *([] if self.frames.middle is None else [self.frames.middle.components]),
-            rows[3],
-            rows[2],
-        ]
-        x, y, z = (
-            total([b * row[axis] for b, row in zip(_exact_bernstein(self.degree), rows, strict=True)])
-            for axis in range(3)
-        )
-        return x, y, z
-
 
 def generatrix_blend(
     first: Boundary,
@@ -265,11 +212,12 @@ def generatrix_blend(
 ) -> GeneratrixBlend:
     """The blend from one boundary to another.
 
-    Lengths that `shape` leaves open are a third of the mean distance of the curves, halved until the blend
-    does not cross itself (up to six times; else as they were: see its certificate).  With `align` the second curve
-    is run through the other way and started elsewhere so that corresponding points fit; without, both are left
-    as they are, and curves that run against each other are found by the certificate.  `unit=False` leaves the
-    vectors W, E as long as they are, which keeps rational data rational; lengths are then multiples of them.
+    Lengths that `shape` leaves open are a third of the distance of the curves (the mean one, on closed curves with a
+    cosine that follows it; constant where `unit` is false), halved until the blend does not cross itself (up to six
+    times; else as they were: see its certificate).  With `align` the second curve is run through the other way and
+    started elsewhere so that corresponding points fit; without, both are left as they are, and curves that run
+    against each other are found by the certificate.  `unit=False` leaves the vectors W, E as long as they are, which
+    keeps rational data rational; lengths are then multiples of them.
 
     Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
     shape functions that do not close up on closed curves.
@@ -288,7 +236,7 @@ def generatrix_blend(
     turned = second.turned(found.reversed, 0.0)
     turned = turned.turned(False, found.shift) if found.shift else turned
     frames = Frames((first, turned), signs, unit, _middle(shape, first))
-    blend = _checked(GeneratrixBlend(frames, _with_lengths(shape, found.distance), found))
+    blend = _checked(GeneratrixBlend(frames, with_lengths(shape, frames), found))
     open_lengths = [name for name in ("l1", "l2") if getattr(shape, name) is None]
     return _shortened(blend, open_lengths) if open_lengths and align else blend
 
@@ -299,15 +247,8 @@ def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
     for _ in range(HALVINGS + 1):
         if is_safe(trial, (64, 16)):
             return trial
-        trial = trial.with_shape(**{name: getattr(trial.shape, name).value / 2 for name in names})
+        trial = trial.with_shape(**{name: getattr(trial.shape, name).scaled(0.5) for name in names})
     return blend
-
-
-def _with_lengths(shape: GeneratrixShape, distance: float) -> GeneratrixShape:
-    """The shape with open lengths filled in, rounded to a short fraction."""
-    missing = [name for name in ("l1", "l2") if getattr(shape, name) is None]
-    length = float(f"{THIRD * distance:.3g}")
-    return shape.changed(**dict.fromkeys(missing, ShapeFunction.constant(str(length)))) if missing else shape
 
 
 def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
@@ -332,28 +273,3 @@ def _require_unit(name: str, values: Floats) -> None:
     bad = values[~((values >= 0.0) & (values <= 1.0))]
     if bad.size:
         raise ValueError(f"parameter {name} = {bad[0]:.6g} lies outside [0, 1]")
-
-
-def _cosine_of(slant: ShapeFunction) -> fmpq | None:
-    """sqrt(1 - lambda^2) where it and lambda are rational numbers, else None."""
-    value = slant.value
-    if value is None:
-        return None
-    square = 1 - rational(value) ** 2
-    root = [int(part).bit_length() and _root(int(part)) for part in (square.p, square.q)]
-    exact = fmpq(root[0], root[1])
-    return exact if exact * exact == square else None
-
-
-def _root(number: int) -> int:
-    from math import isqrt
-
-    return isqrt(number)
-
-
-def _exact_bernstein(degree: int) -> list[RationalFunction]:
-    from math import comb
-
-    t = GENERATORS[1]
-    rows = (comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(degree + 1))
-    return [RationalFunction.quotient(row, ONE, NAMES) for row in rows]

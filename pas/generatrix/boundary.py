@@ -1,8 +1,8 @@
 """Boundaries of blends: a curve C(s), 0 <= s <= 1, with the tangent plane of a surface along it.
 
 The plane is given by the surface's normal N(s) or by a vector V(s) that spans it together with C'(s); the curve
-and its surface may come from anywhere: implicit, parametric, transcendental, sampled.  Where curve and field are rational functions over Q they are kept exactly, so
-that a blend's contact can be proved.
+and its surface may come from anywhere: implicit, parametric, transcendental, sampled.  Where curve and field are
+rational functions over Q they are kept exactly, so that a blend's contact can be proved.
 
 Guaranteed: C' and the field are checked not to vanish, the curve to lie on its surface and, if closed, to close
 with one sense of the normal: by exact identities and roots for exact data, else at samples.
@@ -19,10 +19,10 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
+from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
 from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
-from pas.parametric.callables import component
+from pas.generatrix.space import NAMES, read_path, unit, value_at
 from pas.parametric.curves import SurfaceCurve
-from pas.parametric.expressions import Names
 from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import composed
 from pas.parametric.surface import ParametricSurface
@@ -30,16 +30,14 @@ from pas.parametric.surface import ParametricSurface
 Curve = Callable[[Floats], Floats]
 """Vectors (n, 3) at parameters (n,)."""
 
-NAMES: Names = ("s", "t")
-SAMPLES = 257
-"""Parameters at which numeric data are checked."""
 
-STILL = 1e-9
-"""A derivative or field below this share of its largest value counts as zero: roundoff of differences is 1e-10."""
+@dataclass(frozen=True)
+class Bounds:
+    """What holds for all s of a curve in closed form: `angle` (radians) between C' and the surface's tangent plane at
+    most, `distance` |f| / |grad f| from the surface at most."""
 
-ON_SURFACE = 1e-8
-"""Distance from its surface, over the curve's size, up to which a numeric curve counts as lying on it: data typed
-with nine digits pass, a wrong formula does not."""
+    angle: float
+    distance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +47,7 @@ class Boundary:
     `curve`, `velocity` (C') and `direction` (N where `has_normal`, else V) take parameters (n,) in [0, 1] and
     return (n, 3).  `side` (1 or -1) says on which side of the curve the blend lies, N x C' (or V) times
     `side` pointing there; None leaves it to the blend.  `name` stands in messages, `exact` holds the rational
-    curve and field where there are such.  The blend's parameter s is brought to the curve's own by
+    curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's parameter s is brought to the curve's own by
     `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed curves.
 
     Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
@@ -64,6 +62,7 @@ class Boundary:
     name: str = "the boundary"
     exact: ExactCurve | None = None
     side: int | None = None
+    bounds: Callable[[], Bounds] | None = None
     phase: float = 0.0
     backwards: bool = False
     checked: bool = field(default=False, repr=False)
@@ -74,7 +73,7 @@ class Boundary:
         if not self.checked:
             if self.exact is not None:
                 self.exact.require_regular(self.name)
-            _check(self)
+            require_boundary(self)
             object.__setattr__(self, "checked", True)
 
     @classmethod
@@ -96,11 +95,11 @@ class Boundary:
         if (normal is None) == (tangent is None):
             raise ValueError(f"{name}: give exactly one of normal and tangent")
         given = normal if tangent is None else tangent
-        path, vectors = _read(curve, interval, name), _read(given, interval, f"{name}, its vectors")
+        path, vectors = read_path(curve, interval, name), read_path(given, interval, f"{name}, its vectors")
         exact = None
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
-        return _made(path, lambda s: _value(vectors, s), tangent is None, closed, name, exact, side)
+        return _made(path, lambda s: value_at(vectors, s), tangent is None, closed, name, exact, side)
 
     @classmethod
     def on_implicit(
@@ -118,7 +117,7 @@ class Boundary:
         """
         f = Polynomial(polynomial)
         name = f"the boundary on {f} = 0" if name is None else name
-        path = _read(curve, interval, name)
+        path = read_path(curve, interval, name)
         exact = None
         if path.is_exact:
             residual = composed(f, path.components)
@@ -126,8 +125,8 @@ class Boundary:
                 raise GeometryError(f"{name}: the curve does not lie on the surface; there {f} is {residual}")
             exact = ExactCurve(path.components, _gradient(f, path), True)
         else:
-            _require_on(f, path, name)
-        return _made(path, lambda s: f.gradient(_value(path, s)), True, closed, name, exact, side)
+            require_on(f, path, name)
+        return _made(path, lambda s: f.gradient(value_at(path, s)), True, closed, name, exact, side)
 
     @classmethod
     def on_parametric(
@@ -141,7 +140,7 @@ class Boundary:
         """A curve on a parametric surface, such as `iso_curve(surface, h=1)`, over an interval of its parameter."""
         if not isinstance(curve, SurfaceCurve):
             raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {curve!r}")
-        low, high, line = _line(interval, name)
+        (low, high), line = on_unit_interval(interval, name)
         curve.surface(curve.parameters(np.linspace(low, high, SAMPLES)))  # speaks up outside the domain
 
         def own(s: Floats) -> Floats:
@@ -157,9 +156,9 @@ class Boundary:
             x, y, z = (c.substitute(t, h) for c in curve.surface.components)
             exact = ExactCurve((x, y, z), exact_cross(first, second), True)
         ends = curve(np.array([low, high]))
-        closes = _closes(ends) if closed is None else closed
+        shut = closes(ends) if closed is None else closed
         return cls(
-            lambda s: curve(own(s)), velocity, lambda s: _plain_normals(curve, own(s)), True, closes, name, exact, side
+            lambda s: curve(own(s)), velocity, lambda s: _plain_normals(curve, own(s)), True, shut, name, exact, side
         )
 
     @classmethod
@@ -226,62 +225,6 @@ class Boundary:
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
 
 
-def unit(vectors: Floats) -> Floats:
-    """Vectors (..., 3) made of length one; nan for zero vectors."""
-    with np.errstate(all="ignore"):
-        return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
-
-
-def space_curve(expression: Any, name: str) -> ParametricSurface:
-    """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
-    if isinstance(expression, ParametricSurface):
-        return expression
-    if callable(expression):
-        return ParametricSurface(*(_coordinate(expression, i) for i in range(3)), parameters=NAMES)
-    if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
-        raise TypeError(f"{name} must be three expressions in s or one callable, not {expression!r}")
-    parts = []
-    for entry, axis in zip(expression, "xyz", strict=True):
-        made = component(entry if not callable(entry) else _of_one(entry), ("s", ""), f"{axis} of {name}")
-        parts.append(made.formula if made.exact is None else RationalFunction(made.exact, NAMES))
-    return ParametricSurface(*parts, parameters=NAMES)
-
-
-def _of_one(function: Any) -> Any:
-    return (
-        function if hasattr(function, "free_symbols") or isinstance(function, RationalFunction) else _ignoring(function)
-    )
-
-
-def _ignoring(function: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
-    return lambda s, _: function(s)
-
-
-def _coordinate(function: Any, axis: int) -> Callable[[Any, Any], Any]:
-    return lambda s, _: np.asarray(function(s), dtype=float)[..., axis]
-
-
-def _line(interval: Sequence[Any], name: str) -> tuple[float, float, RationalFunction]:
-    """The ends, and the map from [0, 1] to the interval."""
-    ends, line = on_unit_interval(interval, name)
-    return ends[0], ends[1], line
-
-
-def _read(curve: Any, interval: Sequence[Any], name: str) -> ParametricSurface:
-    """A curve as a surface in (s, t), t without influence, over 0 <= s <= 1."""
-    low, high, line = _line(interval, name)
-    path = space_curve(curve, name)
-    if path.is_exact:
-        return ParametricSurface(*(c.substitute(line, line) for c in path.components), parameters=NAMES)
-    return ParametricSurface.from_parts(
-        lambda s, t: path.values(low + (high - low) * s, t), None, NAMES, None, path.inexact
-    )
-
-
-def _value(path: ParametricSurface, s: Floats, order: int = 0) -> Floats:
-    return path.derivative(np.stack([s, np.zeros_like(s)], axis=-1), order, 0)
-
-
 def _gradient(f: Polynomial, path: ParametricSurface) -> tuple[RationalFunction, RationalFunction, RationalFunction]:
     x, y, z = (composed(f.diff(i), path.components) for i in range(3))
     return x, y, z
@@ -296,69 +239,12 @@ def _made(
     exact: ExactCurve | None,
     side: int | None,
 ) -> Boundary:
-    closes = _closes(_value(path, np.array([0.0, 1.0]))) if closed is None else closed
+    shut = closes(value_at(path, np.array([0.0, 1.0]))) if closed is None else closed
     return Boundary(
-        lambda s: _value(path, s), lambda s: _value(path, s, 1), direction, has_normal, closes, name, exact, side
+        lambda s: value_at(path, s), lambda s: value_at(path, s, 1), direction, has_normal, shut, name, exact, side
     )
 
 
 def _plain_normals(curve: SurfaceCurve, s: Floats) -> Floats:
     tangents = curve.surface.tangents(curve.parameters(s))
     return np.cross(tangents[..., 0, :], tangents[..., 1, :])
-
-
-def _closes(ends: Floats) -> bool:
-    return bool(np.abs(ends[0] - ends[-1]).max() <= STILL * (1.0 + np.abs(ends).max()))
-
-
-def _require_on(f: Polynomial, path: ParametricSurface, name: str) -> None:
-    s = np.linspace(0, 1, SAMPLES)
-    points = _value(path, s)
-    with np.errstate(all="ignore"):
-        away = np.abs(f(points)) / np.maximum(np.linalg.norm(f.gradient(points), axis=-1), 1e-300)
-    worst = int(np.nanargmax(away))
-    if not away[worst] <= ON_SURFACE * (1.0 + np.abs(points).max()):
-        raise GeometryError(f"{name}: the curve is off the surface by {away[worst]:.2g} at s = {s[worst]:.4g}")
-
-
-def _check(boundary: Boundary) -> None:
-    s, name = np.linspace(0.0, 1.0, SAMPLES), boundary.name
-    points, velocity, vectors = (np.asarray(f(s)) for f in (boundary.curve, boundary.velocity, boundary.direction))
-    for what, array in (("the curve", points), ("its derivative", velocity), ("the surface's direction", vectors)):
-        bad = np.flatnonzero(~np.isfinite(array).all(axis=-1))
-        if len(bad):
-            raise GeometryError(f"{name}: {what} is not finite at s = {s[bad[0]]:.6g}; choose another interval")
-    speed, length = np.linalg.norm(velocity, axis=-1), np.linalg.norm(vectors, axis=-1)
-    _require_positive(speed, s, f"{name}: the curve is not regular; its derivative vanishes")
-    what = "surface's normal" if boundary.has_normal else "tangent vector given"
-    _require_positive(length, s, f"{name}: the {what} vanishes")
-    sine = np.linalg.norm(np.cross(unit(vectors), unit(velocity)), axis=-1)
-    if boundary.has_normal:
-        slant = np.sqrt(np.maximum(0.0, 1.0 - sine**2))
-        worst = int(slant.argmax())
-        if slant[worst] > np.sqrt(ON_SURFACE):
-            raise GeometryError(
-                f"{name}: the normal is not perpendicular to the curve at s = {s[worst]:.4g} (cosine {slant[worst]:.2g})"
-            )
-    else:
-        _require_positive(sine, s, f"{name}: the tangent vector given is along the curve")
-    if boundary.closed:
-        _require_closed(points, velocity, vectors, name)
-
-
-def _require_positive(values: Floats, s: Floats, message: str) -> None:
-    worst = int(values.argmin())
-    if not values[worst] > STILL * values.max():
-        raise GeometryError(f"{message} at s = {s[worst]:.6g}")
-
-
-def _require_closed(points: Floats, velocity: Floats, vectors: Floats, name: str) -> None:
-    if not _closes(points[[0, -1]]):
-        gap = float(np.linalg.norm(points[0] - points[-1]))
-        raise GeometryError(f"{name} is called closed, but its ends are {gap:.3g} apart; say closed=False")
-    first, last = unit(velocity[[0, -1]])
-    if float(first @ last) < 1.0 - 1e-6:
-        raise GeometryError(f"{name} has a corner at s = 0 where it closes; say closed=False, or round it")
-    first, last = unit(vectors[[0, -1]])
-    if float(first @ last) < 1.0 - 1e-6:
-        raise GeometryError(f"{name}: the surface's direction at s = 0 and s = 1 differ, though the curve is closed")

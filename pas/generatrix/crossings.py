@@ -12,6 +12,7 @@ It is a statement on the mesh: a surface nearby may differ by as much as it is a
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
@@ -79,12 +80,12 @@ def _morton(centers: Floats) -> Integers:
     return code
 
 
-def _cross(first: Floats, second: Floats) -> tuple[Integers, Floats]:
+def _cross(first: Floats, second: Floats) -> tuple[NDArray[np.bool_], Floats]:
     """Whether triangles (n, 3, 3) cross each other, and where (nan where not)."""
     hit = np.zeros(len(first), dtype=bool)
     place = np.full((len(first), 3), np.nan)
     for one, two in ((first, second), (second, first)):
-        heights = np.stack([_volume(*(two[:, k] for k in range(3)), one[:, i]) for i in range(3)], axis=1)
+        heights = np.stack([_volume(two[:, 0], two[:, 1], two[:, 2], one[:, i]) for i in range(3)], axis=1)
         for i in range(3):
             j = (i + 1) % 3
             rows = np.flatnonzero(heights[:, i] * heights[:, j] < 0)

@@ -97,7 +97,7 @@ def _zeros(polynomials: Sequence[fmpq_mpoly]) -> list[float]:
     common = fmpq_poly([0])
     for polynomial in polynomials:
         common = common.gcd(in_s(polynomial))
-    return [0.0] if common == 0 else zeros_in_unit_interval(common)
+    return [0.0] if common.is_zero() else zeros_in_unit_interval(common)
 
 
 def _refuse(name: str, what: str, zeros: list[float]) -> None:

@@ -14,8 +14,9 @@ from math import comb
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.generatrix.boundary import Boundary, unit
+from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.generatrix.space import unit
 from pas.mesh.field import Integers
 from pas.parametric.surface import ParametricSurface
 
@@ -25,7 +26,7 @@ STEP = 3e-6
 
 @dataclass(frozen=True)
 class Edge:
-    """C, C' and W, E (first row) with their derivatives (second row) at n values of s: (n, 3), (n, 3), (2, n, 3) twice."""
+    """At n values of s: C and C' (n, 3), W and E as first rows, their derivatives as second rows (2, n, 3)."""
 
     point: Floats
     velocity: Floats
@@ -34,14 +35,14 @@ class Edge:
 
     def leg(self, length: ShapeFunction, slant: ShapeFunction, s: Floats) -> tuple[Floats, Floats]:
         """C + l T and its derivative, (n, 3) each."""
-        l, dl = length(s)[:, None], length(s, 1)[:, None]
+        size, growth = length(s)[:, None], length(s, 1)[:, None]
         slope, dslope = slant(s)[:, None], slant(s, 1)[:, None]
         rest = np.sqrt(1.0 - slope * slope)
         tangent = rest * self.across[0] + slope * self.along[0]
         change = rest * self.across[1] + slope * self.along[1]
         if dslope.any():
             change = change + dslope * (self.along[0] - slope / rest * self.across[0])
-        return self.point + l * tangent, self.velocity + dl * tangent + l * change
+        return self.point + size * tangent, self.velocity + growth * tangent + size * change
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,14 +22,14 @@ import numpy as np
 from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, rational, to_float
+from pas.algebra.rational import Vector, rational
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary, unit
+from pas.generatrix.boundary import Boundary
 from pas.generatrix.exact import on_unit_interval
 from pas.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, require_curve, rulings
 from pas.generatrix.quadric import Quadric, text
 from pas.generatrix.sections import Conic, ConicKind, conic_section
+from pas.generatrix.space import unit
 
 SAMPLES = 1024
 """Angles at which the sign of D is looked at; between them extrema are searched."""
@@ -87,7 +87,8 @@ class QuadricBranch:
             return (width * self.conic(width * flat, 1)).reshape(*array.shape, 3)
         change = (self(flat + STEP) - self(flat - STEP)) / (2 * STEP)
         points = self(flat)
-        along = unit(np.cross(*(q.polynomial.gradient(points) for q in self.quadrics)))
+        first, second = (q.polynomial.gradient(points) for q in self.quadrics)
+        along = unit(np.cross(first, second))
         speed = (change * along).sum(axis=1, keepdims=True)
         return np.asarray(speed * along).reshape(*array.shape, 3)
 
@@ -205,8 +206,8 @@ def _require_apart(branches: list[QuadricBranch]) -> None:
         direction = np.cross(normal, np.cross(b.first, b.second))
         raise GeometryError(
             f"the two conics in which {branches[0].quadrics[0].polynomial} = 0 and "
-            f"{branches[0].quadrics[1].polynomial} = 0 meet cross each other on the line in direction {text(direction)}; "
-            "take plane_section for one of them, or move a quadric"
+            f"{branches[0].quadrics[1].polynomial} = 0 meet cross each other, on a line in direction "
+            f"{text(direction)}; take plane_section for one of them, or move a quadric"
         )
 
 

@@ -101,7 +101,7 @@ def _mixed(a: fmpq_mat, b: fmpq_mat, mu: fmpq) -> fmpq_mat:
 def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
     """Rational zeros of det(A + mu B), then a simple number between neighbouring real ones."""
     determinant = _determinant(a, b)
-    if determinant == 0:
+    if determinant.is_zero():
         yield from (fmpq(n) for n in (1, -1, 2, -2))
         return
     for factor, _ in determinant.factor()[1] if determinant.degree() > 0 else ():

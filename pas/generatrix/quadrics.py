@@ -15,10 +15,11 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
-from pas.generatrix.boundary import Boundary, unit
+from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadric import text
 from pas.generatrix.sections import plane_section
 from pas.generatrix.shape import GeneratrixShape
+from pas.generatrix.space import unit
 
 SAMPLES = 256
 
@@ -95,7 +96,9 @@ def blend_through_sphere(
     directions, widths = zip(*(_seen(item, i, o, r) for i, item in enumerate(items)), strict=True)
     gaps = _gaps(np.array(directions))
     if angles is None:
-        chosen = tuple(min(ROOM * gap / 2, width, WIDEST) for gap, width in zip(gaps.min(axis=1), widths, strict=True))
+        chosen = tuple(
+            float(min(ROOM * gap / 2, width, WIDEST)) for gap, width in zip(gaps.min(axis=1), widths, strict=True)
+        )
     else:
         chosen = tuple(map(float, angles))
         _require_disjoint(chosen, gaps, len(items))
@@ -156,8 +159,8 @@ def _require_disjoint(angles: Sequence[float], gaps: Floats, number: int) -> Non
     for i, j in combinations(range(number), 2):
         if angles[i] + angles[j] >= gaps[i, j]:
             raise GeometryError(
-                f"the circles {i} and {j} overlap: their half-angles {angles[i]:.4g} + {angles[j]:.4g} must be less than "
-                f"{gaps[i, j]:.4g}, the angle between their directions"
+                f"the circles {i} and {j} overlap: their half-angles {angles[i]:.4g} + {angles[j]:.4g} must be less "
+                f"than {gaps[i, j]:.4g}, the angle between their directions"
             )
 
 

@@ -3,7 +3,8 @@
 In a plane with a rational orthogonal basis the quadric is a conic with rational coefficients; its kind is decided
 exactly by its determinants (Salmon 1862).  Ellipses are m + a cos 2 pi s + b sin 2 pi s; hyperbolas
 m +- a cosh u + b sinh u and parabolas m + a u + b u^2 run over a stated interval of u.  The vectors are rounded
-to doubles: about 1e-15 of their size off.
+to doubles: about 1e-15 of their size off.  For ellipses what that does to the contact is bounded for all s, by exact
+arithmetic on the rounded vectors (`ellipse_bounds`).
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, rational, to_float, to_floats
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary
+from pas.generatrix.boundary import Boundary, Bounds
 from pas.generatrix.exact import on_unit_interval
-from pas.generatrix.quadric import Quadric, plane_text, read_plane, text
+from pas.generatrix.quadric import Quadric, plane_text, read_plane, text, to_array
 
 
 class ConicKind(Enum):
@@ -54,6 +55,13 @@ FUNCTIONS: dict[ConicKind, tuple[tuple[Function, Function], ...]] = {
     ConicKind.PARABOLA: ((lambda u: u, lambda u: u * u), (np.ones_like, lambda u: 2.0 * u)),
     ConicKind.HYPERBOLA: ((np.cosh, np.sinh), (np.sinh, np.cosh)),
 }
+
+
+STEPS = 2048
+"""Angles at which |C'| and |grad f| are looked at for bounds."""
+
+ROUNDED = 1.001
+"""For the rounding of the bounds themselves."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +134,35 @@ def plane_section(
         closed=closed,
         name=name,
         side=side,
+        bounds=(lambda: ellipse_bounds(surface, conic)) if closed else None,
     )
+
+
+def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
+    """How far an ellipse m + a cos + b sin is from a quadric, and how steep against it, for all angles.
+
+    f is p0 + p1 cos + q1 sin + p2 cos 2 + q2 sin 2 with coefficients that are exact in the doubles m, a, b; the
+    sums of their absolute values bound f and C' . grad f.  |grad f| and |C'| are at least the smallest sample less what
+    they can change by to the next.
+    """
+    rows = [[rational(float(x)) for x in v] for v in (conic.origin, conic.first, conic.second)]
+    lift = fmpq_mat([[*row, fmpq(int(i == 0))] for i, row in enumerate(rows)])
+    form = lift * quadric.matrix * lift.transpose()
+    first = [abs(2 * form[0, i]) for i in (1, 2)]
+    second = [abs(form[1, 1] - form[2, 2]) / 2, abs(form[1, 2])]
+    constant = abs(form[0, 0] + (form[1, 1] + form[2, 2]) / 2)
+    angle = np.linspace(0, 2 * np.pi, STEPS, endpoint=False)
+    slack = np.pi / STEPS
+    bend = np.linalg.norm(conic.first) + np.linalg.norm(conic.second)
+    speed = np.linalg.norm(conic(angle, 1), axis=1).min() - slack * bend
+    hessian = float(np.linalg.norm(2 * to_array(quadric.matrix)[:3, :3]))
+    slope = np.linalg.norm(quadric.polynomial.gradient(conic(angle)), axis=1).min() - slack * hessian * bend
+    if not (speed > 0 and slope > 0):
+        return Bounds(np.inf, np.inf)
+    steepest = to_float(sum(first, fmpq(0)) + 2 * sum(second, fmpq(0)))
+    furthest = to_float(constant + sum(first, fmpq(0)) + sum(second, fmpq(0)))
+    sine = steepest / float(speed * slope)
+    return Bounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, furthest / float(slope) * ROUNDED)
 
 
 def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:

@@ -26,10 +26,13 @@ MANY = 24
 
 @dataclass(frozen=True)
 class ShapeFunction:
-    """A polynomial in s (`coefficients`, ascending), or for closed curves (1 - cos 2 pi s)(high - low)/2 + low (`cosine`)."""
+    """A polynomial in s (`coefficients`, ascending), or for closed curves a cosine.
+
+    `wave` = (low, high, start) stands for (1 - cos 2 pi (s - start)) (high - low)/2 + low.
+    """
 
     coefficients: tuple[Fraction, ...] = ()
-    cosine_range: tuple[float, float] | None = None
+    wave: tuple[float, float, float] | None = None
 
     @classmethod
     def constant(cls, value: Any) -> ShapeFunction:
@@ -57,17 +60,24 @@ class ShapeFunction:
         return cls(tuple(to_fraction(c) for c in result.coeffs()) or (Fraction(0),))
 
     @classmethod
-    def cosine(cls, low: Any, high: Any) -> ShapeFunction:
-        """For closed curves: `low` at s = 0, `high` at s = 1/2, and periodic."""
-        ends = to_float(rational(low, "low")), to_float(rational(high, "high"))
-        return cls(cosine_range=ends)
+    def cosine(cls, low: Any, high: Any, start: Any = 0) -> ShapeFunction:
+        """For closed curves: `low` at s = `start`, `high` half a turn on, and periodic."""
+        parts = zip((low, high, start), ("low", "high", "start"), strict=True)
+        a, b, c = (to_float(rational(value, name)) for value, name in parts)
+        return cls(wave=(a, b, c))
+
+    def scaled(self, factor: float) -> ShapeFunction:
+        """The function times a number."""
+        if self.wave is not None:
+            return ShapeFunction(wave=(factor * self.wave[0], factor * self.wave[1], self.wave[2]))
+        return ShapeFunction(tuple(c * Fraction(factor) for c in self.coefficients))
 
     def __call__(self, s: Any, order: int = 0) -> Floats:
         """Values at `s`, or derivatives of an order."""
         array = np.asarray(s, dtype=float)
-        if self.cosine_range is not None:
-            low, high = self.cosine_range
-            wave = np.cos(2 * np.pi * array + order * np.pi / 2) * (2 * np.pi) ** order
+        if self.wave is not None:
+            low, high, start = self.wave
+            wave = np.cos(2 * np.pi * (array - start) + order * np.pi / 2) * (2 * np.pi) ** order
             return np.asarray((high - low) / 2 * ((order == 0) - wave) + (low if order == 0 else 0.0))
         row = np.array([float(c) for c in self.coefficients])
         return np.asarray(np.polynomial.polynomial.polyval(array, np.polynomial.polynomial.polyder(row, order)))
@@ -75,9 +85,9 @@ class ShapeFunction:
     @property
     def polynomial(self) -> fmpq_poly | None:
         """The exact polynomial; None for a cosine that is not constant."""
-        if self.cosine_range is None:
+        if self.wave is None:
             return fmpq_poly([fmpq(c.numerator, c.denominator) for c in self.coefficients])
-        return fmpq_poly([rational(self.cosine_range[0])]) if len(set(self.cosine_range)) == 1 else None
+        return fmpq_poly([rational(self.wave[0])]) if self.wave[0] == self.wave[1] else None
 
     @property
     def exact(self) -> RationalFunction | None:
@@ -111,9 +121,10 @@ class ShapeFunction:
     def _require(self, bound: int, sign: int, what: str, remedy: str) -> None:
         p = self.polynomial
         if p is None:
-            assert self.cosine_range is not None
-            candidates = dict(zip((0.0, 0.5), self.cosine_range, strict=True))
-            bad = [s for s, v in candidates.items() if sign * (v - bound) <= 0]
+            assert self.wave is not None
+            low, high, start = self.wave
+            ends = {start % 1.0: low, (start + 0.5) % 1.0: high}
+            bad = [s for s, v in ends.items() if sign * (v - bound) <= 0]
         else:
             difference = (p - bound) * sign
             bad = [0.0] if difference(0) <= 0 else zeros_in_unit_interval(difference)

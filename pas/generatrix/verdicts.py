@@ -3,7 +3,8 @@
 Contact (G1): along its boundaries the blend has the tangents C' and 3 l T, T a combination of W and C'.  For rational
 data it is proved that these lie in the surface's tangent plane and span it: C' . N = W . N = 0 identically, no zero
 of C' or W in [0, 1], l > 0 and |lambda| < 1; an exact blend is also looked at itself, from its components.
-For numeric data the greatest angle between the two tangent planes is measured.
+Ellipses in closed form have rounded vectors; what that does is bounded for all s.  For other numeric data the
+greatest angle between the two tangent planes is measured.
 
 Regularity: exact blends by `pas.parametric.regularity`.  Else along many generatrices for all t at once: the
 normal is a polynomial in t of degree 2m - 1, whose Bernstein coefficients must be on one side of a plane
@@ -20,6 +21,7 @@ from math import comb
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.signs import Status
@@ -39,6 +41,9 @@ FINE = (160, 40)
 
 GENERATRICES, DEEP = 256, 8
 """Generatrices along which the normal is examined, and halvings of t."""
+
+SMALL = 1e-9
+"""Angle up to which a bound is as good as contact; larger ones come from badly scaled data and are shown as measured."""
 
 EXACT_EFFORT = 4_000
 NEWTON_STEPS, DOUBLE_POINTS = 25, 12
@@ -94,7 +99,7 @@ def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
     boundary = blend.boundaries[number]
     claim = f"G1 with {boundary.name}"
     if boundary.exact is None:
-        return _measured_contact(blend, number, claim)
+        return _bounded_contact(blend, number, claim) or _measured_contact(blend, number, claim)
     if not boundary.exact.lies_in_plane:
         return Verdict(Status.REFUTED, claim, "the curve or the vector given is not in the tangent plane")
     if blend.surface.is_exact and not _touches(blend, number):
@@ -120,6 +125,19 @@ def _touches(blend: GeneratrixBlend, number: int) -> bool:
 
     on = all(c == d for c, d in zip(at_end((0, 0)), exact.curve, strict=True))
     return on and all(exact_dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
+
+
+def _bounded_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict | None:
+    """The tangent plane of the blend is spanned by C' and N x C', so its angle with that of the surface is that of C'."""
+    make = blend.boundaries[number].bounds
+    bounds = None if make is None else make()
+    if bounds is None or bounds.angle > SMALL:
+        return None
+    reason = (
+        f"for all s, by exact arithmetic on the rounded curve, its tangent planes differ from the surface's by "
+        f"{np.degrees(bounds.angle):.1e} degrees at most, and it is {bounds.distance:.1e} off the surface at most"
+    )
+    return Verdict(Status.PROVED, f"{claim}, to rounding", reason)
 
 
 def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict:
@@ -167,9 +185,7 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
     if not settled.all():
         i = int(np.flatnonzero(~settled)[0])
         x, y, z = map(float, blend.surface([s[i], place[i]]))
-        reason = (
-            f"the normal vanishes (to {DEEP} halvings of t) near s = {s[i]:.5g}, t = {place[i]:.5g}; shorten l1, l2"
-        )
+        reason = f"the normal vanishes (to {DEEP} halvings of t) near s = {s[i]:.5g}, t = {place[i]:.5g}; change l1, l2"
         return Verdict(Status.REFUTED, claim, reason, (x, y, z))
     smallest = float(lengths.min() / np.median(lengths))
     measured = (
@@ -178,7 +194,7 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
     )
     if turn[0] >= 90.0:
         x, y, z = map(float, points[turn[1]])
-        return Verdict(Status.REFUTED, claim, measured + ": the blend folds over; shorten l1, l2", (x, y, z))
+        return Verdict(Status.REFUTED, claim, measured + ": the blend folds over; change l1, l2", (x, y, z))
     return Verdict(Status.UNDECIDED, claim, measured)
 
 
@@ -194,7 +210,7 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
     return forms
 
 
-def _avoid_origin(forms: Floats) -> tuple[Floats, Floats]:
+def _avoid_origin(forms: Floats) -> tuple[NDArray[np.bool_], Floats]:
     """Which curves of vectors (n, k, 3), Bernstein forms in t, avoid the origin; else a t near where they may not."""
     n, k = forms.shape[:2]
     settled, place = np.ones(n, dtype=bool), np.zeros(n)
