@@ -43,7 +43,7 @@ GENERATRICES, DEEP = 256, 8
 """Generatrices along which the normal is examined, and halvings of t."""
 
 SMALL = 1e-9
-"""Angle up to which a bound is as good as contact; larger ones come from badly scaled data and are shown as measured."""
+"""Angle up to which a bound is as good as contact; larger ones come from badly scaled data, which are measured."""
 
 EXACT_EFFORT = 4_000
 NEWTON_STEPS, DOUBLE_POINTS = 25, 12
@@ -99,7 +99,8 @@ def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
     boundary = blend.boundaries[number]
     claim = f"G1 with {boundary.name}"
     if boundary.exact is None:
-        return _bounded_contact(blend, number, claim) or _measured_contact(blend, number, claim)
+        bounded = _bounded_contact(blend, number, claim)
+        return _measured_contact(blend, number, claim) if bounded is None else bounded
     if not boundary.exact.lies_in_plane:
         return Verdict(Status.REFUTED, claim, "the curve or the vector given is not in the tangent plane")
     if blend.surface.is_exact and not _touches(blend, number):
@@ -128,7 +129,7 @@ def _touches(blend: GeneratrixBlend, number: int) -> bool:
 
 
 def _bounded_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict | None:
-    """The tangent plane of the blend is spanned by C' and N x C', so its angle with that of the surface is that of C'."""
+    """The blend's tangent plane is spanned by C' and N x C', so its angle with the surface's is that of C'."""
     make = blend.boundaries[number].bounds
     bounds = None if make is None else make()
     if bounds is None or bounds.angle > SMALL:
