@@ -22,10 +22,13 @@ S = np.linspace(0, 1, 101)
 ROUND = ("(1 - 6*(2*s - 1)^2 + (2*s - 1)^4)/(1 + (2*s - 1)^2)^2", "4*(2*s - 1)*(1 - (2*s - 1)^2)/(1 + (2*s - 1)^2)^2")
 """The whole unit circle, once round for s in [0, 1], rational (t the tangent of a quarter of the angle)."""
 
+pair = st.tuples(st.fractions(0, 1, max_denominator=9), st.fractions(-3, 3, max_denominator=5))
+
 RIM = Boundary.on_implicit("x^2 + y^2 - 1", (*ROUND, "2"), name="the rim")
 """Of the unit cylinder, exact and closed."""
 
 COLLAR = Boundary.on_implicit("x^2 + y^2 - 4", (f"2*{ROUND[0]}", f"2*{ROUND[1]}", "-2"), name="the collar")
+RING = plane_section("x^2 + y^2 - 1", "z - 2")
 STRIP = Boundary.along(("s", "0", "0"), tangent=("0", "1", "s"), name="the strip")
 EDGE = Boundary.on_implicit("z - x^2 - 2", ("s", "3", "s^2 + 2"), name="the edge")
 
@@ -37,7 +40,7 @@ def pipe(axis: str, at: object, radius2: object = 1, side: int | None = None) ->
 
 
 def angle_to_surfaces(blend) -> float:
-    """The greatest angle between blend and surfaces, by the mesh of exact normals of the first and last generatrix points."""
+    """The greatest angle between blend and surfaces, as the sine between normals."""
     worst = 0.0
     for number, boundary in enumerate(blend.boundaries):
         normals = blend.surface.normals(np.stack([S, np.full_like(S, number)], axis=-1))
@@ -224,7 +227,7 @@ def test_sampled_boundary_passes_through_its_points():
 # --- shape functions ------------------------------------------------------------------------------
 
 
-@given(st.lists(st.tuples(st.fractions(0, 1, max_denominator=9), st.fractions(-3, 3, max_denominator=5)), min_size=1, max_size=6, unique_by=lambda p: p[0]))  # fmt: skip
+@given(st.lists(pair, min_size=1, max_size=6, unique_by=lambda p: p[0]))
 @settings(max_examples=40, deadline=None)
 def test_shape_functions_through_pairs(pairs):
     f = ShapeFunction.through(pairs)
@@ -241,13 +244,13 @@ def test_shape_functions_through_pairs(pairs):
         GeneratrixShape(l1=f)
         assert positive
     except ValueError as error:
-        assert not positive or "l1 is 0" in str(error)  # noqa: PT017
+        assert not positive or "l1 is 0" in str(error)
 
 
 def test_cosine_shape():
     f = ShapeFunction.cosine("1/2", 2, "1/4")
     np.testing.assert_allclose(f(S), 1.5 * (1 - np.cos(2 * np.pi * (S - 0.25))) / 2 + 0.5)
-    np.testing.assert_allclose(f(S, 1), 1.5 * np.pi * np.sin(2 * np.pi * (S - 0.25)))
+    np.testing.assert_allclose(f(S, 1), 1.5 * np.pi * np.sin(2 * np.pi * (S - 0.25)), atol=1e-12)
     assert f.is_periodic and f.exact is None and f.value is None
     assert ShapeFunction.cosine(2, 2).value == 2
 
@@ -311,7 +314,7 @@ def test_opposed_curves_are_reported(name):
     right = generatrix_blend(first, second)
     wrong = generatrix_blend(first, right.boundaries[1].turned(True, 0.0), align=False)
     assert right.certificate.sense.proved and wrong.certificate.sense.status is Status.REFUTED
-    with pytest.raises(NotProvedError, match="run the same way.* reverse one curve"):
+    with pytest.raises(NotProvedError, match=r"run the same way.* reverse one curve"):
         wrong.require()
 
 
@@ -357,7 +360,7 @@ def test_sides():
     towards = signs[0] * first.across(0.3)
     assert towards[2] < 0 == pytest.approx(towards[0]) == pytest.approx(towards[1])
     bend = plane_section("(x - 2)^2 + y^2 - 1", "z"), plane_section("(x + 2)^2 + y^2 - 1", "z")
-    with pytest.raises(GeometryError, match="not clear on which side .* side=1 or side=-1"):
+    with pytest.raises(GeometryError, match=r"not clear on which side .* side=1 or side=-1"):
         generatrix_blend(*bend)
     for side in (1, -1):
         turned = [plane_section(f"(x {c} 2)^2 + y^2 - 1", "z", side=side) for c in "-+"]
@@ -480,7 +483,7 @@ def test_no_length_is_unsafe_where_nothing_can_cross():
 
 
 def test_middle_curve_opens_a_blend_that_crosses_itself():
-    """Two pipes side by side, open to one side, with one length everywhere: the bend collapses, a middle curve opens it."""
+    """Two pipes side by side, with one length everywhere: the bend collapses, a middle curve opens it."""
     pair = [plane_section(f"(x {c} 2)^2 + y^2 - 1", "z", side=-1) for c in "-+"]
     tight = generatrix_blend(*pair, GeneratrixShape(1, 1))
     assert tight.certificate.regular.status is Status.REFUTED
@@ -545,7 +548,8 @@ def test_with_shape_is_the_blend_made_anew():
 
 
 def test_normals_against_differences():
-    blend = generatrix_blend(STRIP, EDGE, GeneratrixShape(1, ShapeFunction.through([(0, 1), (1, 2)]), "1/3", ShapeFunction.through([(0, 0), (1, "1/2")])))  # fmt: skip
+    growing, turning = ShapeFunction.through([(0, 1), (1, 2)]), ShapeFunction.through([(0, 0), (1, "1/2")])
+    blend = generatrix_blend(STRIP, EDGE, GeneratrixShape(1, growing, "1/3", turning))
     places, h = np.random.default_rng(2).uniform(0.1, 0.9, (40, 2)), 1e-5
     for axis, order in ((0, (1, 0)), (1, (0, 1))):
         step = np.eye(2)[axis] * h
@@ -566,12 +570,11 @@ def test_bernstein_derivatives():
 # --- crossings ------------------------------------------------------------------------------------
 
 
-@given(st.integers(0, 10_000))
-@settings(max_examples=15, deadline=None)
+@pytest.mark.parametrize("seed", range(3))
 def test_crossings_against_all_pairs(seed):
     """The tree finds what testing all pairs finds, and that is what linear programming says of pairs."""
     rng = np.random.default_rng(seed)
-    centers = rng.uniform(-1, 1, (40, 1, 3))
+    centers = rng.uniform(-1, 1, (40, 1, 3)) * 0.5
     points = (centers + rng.normal(0, 0.3, (40, 3, 3))).reshape(-1, 3)
     triangles = np.arange(120).reshape(-1, 3)
     pairs, places = crossings(points, triangles)
@@ -654,10 +657,10 @@ def test_blend_through_a_sphere():
         (lambda: pas.blend_through_sphere([RIM, COLLAR], (0, 0, 0), 0), ValueError, "radius must be positive, not 0"),
         (lambda: pas.blend_through_sphere([RIM, STRIP], (0, 0, 0), 1), GeometryError, r"boundaries\[1\] .* is open"),
         (lambda: pas.blend_through_sphere([RIM, COLLAR], (0, 0, 0), 3), GeometryError, "reaches into the sphere"),
-        (lambda: pas.blend_through_sphere([RIM, COLLAR], (0, 0, 2), "1/2"), GeometryError, "goes round the centre"),
-        (lambda: pas.blend_through_sphere([RIM, pipe("z", 5)], (0, 0, 0), 1), GeometryError, "same direction"),
+        (lambda: pas.blend_through_sphere([RING, COLLAR], (0, 0, 2), "1/2"), GeometryError, "goes round the centre"),
+        (lambda: pas.blend_through_sphere([pipe("z", 3), pipe("z", 5)], (0, 0, 0), 1), GeometryError, "same direction"),
         (
-            lambda: pas.blend_through_sphere([RIM, COLLAR], (0, 0, 0), 1, angles=(2, 2)),
+            lambda: pas.blend_through_sphere([pipe("z", 2), pipe("z", -2)], (0, 0, 0), 1, angles=(2, 2)),
             GeometryError,
             "circles 0 and 1 overlap: .* less than 3.142",
         ),

@@ -50,7 +50,8 @@ class QuadricBranch:
 
     `interval` are the angles that it runs over; `both_signs` whether it takes both signs of the root (then it is
     closed though D vanishes at the ends), else `sign` is the one.  `poles` are the s at which it is at infinity:
-    it is `closed` where there are none.  `conic` is given instead where the branch is plane.
+    it is `closed` where there are none.  `conic` is given instead where the branch is plane, `sign` then being that
+    of a hyperbola's branch.
     """
 
     quadrics: tuple[Quadric, Quadric]
@@ -70,6 +71,8 @@ class QuadricBranch:
     def __call__(self, s: Any) -> Floats:
         """Points at `s` (...): (..., 3)."""
         array = np.asarray(s, dtype=float)
+        if self.conic is not None:
+            return self.conic(self._conic_place(array.ravel())[0], 0, self.sign).reshape(*array.shape, 3)
         return _polished(self.quadrics, self._raw(array.ravel())).reshape(*array.shape, 3)
 
     def homogeneous(self, s: Floats) -> Floats:
@@ -83,8 +86,9 @@ class QuadricBranch:
         array = np.asarray(s, dtype=float)
         flat = array.ravel()
         if self.conic is not None:
-            width = 2 * np.pi
-            return (width * self.conic(width * flat, 1)).reshape(*array.shape, 3)
+            place, speed = self._conic_place(flat)
+            along = self.conic(place, 1, self.sign) * speed[:, None]
+            return np.asarray(along).reshape(*array.shape, 3)
         change = (self(flat + STEP) - self(flat - STEP)) / (2 * STEP)
         points = self(flat)
         first, second = (q.polynomial.gradient(points) for q in self.quadrics)
@@ -123,11 +127,17 @@ class QuadricBranch:
         )
 
     def _raw(self, s: Floats) -> Floats:
-        if self.conic is not None:
-            return self.conic(2 * np.pi * s)
         points = self.homogeneous(s)
         with np.errstate(all="ignore"):
             return np.asarray(points[:, :3] / points[:, 3:])
+
+    def _conic_place(self, s: Floats) -> tuple[Floats, Floats]:
+        """The conic's parameter and its derivative: the angle, or for open ones all reals."""
+        assert self.conic is not None
+        if self.conic.kind is ConicKind.ELLIPSE:
+            return 2 * np.pi * s, np.full_like(s, 2 * np.pi)
+        with np.errstate(all="ignore"):
+            return 2 * np.arctanh(2 * s - 1), 1.0 / (s * (1 - s))
 
     def _place(self, s: Floats) -> tuple[Floats, Floats]:
         """The angles and the signed roots of D."""
@@ -171,44 +181,42 @@ def quadric_intersection(first: Any, second: Any) -> tuple[QuadricBranch, ...]:
 
 def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[QuadricBranch]:
     """The sections of the first quadric by the planes of a member of the pencil."""
-    branches, reasons = [], []
-    for plane, _ in planes_of(member):
-        if np.abs(plane[:3]).max() <= 1e-14 * np.abs(plane).max():
-            continue  # the plane at infinity
-        x, y, z, c = (rational(v) for v in plane)
+    what = f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0"
+    branches, reasons = list[QuadricBranch](), list[str]()
+    planes = [p for p in planes_of(member) if np.abs(p[:3]).max() > 1e-14 * np.abs(p).max()]  # not that at infinity
+    for plane in planes:
+        x, y, z, c = (rational(float(v)) for v in plane)
         normal: Vector = (x, y, z)
         try:
             conic = conic_section(pair[0], normal, -c)
         except GeometryError as error:
             reasons.append(str(error))
             continue
-        if conic.kind is ConicKind.ELLIPSE:
-            branches.append(QuadricBranch(pair, (0.0, 2 * np.pi), 1, False, conic=conic))
-        else:
-            reasons.append(f"a {conic.kind.value}: take plane_section with an interval")
+        signs = (1, -1) if conic.kind is ConicKind.HYPERBOLA else (1,)
+        poles = () if conic.kind is ConicKind.ELLIPSE else (0.0, 1.0)
+        branches += [QuadricBranch(pair, (0.0, 1.0), sign, False, conic=conic, poles=poles) for sign in signs]
     if not branches:
-        what = f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0"
-        raise GeometryError(f"{what} have no closed curve in common; " + "; ".join(reasons))
-    _require_apart(branches)
+        raise GeometryError(f"{what} have no curve in common; " + "; ".join(reasons))
+    for branch in branches:
+        _require_uncut(branch, planes, what)
     return branches
 
 
-def _require_apart(branches: list[QuadricBranch]) -> None:
-    """Two ellipses cross iff one has points on both sides of, or on, the plane of the other."""
-    if len(branches) < 2:
-        return
-    a, b = (branch.conic for branch in branches[:2])
-    assert a is not None and b is not None
-    normal = np.cross(a.first, a.second)
-    height = float(normal @ (b.origin - a.origin))
-    reach = float(np.hypot(normal @ b.first, normal @ b.second))
-    if abs(height) <= reach * (1 + 1e-12):
-        direction = np.cross(normal, np.cross(b.first, b.second))
-        raise GeometryError(
-            f"the two conics in which {branches[0].quadrics[0].polynomial} = 0 and "
-            f"{branches[0].quadrics[1].polynomial} = 0 meet cross each other, on a line in direction "
-            f"{text(direction)}; take plane_section for one of them, or move a quadric"
-        )
+def _require_uncut(branch: QuadricBranch, planes: list[Floats], what: str) -> None:
+    """Raise where the other plane of the pair cuts the conic: there the two sections cross, or touch."""
+    s = (np.arange(4 * SAMPLES) + 0.5) / (4 * SAMPLES)
+    points = branch(s)
+    for plane in planes:
+        heights = (points @ plane[:3] + plane[3]) / np.linalg.norm(plane[:3])
+        size = 1.0 + np.abs(points).max(axis=1)
+        if (np.abs(heights) <= 1e-9 * size).all():
+            continue  # its own
+        near = int((np.abs(heights) / size).argmin())
+        if heights.min() < 0 < heights.max() or abs(heights[near]) <= 1e-7 * size[near]:
+            raise GeometryError(
+                f"the two plane curves in which {what} meet cross or touch each other near {text(points[near])}; "
+                "take plane_section for one of them, or move a quadric"
+            )
 
 
 def _ruled_branches(pair: tuple[Quadric, Quadric], found: list[Member]) -> list[QuadricBranch]:
@@ -256,7 +264,9 @@ def _divided(coefficients: Any, low: float, high: float) -> Any:
     """g with D = sin((a - low)/2) sin((high - a)/2) g: two linear factors in e^(ia) divided off."""
     ends = np.exp(1j * np.array([low, high]))
     quotient, _ = np.polynomial.polynomial.polydiv(coefficients, np.polynomial.polynomial.polyfromroots(ends))
-    return quotient * 4.0 * np.exp(0.5j * (low + high))
+    whole = np.zeros(len(coefficients) - 2, dtype=complex)  # leading zeros were trimmed
+    whole[: len(quotient)] = quotient
+    return whole * 4.0 * np.exp(0.5j * (low + high))
 
 
 def _zeros(lines: Rulings, coefficients: Any, what: str) -> list[float]:

@@ -168,17 +168,17 @@ def _one_negative(values: Floats) -> Any:
     return np.array([rest[2], rest[1], rest[0], zero])
 
 
-def planes_of(member: Member) -> list[tuple[Floats, bool]]:
-    """The planes (4,) of a member of rank one or two, and whether it is counted twice.
+def planes_of(member: Member) -> list[Floats]:
+    """The planes (4,) of a member of rank one or two: one or two.
 
     Q = sum d_i (row_i)^2 by completing squares; d1 x^2 - d2 y^2 = 0 are the planes x sqrt(d1) +- y sqrt(d2).
     """
     squares = _squares(member.matrix)
     if len(squares) == 1:
-        return [(squares[0][1], True)]
+        return [squares[0][1]]
     (d1, x), (d2, y) = squares
     ratio = to_float(abs(d2 / d1)) ** 0.5
-    return [(x + ratio * y, False), (x - ratio * y, False)]
+    return [x + ratio * y, x - ratio * y]
 
 
 def _squares(matrix: fmpq_mat) -> list[tuple[fmpq, Floats]]:

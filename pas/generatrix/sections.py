@@ -42,11 +42,11 @@ class Conic:
     first: Floats
     second: Floats
 
-    def __call__(self, u: Floats, order: int = 0) -> Floats:
-        """Points (n, 3) at u (n,), or derivatives of order 1."""
+    def __call__(self, u: Floats, order: int = 0, sign: int = 1) -> Floats:
+        """Points (n, 3) at u (n,), or derivatives of order 1; `sign` -1 is the other branch of a hyperbola."""
         f, g = FUNCTIONS[self.kind][order]
         start = self.origin if order == 0 else 0.0
-        return np.asarray(start + f(u)[:, None] * self.first + g(u)[:, None] * self.second)
+        return np.asarray(start + sign * f(u)[:, None] * self.first + g(u)[:, None] * self.second)
 
 
 Function = Callable[[Floats], Floats]
@@ -124,12 +124,11 @@ def plane_section(
         )
     else:
         (low, high), _ = on_unit_interval(interval, name)
-    if conic.kind is ConicKind.HYPERBOLA and branch < 0:
-        conic = Conic(conic.kind, conic.origin, -conic.first, conic.second)
+    sign = branch if conic.kind is ConicKind.HYPERBOLA else 1
     return Boundary(
-        lambda s: conic(low + (high - low) * s),
-        lambda s: (high - low) * conic(low + (high - low) * s, 1),
-        lambda s: f.gradient(conic(low + (high - low) * s)),
+        lambda s: conic(low + (high - low) * s, 0, sign),
+        lambda s: (high - low) * conic(low + (high - low) * s, 1, sign),
+        lambda s: f.gradient(conic(low + (high - low) * s, 0, sign)),
         has_normal=True,
         closed=closed,
         name=name,
