@@ -354,6 +354,31 @@ def test_worked_case():
     assert all(v.proved for v in blend.certificate.contacts) and not blend.certificate.refuted
 
 
+@pytest.mark.parametrize("name", ["callable", "section", "intersection", "curve in the domain"])
+def test_length_as_parameter(name):
+    boundary = CASES[name][0]
+    made = boundary.by_length()
+    speed = np.linalg.norm(made.derivative(S), axis=1)
+    np.testing.assert_allclose(speed, speed[0], rtol=1e-4)
+    np.testing.assert_allclose(made([0, 1]), boundary([0, 1]), atol=1e-9)
+    np.testing.assert_allclose(
+        np.cross(made.normals(S), made.derivative(S)),
+        made.across(S) / np.linalg.norm(made.field(S), axis=1)[:, None],
+        atol=1e-9,
+    )
+    change = (made(S[1:-1] + 1e-6) - made(S[1:-1] - 1e-6)) / 2e-6
+    np.testing.assert_allclose(made.derivative(S[1:-1]), change, atol=1e-6)
+
+
+def test_curves_of_uneven_speed_are_evened():
+    """The same circle run through unevenly is brought to the even one."""
+    uneven = lambda s: 2 * np.pi * s + 0.8 * np.sin(2 * np.pi * s)  # noqa: E731
+    circle = lambda s: np.stack([np.cos(uneven(s)), np.sin(uneven(s)), 0 * s], axis=-1)  # noqa: E731
+    blend = generatrix_blend(Boundary.along(circle, normal=circle), pipe("z", 2))
+    assert blend.alignment.by_length and blend.alignment.distance == pytest.approx(2, abs=1e-4)
+    assert not generatrix_blend(pipe("z", 0), pipe("z", 2)).alignment.by_length
+
+
 def test_sides():
     first, second, _ = FITS["elbow"]
     signs = sides(first, second)
@@ -439,18 +464,29 @@ def test_why_a_blend_is_not_exact(change, reason):
         _ = blend.surface.components
 
 
-def test_certificate_does_not_take_a_wrong_contact():
-    """A blend whose legs leave the tangent planes is refuted: with the normals of another surface along the curve."""
-    wrong = Boundary.along(lambda s: pipe("z", 3)(s), normal=lambda s: np.stack([0 * s, 0 * s, 1 + 0 * s], -1))
-    blend = generatrix_blend(wrong, pipe("x", 3))
-    right = pipe("z", 3)
-    frames = type(blend.frames)((right, blend.boundaries[1]), blend.frames.signs, True)
-    assert angle_to_surfaces(blend) < 1e-9
-    mixed = type(blend)(blend.frames, blend.shape, blend.alignment)
-    object.__setattr__(mixed.frames, "boundaries", (right, blend.boundaries[1]))
-    object.__setattr__(mixed.frames, "kept", frames.kept)
-    tangent = mixed.frames.edges(S)[0].across[0]
-    assert np.abs((tangent * right.normals(S)).sum(axis=1)).max() < 1e-12
+@pytest.mark.parametrize(
+    "first", [pipe("z", 3), pas.quadric_intersection("x^2 + y^2 - 1", "x^2/2 + y^2 + z^2 - 9")[0].on(0)]
+)
+def test_measured_contact_sees_a_wrong_one(monkeypatch, first):
+    """Legs that leave the tangent plane by 0.1 degrees."""
+    right, tilt = Boundary.across, math.radians(0.1)
+    second = Boundary.from_points(pipe("x", 9)(S[:-1]), pipe("x", 9).normals(S[:-1]), closed=True)
+    blend = generatrix_blend(second, first, GeneratrixShape(1, 1))
+    assert blend.certificate.contacts[0].status is Status.UNDECIDED
+    tilted = lambda self, s: (
+        right(self, s) + tilt * np.linalg.norm(right(self, s), axis=-1)[..., None] * self.normals(s)
+    )  # noqa: E731
+    monkeypatch.setattr(Boundary, "across", tilted)
+    verdict = generatrix_blend(second, first, GeneratrixShape(1, 1)).certificate.contacts[0]
+    assert verdict.status is Status.REFUTED and "differ by 1.0e-01 degrees" in verdict.reason
+
+
+def test_exact_contact_sees_a_wrong_one():
+    from pas.generatrix.exact import ExactCurve
+
+    one, zero, s = (pas.RationalFunction(e, ("s", "t")) for e in ("1", "0", "s"))
+    assert ExactCurve((s, zero, zero), (zero, one, s), True).lies_in_plane
+    assert not ExactCurve((s, zero, zero), (s, one, zero), True).lies_in_plane
 
 
 def test_crossing_blend_is_found_and_its_double_point_is_one():
@@ -487,11 +523,14 @@ def test_middle_curve_opens_a_blend_that_crosses_itself():
     pair = [plane_section(f"(x {c} 2)^2 + y^2 - 1", "z", side=-1) for c in "-+"]
     tight = generatrix_blend(*pair, GeneratrixShape(1, 1))
     assert tight.certificate.regular.status is Status.REFUTED
-    height = float(np.sign(tight.surface([0.2, 0.5])[2]))
-    middle = lambda s: np.stack(  # noqa: E731
-        [0 * s, np.sin(2 * np.pi * s), height * (4 + 2 * np.cos(2 * np.pi * s))], axis=-1
-    )
-    assert not tight.with_shape(middle=middle).certificate.refuted
+    below = np.sign(tight.surface([0.2, 0.5])[2]) * np.array([0, 0, 0.7])
+
+    def middle(s):
+        one, two = (boundary(s) for boundary in tight.boundaries)
+        return (one + two) / 2 + below * np.linalg.norm(one - two, axis=-1)[..., None]
+
+    opened = tight.with_shape(middle=middle)
+    assert opened.degree == 4 and not opened.certificate.refuted
 
 
 def test_default_lengths_follow_the_distance():

@@ -284,6 +284,8 @@ def samples_of_intersection(f, g) -> list[np.ndarray]:
         values = np.stack([f(p), g(p)], axis=1)
         p = np.clip(p - (np.linalg.pinv(slopes) @ values[..., None])[..., 0], -1e6, 1e6)
     good = (np.abs(f(p)) < 1e-10) & (np.abs(g(p)) < 1e-10) & (np.abs(p).max(axis=1) < 5)
+    crossed = np.cross(f.gradient(p), g.gradient(p))  # not where they touch, in a point that is no curve
+    good &= np.linalg.norm(crossed, axis=1) > 1e-3
     return list(p[good])
 
 
@@ -336,7 +338,7 @@ def test_branches_as_boundaries():
 def test_planes_of_a_pencil():
     found = members(Quadric("x^2 + y^2 - 1"), Quadric("y^2 + z^2/4 - 1"))
     pair = next(m for m in found if m.inertia == (1, 1))
-    planes = planes_of(pair)
+    planes = np.array([[float(Fraction(str(c))) for c in p] for p in planes_of(pair)])
     product = np.outer(planes[0], planes[1])
     q = to_array(pair.matrix)
     np.testing.assert_allclose((product + product.T) / 2 * q[0, 0] / product[0, 0], q, atol=1e-14)

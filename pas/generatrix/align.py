@@ -7,11 +7,12 @@ one sign, however the tube bends; where these are too small to tell (curves in f
 curves, the sense with the smaller mean distance of corresponding points is taken.
 Start, closed curves: least mean distance of corresponding points over all shifts.  (Not least squares: for two
 perpendicular pipes both senses give the same sum of squares, for two parallel ones joined by a bend all shifts.)
+Speed: curves that are not exact take their lengths as parameters where corresponding points then are nearer.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +29,9 @@ UNCLEAR = 0.03
 DECISIVE = 0.15
 """Mean cosine between area and direction of travel above which these decide the sense."""
 
+BETTER = 0.97
+"""Share of the mean distance below which curves are taken by their lengths."""
+
 TOUCH = 1e-6
 """Distance of two boundaries, over their size, below which they count as touching."""
 
@@ -37,7 +41,8 @@ class Alignment:
     """How the second curve was turned: `reversed`, and `shift` (of a turn, applied after).
 
     `distance` is the mean distance of corresponding points, `opposed` tells that, as the curves now run, they
-    run against each other; `reason` says by what that was judged.
+    run against each other; `reason` says by what that was judged.  `by_length` tells that both curves were given their
+    lengths as parameters.
     """
 
     reversed: bool
@@ -45,6 +50,7 @@ class Alignment:
     distance: float
     opposed: bool
     reason: str
+    by_length: bool = False
 
 
 def sides(first: Boundary, second: Boundary) -> tuple[int, int]:
@@ -107,6 +113,23 @@ def alignment(first: Boundary, second: Boundary, signs: tuple[int, int], turn: b
         return Alignment(False, 0.0, distance, opposed, reason)
     shift, distance = ways[int(opposed)]
     return Alignment(opposed, shift, distance, False, reason)
+
+
+def aligned(
+    first: Boundary, second: Boundary, signs: tuple[int, int], turn: bool
+) -> tuple[Boundary, Boundary, Alignment]:
+    """Both boundaries as the blend takes them, and what was done.
+
+    Curves that are not exact are also tried by their lengths; that is taken where points then fit much better.
+    """
+    found = alignment(first, second, signs, turn)
+    if turn and first.exact is None and second.exact is None:
+        pair = first.by_length(), second.by_length()
+        other = alignment(pair[0], pair[1], signs)
+        if other.distance < BETTER * found.distance:
+            first, second, found = *pair, replace(other, by_length=True)
+    turned = second.turned(found.reversed, 0.0)
+    return first, turned.turned(False, found.shift) if found.shift else turned, found
 
 
 def _samples(boundary: Boundary) -> Floats:

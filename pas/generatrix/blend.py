@@ -21,7 +21,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
-from pas.generatrix.align import Alignment, alignment, require_apart, sides
+from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
@@ -164,6 +164,7 @@ class GeneratrixBlend:
         done = ["reversed"] if self.alignment.reversed else []
         done += [f"shifted by {self.alignment.shift:.4g}"] if self.alignment.shift else []
         turned = f", the second {' and '.join(done)}" if done else ""
+        turned += ", both by their lengths" if self.alignment.by_length else ""
         return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{turned}"
 
     @cached_property
@@ -214,9 +215,9 @@ def generatrix_blend(
 
     Lengths that `shape` leaves open are a third of the distance of the curves (the mean one, on closed curves with a
     cosine that follows it; constant where `unit` is false), halved until the blend does not cross itself (up to six
-    times; else as they were: see its certificate).  With `align` the second curve is run through the other way and
-    started elsewhere so that corresponding points fit; without, both are left as they are, and curves that run
-    against each other are found by the certificate.  `unit=False` leaves the vectors W, E as long as they are, which
+    times; else as they were: see its certificate).  With `align` the second curve is run through the other way,
+    started elsewhere, and numeric curves run through by their lengths, so that corresponding points fit; without, both
+    are left as they are, and curves that run against each other are found by the certificate.  `unit=False` leaves the vectors W, E as long as they are, which
     keeps rational data rational; lengths are then multiples of them.
 
     Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
@@ -232,10 +233,8 @@ def generatrix_blend(
         alignment(first, second, (1, 1))  # says so
     require_apart(first, second)
     signs = sides(first, second)
-    found = alignment(first, second, signs, align)
-    turned = second.turned(found.reversed, 0.0)
-    turned = turned.turned(False, found.shift) if found.shift else turned
-    frames = Frames((first, turned), signs, unit, _middle(shape, first))
+    first, second, found = aligned(first, second, signs, align)
+    frames = Frames((first, second), signs, unit, _middle(shape, first))
     blend = _checked(GeneratrixBlend(frames, with_lengths(shape, frames), found))
     open_lengths = [name for name in ("l1", "l2") if getattr(shape, name) is None]
     return _shortened(blend, open_lengths) if open_lengths and align else blend

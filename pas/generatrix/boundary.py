@@ -221,6 +221,22 @@ class Boundary:
             start = 0.0 if self.backwards else 1.0
         return replace(self, phase=start, backwards=self.backwards != backwards)
 
+    def by_length(self) -> Boundary:
+        """The same boundary with s the share of its length (to about 1e-6; smooth).  It is not kept exactly.
+
+        The curve and its tangent planes stay as they are, so bounds on them hold on.
+        """
+        from pas.generatrix.splines import by_length
+
+        place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
+        return replace(
+            self,
+            curve=lambda s: self.curve(place(s)),
+            velocity=lambda s: self.velocity(place(s)) * speed(s)[:, None],
+            direction=lambda s: self.direction(place(s)),
+            exact=None,
+        )
+
     def _shaped(self, function: Curve, s: Any) -> Floats:
         own = self.own(s)
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)

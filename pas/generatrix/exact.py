@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isqrt
 from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
@@ -76,6 +77,12 @@ def exact_cross(a: Sequence[RationalFunction], b: Sequence[RationalFunction]) ->
 def exact_dot(a: Sequence[RationalFunction], b: Sequence[RationalFunction]) -> RationalFunction:
     """The scalar product."""
     return total([x * y for x, y in zip(a, b, strict=True)])
+
+
+def square_root(value: fmpq) -> fmpq | None:
+    """The root of a rational number >= 0 where that is rational, else None."""
+    root = fmpq(isqrt(int(value.p)), isqrt(int(value.q)))
+    return root if root * root == value else None
 
 
 def in_s(polynomial: fmpq_mpoly) -> fmpq_poly:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import comb, isqrt
+from math import comb
 
 from flint import fmpq
 
 from pas.algebra.rational import rational
+from pas.generatrix.exact import square_root
 from pas.generatrix.frames import Frames
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.generatrix.space import NAMES
@@ -68,16 +69,7 @@ def exact_components(frames: Frames, shape: GeneratrixShape) -> Components:
 def _cosine_of(slant: ShapeFunction) -> fmpq | None:
     """sqrt(1 - lambda^2) where it and lambda are rational numbers, else None."""
     value = slant.value
-    if value is None:
-        return None
-    square = 1 - rational(value) ** 2
-    root = [int(part).bit_length() and _root(int(part)) for part in (square.p, square.q)]
-    exact = fmpq(root[0], root[1])
-    return exact if exact * exact == square else None
-
-
-def _root(number: int) -> int:
-    return isqrt(number)
+    return None if value is None else square_root(1 - rational(value) ** 2)
 
 
 def _exact_bernstein(degree: int) -> list[RationalFunction]:

@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, rational
+from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.exact import on_unit_interval
@@ -39,6 +39,9 @@ DOUBLE = 1e-11
 
 STEP = 1e-5
 """Of the differences for the speed of a branch (not for its direction, which comes from the gradients)."""
+
+TINY = 1e-7
+"""Size of an ellipse below which it is a point, seen in a rounded plane."""
 
 FAR = 1e-7
 """A homogeneous point of length one whose last coordinate is below counts as at infinity."""
@@ -183,14 +186,17 @@ def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[Quadr
     """The sections of the first quadric by the planes of a member of the pencil."""
     what = f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0"
     branches, reasons = list[QuadricBranch](), list[str]()
-    planes = [p for p in planes_of(member) if np.abs(p[:3]).max() > 1e-14 * np.abs(p).max()]  # not that at infinity
-    for plane in planes:
-        x, y, z, c = (rational(float(v)) for v in plane)
+    planes = [p for p in planes_of(member) if any(c != 0 for c in p[:3])]  # not that at infinity
+    for x, y, z, c in planes:
         normal: Vector = (x, y, z)
         try:
             conic = conic_section(pair[0], normal, -c)
         except GeometryError as error:
             reasons.append(str(error))
+            continue
+        size = max(np.abs(conic.first).max(), np.abs(conic.second).max())
+        if conic.kind is ConicKind.ELLIPSE and size < TINY * (1 + np.abs(conic.origin).max()):
+            reasons.append(f"one of their planes meets them in one point, {text(conic.origin)}")
             continue
         signs = (1, -1) if conic.kind is ConicKind.HYPERBOLA else (1,)
         poles = () if conic.kind is ConicKind.ELLIPSE else (0.0, 1.0)
@@ -198,7 +204,7 @@ def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[Quadr
     if not branches:
         raise GeometryError(f"{what} have no curve in common; " + "; ".join(reasons))
     for branch in branches:
-        _require_uncut(branch, planes, what)
+        _require_uncut(branch, [np.array([to_float(c) for c in p]) for p in planes], what)
     return branches
 
 

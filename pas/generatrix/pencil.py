@@ -25,6 +25,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_float
 from pas.errors import GeometryError
+from pas.generatrix.exact import square_root
 from pas.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
 from pas.parametric.data import real_roots
 
@@ -168,32 +169,33 @@ def _one_negative(values: Floats) -> Any:
     return np.array([rest[2], rest[1], rest[0], zero])
 
 
-def planes_of(member: Member) -> list[Floats]:
-    """The planes (4,) of a member of rank one or two: one or two.
+def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
+    """The planes of a member of rank one or two: one or two, exact where they are rational, else rounded to doubles.
 
-    Q = sum d_i (row_i)^2 by completing squares; d1 x^2 - d2 y^2 = 0 are the planes x sqrt(d1) +- y sqrt(d2).
+    Q = sum d_i (row_i)^2 by completing squares; d1 x^2 - d2 y^2 = 0 are the planes x +- sqrt(d2 / d1) y.
     """
     squares = _squares(member.matrix)
     if len(squares) == 1:
-        return [squares[0][1]]
+        return [tuple(squares[0][1])]
     (d1, x), (d2, y) = squares
-    ratio = to_float(abs(d2 / d1)) ** 0.5
-    return [x + ratio * y, x - ratio * y]
+    exact = square_root(abs(d2 / d1))
+    ratio = rational(to_float(abs(d2 / d1)) ** 0.5) if exact is None else exact
+    return [tuple(a + sign * ratio * b for a, b in zip(x, y, strict=True)) for sign in (1, -1)]
 
 
-def _squares(matrix: fmpq_mat) -> list[tuple[fmpq, Floats]]:
+def _squares(matrix: fmpq_mat) -> list[tuple[fmpq, list[fmpq]]]:
     """Lagrange's reduction to squares, for matrices of rank at most two."""
-    m, found = matrix, list[tuple[fmpq, Floats]]()
-    while any(c != 0 for row in m.tolist() for c in row):
+    m, found = matrix, list[tuple[fmpq, list[fmpq]]]()
+    while any(c != 0 for c in m.entries()):
         pivot = next((i for i in range(4) if m[i, i] != 0), None)
-        if pivot is None:  # 2 x y = ((x + y)^2 - (x - y)^2) / 2
+        if pivot is None:  # no square: with x + y for x there is one
             i, j = next((i, j) for i in range(4) for j in range(4) if m[i, j] != 0)
-            row = fmpq_mat([[m[i, k] + m[j, k] for k in range(4)]])
-            value = 2 * m[i, j]
+            row, value = [m[i, k] + m[j, k] for k in range(4)], 2 * m[i, j]
         else:
-            row, value = fmpq_mat([[m[pivot, k] for k in range(4)]]), m[pivot, pivot]
-        found.append((1 / value, np.array([to_float(c) for c in row.tolist()[0]])))
-        m = m - row.transpose() * row * (1 / value)
+            row, value = [m[pivot, k] for k in range(4)], m[pivot, pivot]
+        found.append((1 / value, row))
+        line = fmpq_mat([row])
+        m = m - line.transpose() * line * (1 / value)
     return found
 
 

@@ -1,4 +1,4 @@
-"""Curves through sampled points by cubic splines (scipy), with normals in between."""
+"""Cubic splines (scipy): curves through sampled points, with normals in between, and lengths as parameters."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 
 FEWEST = 4
+LENGTHS = 1024
+"""Pieces of a curve whose lengths are summed."""
 
 
 def splined(points: Any, normals: Any, closed: bool, name: str) -> tuple[Callable[[Floats], Floats], ...]:
@@ -46,6 +48,26 @@ def splined(points: Any, normals: Any, closed: bool, name: str) -> tuple[Callabl
         return np.asarray(raw - share[:, None] * along)
 
     return curve, velocity, direction
+
+
+def by_length(speed: Callable[[Floats], Floats], closed: bool) -> tuple[Callable[[Floats], Floats], ...]:
+    """For |C'| as a function of u in [0, 1]: u as a function of the share s of the length, and du/ds.
+
+    Lengths by Simpson's rule, their inverse by a cubic spline of u - s (periodic for closed curves).
+    """
+    from scipy.interpolate import CubicSpline
+
+    u = np.linspace(0.0, 1.0, LENGTHS + 1)
+    middle = (u[1:] + u[:-1]) / 2
+    at = speed(u)
+    pieces = (at[1:] + at[:-1] + 4 * speed(middle)) / 6
+    s = np.concatenate([[0.0], np.cumsum(pieces)]) / pieces.sum()
+    s[-1] = 1.0
+    away = u - s
+    away[-1] = away[0]
+    inverse = CubicSpline(s, away, bc_type="periodic" if closed else "not-a-knot")
+    slope = inverse.derivative()
+    return lambda s: s + inverse(s), lambda s: 1.0 + slope(s)
 
 
 def _array(values: Any, what: str, name: str) -> Floats:
