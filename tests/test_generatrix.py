@@ -295,8 +295,7 @@ FITS = {  # boundaries, whether reversed, partner of the point of the first curv
 
 @pytest.mark.parametrize("name", FITS)
 @pytest.mark.parametrize("backwards", [False, True])
-@pytest.mark.parametrize("shift", [0.0, 0.37])
-def test_closed_curves_are_turned_to_fit(name, backwards, shift):
+def test_closed_curves_are_turned_to_fit(name, backwards, shift=0.37):
     """However the second curve is given, the same blend results, regular and without crossings."""
     first, second, _ = FITS[name]
     plain = generatrix_blend(first, second)
@@ -400,7 +399,7 @@ def test_sides():
 @given(
     st.floats(0.05, 3), st.floats(0.05, 3), st.floats(-0.95, 0.95), st.floats(-0.95, 0.95), st.booleans()
 )  # fmt: skip
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_tangent_planes_for_any_shape(l1, l2, lambda1, lambda2, quartic):
     middle = (lambda s: np.stack([2 + np.cos(6 * s), s, np.sin(6 * s)], axis=-1)) if quartic else None
     blend = generatrix_blend(STRIP, EDGE, GeneratrixShape(l1, l2, lambda1, lambda2, middle))
@@ -473,9 +472,11 @@ def test_measured_contact_sees_a_wrong_one(monkeypatch, first):
     second = Boundary.from_points(pipe("x", 9)(S[:-1]), pipe("x", 9).normals(S[:-1]), closed=True)
     blend = generatrix_blend(second, first, GeneratrixShape(1, 1))
     assert blend.certificate.contacts[0].status is Status.UNDECIDED
-    tilted = lambda self, s: (
-        right(self, s) + tilt * np.linalg.norm(right(self, s), axis=-1)[..., None] * self.normals(s)
-    )  # noqa: E731
+
+    def tilted(self, s):
+        across = right(self, s)
+        return across + tilt * np.linalg.norm(across, axis=-1)[..., None] * self.normals(s)
+
     monkeypatch.setattr(Boundary, "across", tilted)
     verdict = generatrix_blend(second, first, GeneratrixShape(1, 1)).certificate.contacts[0]
     assert verdict.status is Status.REFUTED and "differ by 1.0e-01 degrees" in verdict.reason
@@ -500,10 +501,10 @@ def test_crossing_blend_is_found_and_its_double_point_is_one():
     assert np.linalg.norm(points[0] - verdict.witness) < 1e-2
 
 
-@pytest.mark.parametrize("number", [0, None])
+@pytest.mark.parametrize("number", [0, pytest.param(None, marks=pytest.mark.slow)])
 def test_largest_safe_length(number):
     blend = generatrix_blend(pipe("z", 2), pipe("x", 2))
-    safe = blend.largest_safe(number, (64, 24))
+    safe = blend.largest_safe(number, (48, 20))
     names = ("l1", "l2") if number is None else ("l1",)
     below, above = (blend.with_shape(**dict.fromkeys(names, f * safe)) for f in (0.97, 1.1))
     assert not below.certificate.refuted
@@ -609,17 +610,17 @@ def test_bernstein_derivatives():
 # --- crossings ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_crossings_against_all_pairs(seed):
     """The tree finds what testing all pairs finds, and that is what linear programming says of pairs."""
     rng = np.random.default_rng(seed)
-    centers = rng.uniform(-1, 1, (40, 1, 3)) * 0.5
-    points = (centers + rng.normal(0, 0.3, (40, 3, 3))).reshape(-1, 3)
-    triangles = np.arange(120).reshape(-1, 3)
+    centers = rng.uniform(-1, 1, (25, 1, 3)) * 0.5
+    points = (centers + rng.normal(0, 0.3, (25, 3, 3))).reshape(-1, 3)
+    triangles = np.arange(75).reshape(-1, 3)
     pairs, places = crossings(points, triangles)
     found = {tuple(p) for p in pairs.tolist()}
     expected = {
-        (i, j) for i in range(40) for j in range(i) if meet(points[3 * i : 3 * i + 3], points[3 * j : 3 * j + 3])
+        (i, j) for i in range(25) for j in range(i) if meet(points[3 * i : 3 * i + 3], points[3 * j : 3 * j + 3])
     }
     assert found == {(j, i) for i, j in expected}
     for (i, j), place in zip(pairs, places, strict=True):
@@ -733,6 +734,33 @@ def test_blend_through_a_sphere():
 def test_bad_blends(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("surface", "injective"),
+    [
+        (("s", "t", "s*t"), True),
+        (("s + t^2/3", "t - s^2/3", "s*t*4"), True),
+        (("s/(1 + s + t)", "t", "s - t^2"), True),
+        (("s*(1 - s)", "t", "(s - 1/2)^2*t^2"), False),  # (s, 1 - s) are one point
+        (("s^2 - s", "t", "(s - 1/2)^3 - (s - 1/2)/16"), False),  # three of them
+        (("t", "s", "0"), True),
+        (("s^2", "t", "0"), False),  # injective, but not shown by a strict inequality
+    ],
+)
+def test_injectivity(surface, injective):
+    from pas.generatrix.injective import is_injective
+
+    made = pas.ParametricSurface(*surface, parameters=("s", "t"), domain=((0, 1), (0, 1)))
+    assert is_injective(made) == injective
+
+
+def test_a_certificate_that_is_proved_throughout():
+    blend = generatrix_blend(STRIP, EDGE, GeneratrixShape(1, "1/2"), unit=False)
+    assert blend.certificate.proved and blend.certificate.simple.proved
+    loop = Boundary.along(("s", "0", "0"), tangent=("0", "-1", "0"), side=1)
+    crossed = generatrix_blend(loop, EDGE, GeneratrixShape(1, 1), unit=False)
+    assert not crossed.certificate.proved
 
 
 def test_verdicts_are_not_bools():

@@ -215,10 +215,14 @@ def generatrix_blend(
 
     Lengths that `shape` leaves open are a third of the distance of the curves (the mean one, on closed curves with a
     cosine that follows it; constant where `unit` is false), halved until the blend does not cross itself (up to six
-    times; else as they were: see its certificate).  With `align` the second curve is run through the other way,
-    started elsewhere, and numeric curves run through by their lengths, so that corresponding points fit; without, both
-    are left as they are, and curves that run against each other are found by the certificate.  `unit=False` leaves the vectors W, E as long as they are, which
-    keeps rational data rational; lengths are then multiples of them.
+    times; else as they were: see its certificate).
+
+    With `align` the second curve is run through the other way, started elsewhere, and numeric curves run through by
+    their lengths, so that corresponding points fit; without, both are left as they are, and curves that run against
+    each other are found by the certificate.
+
+    `unit=False` leaves the vectors W, E as long as they are, which keeps rational data rational; lengths are then
+    multiples of them.
 
     Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
     shape functions that do not close up on closed curves.

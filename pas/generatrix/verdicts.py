@@ -10,7 +10,8 @@ Regularity: exact blends by `pas.parametric.regularity`.  Else along many genera
 normal is a polynomial in t of degree 2m - 1, whose Bernstein coefficients must be on one side of a plane
 through the origin (halving t where they are not); between generatrices the turn of the normal is measured.
 
-Simple: crossings of the triangles of a mesh.  A crossing is followed to a double point of the surface itself,
+Simple: exact blends that do not bend too far are proved to be so (`injective`).  Else crossings of the triangles of
+a mesh.  A crossing is followed to a double point of the surface itself,
 P(s, t) = P(s', t'), by Newton's method, and reported with it.
 """
 
@@ -27,6 +28,7 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.signs import Status
 from pas.generatrix.crossings import crossings
 from pas.generatrix.exact import exact_dot
+from pas.generatrix.injective import is_injective
 from pas.mesh.field import Integers
 from pas.parametric.regularity import regularity
 from pas.parametric.surface import Components
@@ -259,6 +261,8 @@ def is_safe(blend: GeneratrixBlend, size: tuple[int, int]) -> bool:
 def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verdict:
     """Whether the blend does not cross itself: on a mesh, and at double points found from its crossings."""
     claim = "does not cross itself"
+    if blend.surface.is_exact and is_injective(blend.surface, EXACT_EFFORT):
+        return Verdict(Status.PROVED, claim, "the map from the square is monotone with respect to its mean tangents")
     mesh = blend.mesh(size)
     pairs, places = crossings(mesh.points, mesh.triangles)
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
