@@ -256,7 +256,7 @@ def test_closed_branches(first, second, count, motion):
 
 
 @given(motions, motions, st.sampled_from(CLOSED), st.sampled_from(CLOSED))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_branches_of_random_quadrics(one, two, first, second):
     """Every branch lies on both; every point where rays on the first meet the second is on a branch."""
     f, g = moved(first, one), moved(second, two)
@@ -272,6 +272,7 @@ def test_branches_of_random_quadrics(one, two, first, second):
         assert max(residual(f, p), residual(g, p)) < 1e-11
         points.append(branch(np.linspace(0, 1, 4001)))
     cloud = np.concatenate(points)
+    cloud = cloud[np.isfinite(cloud).all(axis=1)]
     for p in samples_of_intersection(f, g):
         assert np.linalg.norm(cloud - p, axis=1).min() < 0.05 * (1 + np.linalg.norm(p))
 

@@ -72,10 +72,11 @@ class QuadricBranch:
         return not self.poles
 
     def __call__(self, s: Any) -> Floats:
-        """Points at `s` (...): (..., 3)."""
+        """Points at `s` (...): (..., 3); infinite or nan at poles."""
         array = np.asarray(s, dtype=float)
         if self.conic is not None:
-            return self.conic(self._conic_place(array.ravel())[0], 0, self.sign).reshape(*array.shape, 3)
+            with np.errstate(all="ignore"):
+                return self.conic(self._conic_place(array.ravel())[0], 0, self.sign).reshape(*array.shape, 3)
         return _polished(self.quadrics, self._raw(array.ravel())).reshape(*array.shape, 3)
 
     def homogeneous(self, s: Floats) -> Floats:
