@@ -134,6 +134,12 @@ def test_half_axes(quadric, plane, half_axes):
     assert conic.first @ conic.second == pytest.approx(0, abs=1e-13)
 
 
+def test_bounds_of_a_long_ellipse():
+    """Nearly a parabola, over a thousand times as long as it is curved at its end."""
+    curve = plane_section("x^2 + y^2/4 - z", "x + z/40 - 1")
+    assert np.ptp(curve(S), axis=0).max() > 1600 and curve.bounds().angle < 1e-9
+
+
 def test_bounds_see_a_curve_that_is_off():
     f = Quadric("x^2 + y^2 - 1")
     conic = conic_section(f, *pas.generatrix.quadric.read_plane("z"))

@@ -29,6 +29,7 @@ from pas.generatrix.lengths import with_lengths
 from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.space import NAMES, space_curve
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
+from pas.limits import checkpoint
 from pas.mesh.field import TriangleMesh
 from pas.parametric.callables import plain
 from pas.parametric.jets import Jet, composed
@@ -144,6 +145,7 @@ class GeneratrixBlend:
             raise ValueError(f"number must be 0, 1 or None for both, not {number!r}")
 
         def safe(length: float) -> bool:
+            checkpoint("looking for the largest safe length")
             return is_safe(self.with_shape(**dict.fromkeys(names[number], length)), size)
 
         low = TRIALS * self.alignment.distance

@@ -58,7 +58,7 @@ FUNCTIONS: dict[ConicKind, tuple[tuple[Function, Function], ...]] = {
 
 
 STEPS = 2048
-"""Angles at which |C'| and |grad f| are looked at for bounds."""
+"""Angles at which |grad f| is looked at for bounds."""
 
 ROUNDED = 1.001
 """For the rounding of the bounds themselves."""
@@ -141,8 +141,8 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
     """How far an ellipse m + a cos + b sin is from a quadric, and how steep against it, for all angles.
 
     f is p0 + p1 cos + q1 sin + p2 cos 2 + q2 sin 2 with coefficients that are exact in the doubles m, a, b; the
-    sums of their absolute values bound f and C' . grad f.  |grad f| and |C'| are at least the smallest sample less what
-    they can change by to the next.
+    sums of their absolute values bound f and C' . grad f.  |C'| is at least the smaller half-axis, |grad f| the least
+    of its samples less what it can change by around each.
     """
     rows = [[rational(float(x)) for x in v] for v in (conic.origin, conic.first, conic.second)]
     lift = fmpq_mat([[*row, fmpq(int(i == 0))] for i, row in enumerate(rows)])
@@ -150,12 +150,14 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
     first = [abs(2 * form[0, i]) for i in (1, 2)]
     second = [abs(form[1, 1] - form[2, 2]) / 2, abs(form[1, 2])]
     constant = abs(form[0, 0] + (form[1, 1] + form[2, 2]) / 2)
-    angle = np.linspace(0, 2 * np.pi, STEPS, endpoint=False)
-    slack = np.pi / STEPS
-    bend = np.linalg.norm(conic.first) + np.linalg.norm(conic.second)
-    speed = np.linalg.norm(conic(angle, 1), axis=1).min() - slack * bend
-    hessian = float(np.linalg.norm(2 * to_array(quadric.matrix)[:3, :3]))
-    slope = np.linalg.norm(quadric.polynomial.gradient(conic(angle)), axis=1).min() - slack * hessian * bend
+    axes = np.stack([conic.first, conic.second])
+    speed = np.sqrt(np.linalg.eigvalsh(axes @ axes.T)[0]) / ROUNDED
+    angle, half = np.linspace(0, 2 * np.pi, STEPS, endpoint=False), np.pi / STEPS
+    hessian = 2 * to_array(quadric.matrix)[:3, :3]
+    slopes = np.linalg.norm(quadric.polynomial.gradient(conic(angle)), axis=1)
+    turns = np.linalg.norm(conic(angle, 1) @ hessian, axis=1)
+    bend = np.linalg.norm(axes @ hessian, axis=1).sum()
+    slope = float((slopes - half * turns - half**2 / 2 * bend).min()) / ROUNDED
     if not (speed > 0 and slope > 0):
         return Bounds(np.inf, np.inf)
     steepest = to_float(sum(first, fmpq(0)) + 2 * sum(second, fmpq(0)))
