@@ -94,7 +94,7 @@ class GeneratrixBlend:
         points, normals = self.frames.sheet(self.shape, size)
         length = np.sqrt(np.einsum("ijk,ijk->ij", normals, normals))
         normals /= np.maximum(length, 1e-300)[..., None]
-        return points, -normals if self._inward else normals
+        return points, -normals if self.frames.inward else normals
 
     def mesh(self, size: tuple[int, int] = (100, 100)) -> TriangleMesh:
         """Triangles on that grid, the seam of closed curves welded.
@@ -107,7 +107,7 @@ class GeneratrixBlend:
         if n < 3 or m < 2:
             raise ValueError(f"size must be at least (3, 2), not {size}")
         points, normals = self.sheet((n, m))
-        triangles = connectivity((n, m), self.closed, self._inward)
+        triangles = connectivity((n, m), self.closed, self.frames.inward)
         return TriangleMesh(points.reshape(-1, 3), triangles, normals.reshape(-1, 3))
 
     def with_shape(self, **changes: Any) -> GeneratrixBlend:
@@ -168,16 +168,6 @@ class GeneratrixBlend:
         turned = f", the second {' and '.join(done)}" if done else ""
         turned += ", both by their lengths" if self.alignment.by_length else ""
         return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{turned}"
-
-    @cached_property
-    def _inward(self) -> bool:
-        """Whether P_s x P_t is opposed to the normal of the first surface."""
-        first = self.boundaries[0]
-        if not first.has_normal:
-            return False
-        s = self.frames.parameters(16)
-        made = np.cross(first.derivative(s), self.frames.signs[0] * first.across(s))
-        return bool((made * first.field(s)).sum() < 0)
 
     def _values(self, s: Any, t: Any) -> tuple[Any, ...]:
         known: dict[tuple[int, int], Floats] = {}

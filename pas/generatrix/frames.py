@@ -8,7 +8,7 @@ the Bernstein sum of four or five control points, and its normal P_s x P_t: a fe
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import comb
 
 import numpy as np
@@ -67,6 +67,16 @@ class Frames:
     def degree(self) -> int:
         """Of the generatrices: 3, or 4 with a middle curve."""
         return 3 if self.middle is None else 4
+
+    @cached_property
+    def inward(self) -> bool:
+        """Whether P_s x P_t at the first boundary is opposed to the normal of its surface, where that is known."""
+        first = self.boundaries[0]
+        if not first.has_normal:
+            return False
+        s = self.parameters(16)
+        made = np.cross(first.derivative(s), self.signs[0] * first.across(s))
+        return bool((made * first.field(s)).sum() < 0)
 
     def parameters(self, size: int) -> Floats:
         """`size` values of s, evenly: for closed curves without s = 1."""
