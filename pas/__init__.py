@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from pas.generatrix.blend import GeneratrixBlend as GeneratrixBlend
     from pas.generatrix.blend import generatrix_blend as generatrix_blend
     from pas.generatrix.boundary import Boundary as Boundary
-    from pas.generatrix.intersection import QuadricBranch as QuadricBranch
+    from pas.generatrix.branch import QuadricBranch as QuadricBranch
     from pas.generatrix.intersection import quadric_intersection as quadric_intersection
     from pas.generatrix.quadric import Quadric as Quadric
     from pas.generatrix.quadric import QuadricKind as QuadricKind
@@ -173,7 +173,8 @@ _HOMES = {
     "pas.generatrix.align": ("Alignment",),
     "pas.generatrix.blend": ("GeneratrixBlend", "generatrix_blend"),
     "pas.generatrix.boundary": ("Boundary",),
-    "pas.generatrix.intersection": ("QuadricBranch", "quadric_intersection"),
+    "pas.generatrix.branch": ("QuadricBranch",),
+    "pas.generatrix.intersection": ("quadric_intersection",),
     "pas.generatrix.quadric": ("Quadric", "QuadricKind"),
     "pas.generatrix.quadrics": ("SphereBlend", "blend_quadrics", "blend_through_sphere"),
     "pas.generatrix.sections": ("plane_section",),

@@ -261,6 +261,20 @@ def test_closed_branches(first, second, count, motion):
         assert np.linalg.norm(clouds[0][:, None] - clouds[1][None], axis=2).min() > 1e-2
 
 
+@pytest.mark.parametrize("shift", [(1000, -500, 300), (100_000, 0, 0)])
+@pytest.mark.parametrize("first", ["x^2 + y^2/4 + z^2/9 - 1", "x^2 + y^2 - z^2 - 1"])
+def test_branches_far_from_the_origin(first, shift):
+    second = "(x - 1/2)^2/2 + (y - 1/3)^2 + (z - 1)^2 - 1"
+    near = quadric_intersection(first, second)
+    moves = [Polynomial(v) - Polynomial(c) for v, c in zip("xyz", shift, strict=True)]
+    pair = [Polynomial(f).compose(*moves) for f in (first, second)]
+    far = quadric_intersection(*pair)
+    assert len(far) == len(near)
+    for branch in far:
+        assert max(residual(f, branch(S) - np.array(shift)) for f in (first, second)) < 1e-9
+        assert branch.on(0).closed and smooth(branch) < 1e-4
+
+
 @given(motions, motions, st.sampled_from(CLOSED), st.sampled_from(CLOSED))
 @settings(max_examples=20, deadline=None)
 def test_branches_of_random_quadrics(one, two, first, second):

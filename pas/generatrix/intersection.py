@@ -2,20 +2,15 @@
 
 Along the straight lines of a ruled member of the pencil (`pencil`; Levin 1976) the curve is given by square roots
 of a trigonometric polynomial D(a).  Where D > 0 for all a there are two closed branches, one for each sign.  Else each
-arc (a0, a1) with D > 0 inside and simple zeros at its ends is one closed branch that takes both signs, and
-a = m - w cos u makes it smooth there: with D = sin((a - a0)/2) sin((a1 - a)/2) g(a) the signed root is
+arc with D > 0 inside and simple zeros at its ends is one closed branch (`branch`).  Where the pencil has a pair of
+planes, the branches are conics.
 
-    sqrt(D) = (w/2) sin u sqrt(g(a) sinc(w sin^2(u/2)) sinc(w cos^2(u/2))),   sinc x = sin x / x.
-
-Guaranteed: whether the pencil has planes or definite members is decided exactly; every point is improved by one
-step of Newton's method on both polynomials.  Branches that touch or cross, which no regular curve can pass, are
-reported as such when D has a double zero to about 1e-10.
+Guaranteed: whether the pencil has planes or definite members is decided exactly.  Branches that touch or cross,
+which no regular curve can pass, are reported as such when D has a double zero to about 1e-10.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,21 +19,16 @@ from flint import fmpq_mat
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.exact import on_unit_interval
+from pas.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
 from pas.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, require_curve, rulings
 from pas.generatrix.quadric import Quadric, text
-from pas.generatrix.sections import Conic, ConicKind, conic_section
-from pas.generatrix.space import unit
+from pas.generatrix.sections import ConicKind, conic_section
 
 SAMPLES = 1024
 """Angles at which the sign of D is looked at; between them extrema are searched."""
 
 DOUBLE = 1e-11
 """Share of its largest value below which an extremum of D counts as zero: rounding makes about 1e-14."""
-
-STEP = 1e-5
-"""Of the differences for the speed of a branch (not for its direction, which comes from the gradients)."""
 
 TINY = 1e-7
 """Size of an ellipse below which it is a point, seen in a rounded plane."""
@@ -47,151 +37,34 @@ FAR = 1e-7
 """A homogeneous point of length one whose last coordinate is below counts as at infinity."""
 
 
-@dataclass(frozen=True, eq=False)
-class QuadricBranch:
-    """One branch of the intersection of two quadrics, a curve of s in [0, 1].
-
-    `interval` are the angles that it runs over; `both_signs` whether it takes both signs of the root (then it is
-    closed though D vanishes at the ends), else `sign` is the one.  `poles` are the s at which it is at infinity:
-    it is `closed` where there are none.  `conic` is given instead where the branch is plane, `sign` then being that
-    of a hyperbola's branch.
-    """
-
-    quadrics: tuple[Quadric, Quadric]
-    interval: tuple[float, float]
-    sign: int
-    both_signs: bool
-    rulings: Rulings | None = None
-    factor: Floats | None = None
-    conic: Conic | None = None
-    poles: tuple[float, ...] = ()
-
-    @property
-    def closed(self) -> bool:
-        """Whether the branch is a closed curve in space (none of it at infinity)."""
-        return not self.poles
-
-    def __call__(self, s: Any) -> Floats:
-        """Points at `s` (...): (..., 3); infinite or nan at poles."""
-        array = np.asarray(s, dtype=float)
-        if self.conic is not None:
-            with np.errstate(all="ignore"):
-                return self.conic(self._conic_place(array.ravel())[0], 0, self.sign).reshape(*array.shape, 3)
-        return _polished(self.quadrics, self._raw(array.ravel())).reshape(*array.shape, 3)
-
-    def homogeneous(self, s: Floats) -> Floats:
-        """Homogeneous points (n, 4) of length one at s (n,), before Newton's step."""
-        angle, root = self._place(s)
-        assert self.rulings is not None
-        return self.rulings.points(angle, root)
-
-    def derivative(self, s: Any) -> Floats:
-        """C'(s) at `s` (...): (..., 3): along the product of the gradients, its length by differences."""
-        array = np.asarray(s, dtype=float)
-        flat = array.ravel()
-        if self.conic is not None:
-            place, speed = self._conic_place(flat)
-            along = self.conic(place, 1, self.sign) * speed[:, None]
-            return np.asarray(along).reshape(*array.shape, 3)
-        change = (self(flat + STEP) - self(flat - STEP)) / (2 * STEP)
-        points = self(flat)
-        first, second = (q.polynomial.gradient(points) for q in self.quadrics)
-        along = unit(np.cross(first, second))
-        speed = (change * along).sum(axis=1, keepdims=True)
-        return np.asarray(speed * along).reshape(*array.shape, 3)
-
-    def on(
-        self, number: int, interval: Sequence[Any] | None = None, name: str | None = None, side: int | None = None
-    ) -> Boundary:
-        """The branch as a boundary on quadric `number` (0 or 1) of the two.
-
-        A branch that is not closed needs an `interval` of s without poles; of a closed one it takes a part.
-        """
-        if number not in (0, 1):
-            raise ValueError(f"number must be 0 or 1, the quadric that the blend is to meet, not {number!r}")
-        f = self.quadrics[number].polynomial
-        other = self.quadrics[1 - number].polynomial
-        name = f"the branch of {f} = 0 and {other} = 0" if name is None else name
-        if interval is None and not self.closed:
-            poles = ", ".join(f"{p:.4g}" for p in self.poles)
-            raise GeometryError(f"{name} goes to infinity at s = {poles}: say which part, interval=(low, high)")
-        low, high = (0.0, 1.0) if interval is None else on_unit_interval(interval, name)[0]
-        inside = [p for p in self.poles for k in (-1, 0, 1) if low <= p + k <= high]
-        if inside:
-            raise GeometryError(f"{name} goes to infinity at s = {inside[0]:.4g}, inside the interval")
-        width = high - low
-        return Boundary(
-            lambda s: self(low + width * s),
-            lambda s: width * self.derivative(low + width * s),
-            lambda s: f.gradient(self(low + width * s)),
-            has_normal=True,
-            closed=interval is None,
-            name=name,
-            side=side,
-        )
-
-    def _raw(self, s: Floats) -> Floats:
-        points = self.homogeneous(s)
-        with np.errstate(all="ignore"):
-            return np.asarray(points[:, :3] / points[:, 3:])
-
-    def _conic_place(self, s: Floats) -> tuple[Floats, Floats]:
-        """The conic's parameter and its derivative: the angle, or for open ones all reals."""
-        assert self.conic is not None
-        if self.conic.kind is ConicKind.ELLIPSE:
-            return 2 * np.pi * s, np.full_like(s, 2 * np.pi)
-        with np.errstate(all="ignore"):
-            return 2 * np.arctanh(2 * s - 1), 1.0 / (s * (1 - s))
-
-    def _place(self, s: Floats) -> tuple[Floats, Floats]:
-        """The angles and the signed roots of D."""
-        low, high = self.interval
-        assert self.rulings is not None
-        if not self.both_signs:
-            angle = low + (high - low) * s
-            return angle, self.sign * np.sqrt(np.maximum(self.rulings.discriminant(angle), 0.0))
-        turn, half = 2 * np.pi * s, (high - low) / 2
-        angle = (low + high) / 2 - half * np.cos(turn)
-        ends = np.sinc(half * np.sin(turn / 2) ** 2 / np.pi) * np.sinc(half * np.cos(turn / 2) ** 2 / np.pi)
-        return angle, half / 2 * np.sin(turn) * np.sqrt(np.maximum(self._g(angle) * ends, 0.0))
-
-    def _g(self, angle: Floats) -> Floats:
-        assert self.factor is not None
-        return _trigonometric(self.factor, angle)
-
-    def __str__(self) -> str:
-        kind = "closed" if self.closed else f"open (at infinity at {len(self.poles)} places)"
-        first, second = self.quadrics
-        return f"a {kind} branch of {first.polynomial} = 0 and {second.polynomial} = 0"
-
-
 def quadric_intersection(first: Any, second: Any) -> tuple[QuadricBranch, ...]:
     """All branches of the intersection of two quadrics, given by polynomials of degree two in any position.
 
     Closed branches first.  Raises `GeometryError` where they do not meet, meet in single points only, have a
     straight line or a surface in common, or where branches touch or cross (and where).
     """
-    pair = Quadric(first, "first"), Quadric(second, "second")
-    for quadric, name in zip(pair, ("first", "second"), strict=True):
+    given = Quadric(first, "first"), Quadric(second, "second")
+    for quadric, name in zip(given, ("first", "second"), strict=True):
         quadric.require_curved(name)
-    if int(fmpq_mat([q.matrix.entries() for q in pair]).rank()) < 2:
-        raise GeometryError(f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0 are the same surface")
-    found = members(*pair)
-    require_curve(found, *pair)
+    pair = QuadricPair.of(*given)
+    if int(fmpq_mat([q.matrix.entries() for q in given]).rank()) < 2:
+        raise GeometryError(f"{pair.text} are the same surface")
+    found = members(*pair.local)
+    require_curve(found, pair.text)
     planes = next((m for m in found if m.inertia in PLANES), None)
     branches = _plane_branches(pair, planes) if planes is not None else _ruled_branches(pair, found)
     return tuple(sorted(branches, key=lambda b: not b.closed))
 
 
-def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[QuadricBranch]:
+def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
     """The sections of the first quadric by the planes of a member of the pencil."""
-    what = f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0"
+    what = pair.text
     branches, reasons = list[QuadricBranch](), list[str]()
     planes = [p for p in planes_of(member) if any(c != 0 for c in p[:3])]  # not that at infinity
     for x, y, z, c in planes:
         normal: Vector = (x, y, z)
         try:
-            conic = conic_section(pair[0], normal, -c)
+            conic = conic_section(pair.local[0], normal, -c)
         except GeometryError as error:
             reasons.append(str(error))
             continue
@@ -203,7 +76,7 @@ def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[Quadr
         poles = () if conic.kind is ConicKind.ELLIPSE else (0.0, 1.0)
         branches += [QuadricBranch(pair, (0.0, 1.0), sign, False, conic=conic, poles=poles) for sign in signs]
     if not branches:
-        raise GeometryError(f"{what} have no curve in common; " + "; ".join(reasons))
+        raise GeometryError(f"{what} have no curve in common; {pair.seen}" + "; ".join(reasons))
     for branch in branches:
         _require_uncut(branch, [np.array([to_float(c) for c in p]) for p in planes], what)
     return branches
@@ -212,7 +85,7 @@ def _plane_branches(pair: tuple[Quadric, Quadric], member: Member) -> list[Quadr
 def _require_uncut(branch: QuadricBranch, planes: list[Floats], what: str) -> None:
     """Raise where the other plane of the pair cuts the conic: there the two sections cross, or touch."""
     s = (np.arange(4 * SAMPLES) + 0.5) / (4 * SAMPLES)
-    points = branch(s)
+    points = branch.local(s)
     for plane in planes:
         heights = (points @ plane[:3] + plane[3]) / np.linalg.norm(plane[:3])
         size = 1.0 + np.abs(points).max(axis=1)
@@ -221,18 +94,19 @@ def _require_uncut(branch: QuadricBranch, planes: list[Floats], what: str) -> No
         near = int((np.abs(heights) / size).argmin())
         if heights.min() < 0 < heights.max() or abs(heights[near]) <= 1e-7 * size[near]:
             raise GeometryError(
-                f"the two plane curves in which {what} meet cross or touch each other near {text(points[near])}; "
+                f"the two plane curves in which {what} meet cross or touch each other near "
+                f"{text(points[near] + branch.pair.offset)}; "
                 "take plane_section for one of them, or move a quadric"
             )
 
 
-def _ruled_branches(pair: tuple[Quadric, Quadric], found: list[Member]) -> list[QuadricBranch]:
-    what = f"{pair[0].polynomial} = 0 and {pair[1].polynomial} = 0"
-    lines = rulings(*pair, found)
+def _ruled_branches(pair: QuadricPair, found: list[Member]) -> list[QuadricBranch]:
+    what = pair.text
+    lines = rulings(*pair.local, found)
     if lines is None:
         raise GeometryError(f"{what} have no curve in common: the intersection is empty or single points")
     coefficients = _coefficients(lines)
-    zeros = _zeros(lines, coefficients, what)
+    zeros = _zeros(lines, coefficients, pair)
     made = []
     if zeros:
         for low, high in zip(zeros, [*zeros[1:], zeros[0] + 2 * np.pi], strict=True):
@@ -260,13 +134,6 @@ def _coefficients(lines: Rulings) -> Any:
     return np.array([transform[k] for k in range(-DEGREE, DEGREE + 1)])
 
 
-def _trigonometric(coefficients: Any, angle: Floats) -> Floats:
-    """The real value of sum_k c_k e^(i(k - n/2)a), n the greatest k."""
-    n = len(coefficients) - 1
-    value = np.polynomial.polynomial.polyval(np.exp(1j * angle), coefficients)
-    return np.asarray((value * np.exp(-0.5j * n * angle)).real)
-
-
 def _divided(coefficients: Any, low: float, high: float) -> Any:
     """g with D = sin((a - low)/2) sin((high - a)/2) g: two linear factors in e^(ia) divided off."""
     ends = np.exp(1j * np.array([low, high]))
@@ -276,23 +143,23 @@ def _divided(coefficients: Any, low: float, high: float) -> Any:
     return whole * 4.0 * np.exp(0.5j * (low + high))
 
 
-def _zeros(lines: Rulings, coefficients: Any, what: str) -> list[float]:
+def _zeros(lines: Rulings, coefficients: Any, pair: QuadricPair) -> list[float]:
     """The simple zeros of D in [0, 2 pi), ascending; raises `GeometryError` for double ones."""
     from scipy.optimize import brentq
 
     def value(angle: float) -> float:
-        return float(_trigonometric(coefficients, np.array([angle]))[0])
+        return float(trigonometric(coefficients, np.array([angle]))[0])
 
     grid = 2 * np.pi * (np.arange(SAMPLES + 1) + 0.314159) / SAMPLES
-    values = _trigonometric(coefficients, grid)
+    values = trigonometric(coefficients, grid)
     size = _size(lines, grid)
     if np.abs(values).max() <= DOUBLE * size:
-        raise GeometryError(f"{what} have straight lines in common, or touch along a curve; move one of them")
+        raise GeometryError(f"{pair.text} have straight lines in common, or touch along a curve; move one of them")
     knots = _with_extrema(value, grid, values)
     heights = [value(k) for k in knots]
     for knot, height in zip(knots[:-1], heights[:-1], strict=True):
         if abs(height) <= DOUBLE * size:
-            _refuse_double(lines, knot, value, what)
+            _refuse_double(lines, knot, value, pair)
     zeros = [
         float(brentq(value, a, b, xtol=1e-15, rtol=1e-15))
         for a, b, u, v in zip(knots[:-1], knots[1:], heights[:-1], heights[1:], strict=True)
@@ -326,7 +193,7 @@ def _with_extrema(value: Any, grid: Floats, values: Floats) -> list[float]:
     return sorted(knots)
 
 
-def _refuse_double(lines: Rulings, angle: float, value: Any, what: str) -> None:
+def _refuse_double(lines: Rulings, angle: float, value: Any, pair: QuadricPair) -> None:
     """Raise for a double zero; a sample beside a simple zero is none."""
     slope = abs(value(angle + 1e-4) - value(angle - 1e-4)) / 2
     bend = abs(value(angle + 1e-4) + value(angle - 1e-4)) / 2
@@ -335,9 +202,9 @@ def _refuse_double(lines: Rulings, angle: float, value: Any, what: str) -> None:
     point = lines.points(np.array([angle]), np.array([0.0]))[0]
     if abs(point[3]) < np.sqrt(FAR):
         return  # at infinity
-    where = text(point[:3] / point[3])
+    where = text(point[:3] / point[3] + pair.offset)
     how = "their curves cross or have a straight line in common" if value(angle + 1e-3) > 0 else "they touch"
-    raise GeometryError(f"{what}: at {where} {how}; move one of them")
+    raise GeometryError(f"{pair.text}: at {where} {how}; move one of them")
 
 
 def _with_poles(branch: QuadricBranch) -> QuadricBranch:
@@ -354,17 +221,3 @@ def _with_poles(branch: QuadricBranch) -> QuadricBranch:
     poles = [p for i, p in enumerate(sorted(poles)) if i == 0 or p - sorted(poles)[i - 1] > 1e-3]
     fields = {name: getattr(branch, name) for name in branch.__dataclass_fields__}
     return QuadricBranch(**(fields | {"poles": tuple(sorted(poles))}))
-
-
-def _polished(quadrics: tuple[Quadric, Quadric], points: Floats) -> Floats:
-    """One step of Newton's method of least length on both polynomials."""
-    f, g = (q.polynomial for q in quadrics)
-    with np.errstate(all="ignore"):
-        p, q = f.gradient(points), g.gradient(points)
-        pp, pq, qq = ((a * b).sum(axis=-1) for a, b in ((p, p), (p, q), (q, q)))
-        u, v = f(points), g(points)
-        gram = pp * qq - pq * pq
-        a, b = (u * qq - v * pq) / gram, (v * pp - u * pq) / gram
-        moved = points - a[..., None] * p - b[..., None] * q
-        good = np.isfinite(moved).all(axis=-1) & (gram > 1e-12 * pp * qq)
-    return np.where(good[..., None], moved, points)

@@ -199,10 +199,7 @@ def _squares(matrix: fmpq_mat) -> list[tuple[fmpq, list[fmpq]]]:
     return found
 
 
-def require_curve(found: list[Member], first: Quadric, second: Quadric) -> None:
+def require_curve(found: list[Member], what: str) -> None:
     """Raise `GeometryError` where some member is definite: then the quadrics have no real point in common."""
-    for member in found:
-        if 4 in member.inertia and sum(member.inertia) == 4:
-            raise GeometryError(
-                f"{first.polynomial} = 0 and {second.polynomial} = 0 do not meet: the intersection is empty (complex)"
-            )
+    if any(4 in member.inertia for member in found):
+        raise GeometryError(f"{what} do not meet: the intersection is empty (complex)")
