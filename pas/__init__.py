@@ -72,6 +72,21 @@ if TYPE_CHECKING:
     from pas.fairing.constraints import ValueAt as ValueAt
     from pas.fairing.energy import Box as Box
     from pas.fairing.energy import ThinPlate as ThinPlate
+    from pas.generatrix.align import Alignment as Alignment
+    from pas.generatrix.blend import GeneratrixBlend as GeneratrixBlend
+    from pas.generatrix.blend import generatrix_blend as generatrix_blend
+    from pas.generatrix.boundary import Boundary as Boundary
+    from pas.generatrix.branch import QuadricBranch as QuadricBranch
+    from pas.generatrix.intersection import quadric_intersection as quadric_intersection
+    from pas.generatrix.quadric import Quadric as Quadric
+    from pas.generatrix.quadric import QuadricKind as QuadricKind
+    from pas.generatrix.quadrics import SphereBlend as SphereBlend
+    from pas.generatrix.quadrics import blend_quadrics as blend_quadrics
+    from pas.generatrix.quadrics import blend_through_sphere as blend_through_sphere
+    from pas.generatrix.sections import plane_section as plane_section
+    from pas.generatrix.shape import GeneratrixShape as GeneratrixShape
+    from pas.generatrix.shape import ShapeFunction as ShapeFunction
+    from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
     from pas.limits import limit as limit
     from pas.mesh.triangulate import MeshError as MeshError
     from pas.parametric.base_points import BasePoint as BasePoint
@@ -166,6 +181,16 @@ _HOMES = {
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
+    "pas.generatrix.align": ("Alignment",),
+    "pas.generatrix.blend": ("GeneratrixBlend", "generatrix_blend"),
+    "pas.generatrix.boundary": ("Boundary",),
+    "pas.generatrix.branch": ("QuadricBranch",),
+    "pas.generatrix.intersection": ("quadric_intersection",),
+    "pas.generatrix.quadric": ("Quadric", "QuadricKind"),
+    "pas.generatrix.quadrics": ("SphereBlend", "blend_quadrics", "blend_through_sphere"),
+    "pas.generatrix.sections": ("plane_section",),
+    "pas.generatrix.shape": ("GeneratrixShape", "ShapeFunction"),
+    "pas.generatrix.verdicts": ("GeneratrixCertificate",),
     "pas.limits": ("limit",),
     "pas.mesh.triangulate": ("MeshError",),
     "pas.parametric.base_points": (

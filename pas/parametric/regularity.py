@@ -100,6 +100,16 @@ def regularity(surface: ParametricSurface, effort: int = 20_000) -> Verdict:
     return Verdict(Status.PROVED, claim, "the normal and the denominators vanish nowhere", measure=examined)
 
 
+def positive_on_unit_square(function: RationalFunction, effort: int = 20_000) -> bool:
+    """Whether it is proved that a rational function is positive and without poles on [0, 1]^2."""
+    square = _Piece(((fmpq(1), fmpq(0), fmpq(0), fmpq(1)),) * 2)
+    parts = [_radical(p) for p in (function.numerator, function.denominator) if not p.is_constant()]
+    if function.is_zero or any(math.prod(int(d) + 1 for d in p.degrees()) > LARGEST for p in parts):
+        return False
+    proved = all(_nonzero([p], square, effort).status is Status.PROVED for p in parts)
+    return proved and function.at("1/2", "1/2") > 0
+
+
 def _systems(surface: ParametricSurface) -> list[tuple[str, list[fmpq_mpoly]]]:
     """Sets of polynomials without a common zero; a common factor of the normal stands by itself."""
     below = {str(c.denominator): c.denominator for c in surface.components if not c.is_polynomial}

@@ -1,0 +1,270 @@
+"""The blend of two surfaces by a Bezier generatrix: one cubic (or quartic) segment for each s.
+
+For each s the segment runs from C1(s) to C2(s) with inner control points C_i + l_i T_i,
+
+    T_i = +-sqrt(1 - lambda_i^2) W_i + lambda_i E_i,
+
+W_i across the curve in the tangent plane (N_i x C_i' or V_i) and E_i along it (C_i'), both of length one, the sign
+such that T_i points to the other surface.  Where the curves are regular the blend meets both with G1, whatever
+0 < l_i and -1 < lambda_i < 1 are.  A middle curve makes the segments quartic.
+
+What is proved and what only measured of it is said by its `certificate`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.errors import GeometryError, NotProvedError
+from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
+from pas.generatrix.boundary import Boundary
+from pas.generatrix.exact_blend import exact_components, why_inexact
+from pas.generatrix.frames import Frames, bernstein_at, connectivity
+from pas.generatrix.lengths import with_lengths
+from pas.generatrix.shape import GeneratrixShape
+from pas.generatrix.space import NAMES, space_curve
+from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
+from pas.limits import checkpoint
+from pas.mesh.field import TriangleMesh
+from pas.parametric.callables import plain
+from pas.parametric.jets import Jet, composed
+from pas.parametric.surface import ParametricSurface
+
+HALVINGS = 6
+"""How often a length that was not given is halved in search of a blend that does not cross itself."""
+
+TRIALS, FINER, LONGEST = 0.05, 1.3, 8.0
+"""Safe lengths are sought from the first of these times the mean distance, in steps of the second, up to the third."""
+
+BISECTIONS = 10
+UNIT_SQUARE = ((0, 1), (0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratrixBlend:
+    """A blend P(s, t): t = 0 is the first boundary, t = 1 the second.
+
+    `frames` holds the boundaries, turned to fit, `shape` the shape functions, `alignment` how the second was turned.
+    """
+
+    frames: Frames
+    shape: GeneratrixShape
+    alignment: Alignment
+
+    @property
+    def boundaries(self) -> tuple[Boundary, Boundary]:
+        """The two boundaries, the second one turned to fit the first."""
+        return self.frames.boundaries
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curves are closed, and the blend a tube."""
+        return self.frames.closed
+
+    @property
+    def degree(self) -> int:
+        """The degree of the generatrices."""
+        return self.frames.degree
+
+    def control_points(self, s: Any) -> Floats:
+        """The control points of the generatrices at `s` (...): (..., 4, 3), with a middle curve (..., 5, 3)."""
+        array = np.asarray(s, dtype=float)
+        _require_unit("s", array)
+        points, _ = self.frames.controls(self.shape, array.ravel())
+        return np.moveaxis(points, 0, 1).reshape(*array.shape, self.degree + 1, 3)
+
+    @cached_property
+    def surface(self) -> ParametricSurface:
+        """The blend as a surface over [0, 1]^2, parameters (s, t).
+
+        Exact where all data are: rational boundaries, `unit=False`, polynomial lengths, constant slants with
+        rational sqrt(1 - lambda^2), a rational middle curve, and no shift of a closed curve.
+        """
+        reason = why_inexact(self.frames, self.shape)
+        source = None if reason else lambda: exact_components(self.frames, self.shape)
+        return ParametricSurface.from_parts(self._values, source, NAMES, UNIT_SQUARE, reason)
+
+    def sheet(self, size: tuple[int, int] = (100, 100)) -> tuple[Floats, Floats]:
+        """Points and unit normals on a grid of parameters, (n, m, 3) each; for closed curves s < 1."""
+        points, normals = self.frames.sheet(self.shape, size)
+        length = np.sqrt(np.einsum("ijk,ijk->ij", normals, normals))
+        normals /= np.maximum(length, 1e-300)[..., None]
+        return points, -normals if self.frames.inward else normals
+
+    def mesh(self, size: tuple[int, int] = (100, 100)) -> TriangleMesh:
+        """Triangles on that grid, the seam of closed curves welded.
+
+        Connectivity and all that does not depend on the shape values are kept, so that a blend of changed shape
+        costs milliseconds.  Where the first boundary knows its surface's normal, the mesh's agree with it.
+        Raises `ValueError` for grids of fewer than 3 x 2 points.
+        """
+        n, m = size
+        if n < 3 or m < 2:
+            raise ValueError(f"size must be at least (3, 2), not {size}")
+        points, normals = self.sheet((n, m))
+        triangles = connectivity((n, m), self.closed, self.frames.inward)
+        return TriangleMesh(points.reshape(-1, 3), triangles, normals.reshape(-1, 3))
+
+    def with_shape(self, **changes: Any) -> GeneratrixBlend:
+        """The same blend with some of l1, l2, lambda1, lambda2, middle replaced; cheap unless middle is.
+
+        Raises `ValueError` as `GeneratrixShape` does.
+        """
+        shape, frames = self.shape.changed(**changes), self.frames
+        if "middle" in changes:
+            frames = Frames(frames.boundaries, frames.signs, frames.unit, _middle(shape, frames.boundaries[0]))
+        return _checked(GeneratrixBlend(frames, with_lengths(shape, frames), self.alignment))
+
+    @cached_property
+    def certificate(self) -> GeneratrixCertificate:
+        """Contact with both surfaces, sense of the curves, regularity, and whether the blend crosses itself."""
+        return certify(self)
+
+    def require(self) -> GeneratrixBlend:
+        """The blend itself; raises `NotProvedError` where a claim of its certificate is refuted."""
+        refuted = self.certificate.refuted
+        if refuted:
+            raise NotProvedError("; ".join(map(str, refuted)), self)
+        return self
+
+    def largest_safe(self, number: int | None = None, size: tuple[int, int] = (96, 24)) -> float:
+        """The largest constant l1 (`number` 0), l2 (1) or both (None) up to which the blend is sound.
+
+        Sound: on the mesh of this size no triangles cross and no normal turns by a right angle between
+        neighbours.  Measured: lengths are tried upwards in steps of 30%, then the first failure is bisected to
+        0.1%.  Infinite where there is none up to eight times the mean distance of the curves.
+        Raises `GeometryError` where even a short length is not sound.
+        """
+        names = {0: ("l1",), 1: ("l2",), None: ("l1", "l2")}
+        if number not in names:
+            raise ValueError(f"number must be 0, 1 or None for both, not {number!r}")
+
+        def safe(length: float) -> bool:
+            checkpoint("looking for the largest safe length")
+            return is_safe(self.with_shape(**dict.fromkeys(names[number], length)), size)
+
+        low = TRIALS * self.alignment.distance
+        if not safe(low):
+            raise GeometryError(f"the blend is not sound even with {' = '.join(names[number])} = {low:.4g}")
+        high = low * FINER
+        while safe(high):
+            low, high = high, high * FINER
+            if low > LONGEST * self.alignment.distance:
+                return float(np.inf)
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if safe(middle) else (low, middle)
+        return low
+
+    def __str__(self) -> str:
+        first, second = self.boundaries
+        done = ["reversed"] if self.alignment.reversed else []
+        done += [f"shifted by {self.alignment.shift:.4g}"] if self.alignment.shift else []
+        turned = f", the second {' and '.join(done)}" if done else ""
+        turned += ", both by their lengths" if self.alignment.by_length else ""
+        return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{turned}"
+
+    def _values(self, s: Any, t: Any) -> tuple[Any, ...]:
+        known: dict[tuple[int, int], Floats] = {}
+
+        def at(first: int, second: int) -> Floats:
+            if (first, second) not in known:
+                known[first, second] = self._derivative(plain(s), plain(t), first, second)
+            return known[first, second]
+
+        if not isinstance(s, Jet) and not isinstance(t, Jet):
+            return tuple(np.moveaxis(at(0, 0), -1, 0))
+        return tuple(composed(lambda i, j, axis=axis: at(i, j)[..., axis], s, t) for axis in range(3))  # type: ignore[misc]
+
+    def _derivative(self, s: Any, t: Any, first: int, second: int) -> Floats:
+        """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""
+        u, v = np.asarray(s, dtype=float), np.asarray(t, dtype=float)
+        controls = np.moveaxis(self._controls(u.ravel(), first), 0, -2).reshape(*u.shape, -1, 3)
+        return np.asarray(np.einsum("...i,...ix->...x", bernstein_at(self.degree, v, second), controls))
+
+    def _controls(self, s: Floats, order: int) -> Floats:
+        if order <= 1:
+            return self.frames.controls(self.shape, s)[order]
+        step = 1e-4
+        center = s if self.closed else np.clip(s, order * step, 1 - order * step)
+        low, high = (self._controls(center + k * step, order - 1) for k in (-1, 1))
+        return np.asarray((high - low) / (2 * step))
+
+
+def generatrix_blend(
+    first: Boundary,
+    second: Boundary,
+    shape: GeneratrixShape | None = None,
+    align: bool = True,
+    unit: bool = True,
+) -> GeneratrixBlend:
+    """The blend from one boundary to another.
+
+    Lengths that `shape` leaves open are a third of the distance of the curves (the mean one, on closed curves with a
+    cosine that follows it; constant where `unit` is false), halved until the blend does not cross itself (up to six
+    times; else as they were: see its certificate).
+
+    With `align` the second curve is run through the other way, started elsewhere, and numeric curves run through by
+    their lengths, so that corresponding points fit; without, both are left as they are, and curves that run against
+    each other are found by the certificate.
+
+    `unit=False` leaves the vectors W, E as long as they are, which keeps rational data rational; lengths are then
+    multiples of them.
+
+    Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
+    shape functions that do not close up on closed curves.
+    """
+    for boundary, name in ((first, "first"), (second, "second")):
+        if not isinstance(boundary, Boundary):
+            raise TypeError(f"{name} must be a Boundary (see plane_section and Boundary.on_implicit), not {boundary!r}")
+    shape = GeneratrixShape() if shape is None else shape
+    if not isinstance(shape, GeneratrixShape):
+        raise TypeError(f"shape must be a GeneratrixShape, such as GeneratrixShape(l1=1, l2='1/2'), not {shape!r}")
+    if first.closed != second.closed:
+        alignment(first, second, (1, 1))  # says so
+    require_apart(first, second)
+    signs = sides(first, second)
+    first, second, found = aligned(first, second, signs, align)
+    frames = Frames((first, second), signs, unit, _middle(shape, first))
+    blend = _checked(GeneratrixBlend(frames, with_lengths(shape, frames), found))
+    open_lengths = [name for name in ("l1", "l2") if getattr(shape, name) is None]
+    return _shortened(blend, open_lengths) if open_lengths and align else blend
+
+
+def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
+    """The blend with the lengths of these names halved until it is sound; as it is where that does not help."""
+    trial = blend
+    for _ in range(HALVINGS + 1):
+        if is_safe(trial, (64, 16)):
+            return trial
+        trial = trial.with_shape(**{name: getattr(trial.shape, name).scaled(0.5) for name in names})
+    return blend
+
+
+def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
+    if blend.closed:
+        blend.shape.require_periodic()
+    return blend
+
+
+def _middle(shape: GeneratrixShape, first: Boundary) -> ParametricSurface | None:
+    if shape.middle is None:
+        return None
+    curve = space_curve(shape.middle, "the middle curve")
+    ends = curve(np.array([[0.0, 0.0], [1.0, 0.0]]))
+    if not np.isfinite(curve(np.stack([np.linspace(0, 1, 65), np.zeros(65)], axis=-1))).all():
+        raise GeometryError("the middle curve is not finite on all of [0, 1]")
+    if first.closed and np.abs(ends[1] - ends[0]).max() > 1e-9 * (1 + np.abs(ends).max()):
+        raise GeometryError("the boundaries are closed but the middle curve is not: it must end where it starts")
+    return curve
+
+
+def _require_unit(name: str, values: Floats) -> None:
+    bad = values[~((values >= 0.0) & (values <= 1.0))]
+    if bad.size:
+        raise ValueError(f"parameter {name} = {bad[0]:.6g} lies outside [0, 1]")

@@ -1,0 +1,267 @@
+"""Boundaries of blends: a curve C(s), 0 <= s <= 1, with the tangent plane of a surface along it.
+
+The plane is given by the surface's normal N(s) or by a vector V(s) that spans it together with C'(s); the curve
+and its surface may come from anywhere: implicit, parametric, transcendental, sampled.  Where curve and field are
+rational functions over Q they are kept exactly, so that a blend's contact can be proved.
+
+Guaranteed: C' and the field are checked not to vanish, the curve to lie on its surface and, if closed, to close
+with one sense of the normal: by exact identities and roots for exact data, else at samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.errors import GeometryError
+from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
+from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
+from pas.generatrix.space import NAMES, read_path, unit, value_at
+from pas.parametric.curves import SurfaceCurve
+from pas.parametric.rational_function import RationalFunction
+from pas.parametric.series import composed
+from pas.parametric.surface import ParametricSurface
+
+Curve = Callable[[Floats], Floats]
+"""Vectors (n, 3) at parameters (n,)."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What holds for all s of a curve in closed form: `angle` (radians) between C' and the surface's tangent plane at
+    most, `distance` |f| / |grad f| from the surface at most."""
+
+    angle: float
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """A curve with the tangent planes of its surface.
+
+    `curve`, `velocity` (C') and `direction` (N where `has_normal`, else V) take parameters (n,) in [0, 1] and
+    return (n, 3).  `side` (1 or -1) says on which side of the curve the blend lies, N x C' (or V) times
+    `side` pointing there; None leaves it to the blend.  `name` stands in messages, `exact` holds the rational
+    curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's
+    parameter s is brought to the curve's own by `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed
+    curves.
+
+    Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
+    closed is not.
+    """
+
+    curve: Curve
+    velocity: Curve
+    direction: Curve
+    has_normal: bool
+    closed: bool
+    name: str = "the boundary"
+    exact: ExactCurve | None = None
+    side: int | None = None
+    bounds: Callable[[], Bounds] | None = None
+    phase: float = 0.0
+    backwards: bool = False
+    checked: bool = field(default=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.side not in (None, 1, -1):
+            raise ValueError(f"side of {self.name} must be 1, -1 or None, not {self.side!r}")
+        if not self.checked:
+            if self.exact is not None:
+                self.exact.require_regular(self.name)
+            require_boundary(self)
+            object.__setattr__(self, "checked", True)
+
+    @classmethod
+    def along(
+        cls,
+        curve: Any,
+        normal: Any = None,
+        tangent: Any = None,
+        interval: Sequence[Any] = (0, 1),
+        closed: bool | None = None,
+        name: str = "the boundary",
+        side: int | None = None,
+    ) -> Boundary:
+        """Any curve with the normal of its surface, or with a tangent vector of it that is not along the curve.
+
+        Each of the three is a triple of expressions in s, or one callable from (n,) to (n, 3); `interval` is that
+        of s.  `closed` None: as it is found to be.
+        """
+        if (normal is None) == (tangent is None):
+            raise ValueError(f"{name}: give exactly one of normal and tangent")
+        given = normal if tangent is None else tangent
+        path, vectors = read_path(curve, interval, name), read_path(given, interval, f"{name}, its vectors")
+        exact = None
+        if path.is_exact and vectors.is_exact:
+            exact = ExactCurve(path.components, vectors.components, tangent is None)
+        return _made(path, lambda s: value_at(vectors, s), tangent is None, closed, name, exact, side)
+
+    @classmethod
+    def on_implicit(
+        cls,
+        polynomial: Any,
+        curve: Any,
+        interval: Sequence[Any] = (0, 1),
+        closed: bool | None = None,
+        name: str | None = None,
+        side: int | None = None,
+    ) -> Boundary:
+        """A curve on the surface `polynomial` = 0, given as for `along`.
+
+        Raises `GeometryError` where it does not lie on it: exactly for rational curves.
+        """
+        f = Polynomial(polynomial)
+        name = f"the boundary on {f} = 0" if name is None else name
+        path = read_path(curve, interval, name)
+        exact = None
+        if path.is_exact:
+            residual = composed(f, path.components)
+            if not residual.is_zero:
+                raise GeometryError(f"{name}: the curve does not lie on the surface; there {f} is {residual}")
+            exact = ExactCurve(path.components, _gradient(f, path), True)
+        else:
+            require_on(f, path, name)
+        return _made(path, lambda s: f.gradient(value_at(path, s)), True, closed, name, exact, side)
+
+    @classmethod
+    def on_parametric(
+        cls,
+        curve: SurfaceCurve,
+        interval: Sequence[Any] = (0, 1),
+        closed: bool | None = None,
+        name: str = "the boundary on a parametric surface",
+        side: int | None = None,
+    ) -> Boundary:
+        """A curve on a parametric surface, such as `iso_curve(surface, h=1)`, over an interval of its parameter."""
+        if not isinstance(curve, SurfaceCurve):
+            raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {curve!r}")
+        (low, high), line = on_unit_interval(interval, name)
+        curve.surface(curve.parameters(np.linspace(low, high, SAMPLES)))  # speaks up outside the domain
+
+        def own(s: Floats) -> Floats:
+            return low + (high - low) * s
+
+        def velocity(s: Floats) -> Floats:
+            return (high - low) * curve.derivative(own(s))
+
+        exact = None
+        if curve.surface.is_exact and curve.exact_path is not None:
+            t, h = (RationalFunction(p, NAMES).substitute(line, line) for p in curve.exact_path)
+            first, second = ([c.diff(*o).substitute(t, h) for c in curve.surface.components] for o in ((1, 0), (0, 1)))
+            x, y, z = (c.substitute(t, h) for c in curve.surface.components)
+            exact = ExactCurve((x, y, z), exact_cross(first, second), True)
+        ends = curve(np.array([low, high]))
+        shut = closes(ends) if closed is None else closed
+        return cls(
+            lambda s: curve(own(s)), velocity, lambda s: _plain_normals(curve, own(s)), True, shut, name, exact, side
+        )
+
+    @classmethod
+    def from_points(
+        cls,
+        points: Any,
+        normals: Any,
+        closed: bool = False,
+        name: str = "the sampled boundary",
+        side: int | None = None,
+    ) -> Boundary:
+        """A curve through points (n, 3) with the surface's normals (n, 3) there.
+
+        Both are interpolated by cubic splines (periodic for closed curves, whose first point is not to be
+        repeated, else natural) over the chords' lengths; the normals between are then made perpendicular to the curve.
+        """
+        from pas.generatrix.splines import splined
+
+        curve, velocity, direction = splined(points, normals, closed, name)
+        return cls(curve, velocity, direction, True, closed, name, None, side)
+
+    def own(self, s: Any) -> Floats:
+        """The curve's own parameters at the blend's `s` (...)."""
+        values = np.asarray(s, dtype=float)
+        moved = self.phase - values if self.backwards else self.phase + values
+        return moved % 1.0 if self.closed else np.clip(moved, 0.0, 1.0)
+
+    def __call__(self, s: Any) -> Floats:
+        """Points at `s` (...): (..., 3)."""
+        return self._shaped(self.curve, s)
+
+    def derivative(self, s: Any) -> Floats:
+        """C'(s) at `s` (...): (..., 3)."""
+        return self._shaped(self.velocity, s) * (-1.0 if self.backwards else 1.0)
+
+    def field(self, s: Any) -> Floats:
+        """N(s) or V(s) as given, at `s` (...): (..., 3)."""
+        return self._shaped(self.direction, s)
+
+    def normals(self, s: Any) -> Floats:
+        """Unit normals of the surface at `s` (...): (..., 3)."""
+        given = self.field(s)
+        return unit(given if self.has_normal else np.cross(given, self._shaped(self.velocity, s)))
+
+    def across(self, s: Any) -> Floats:
+        """Tangent vectors across the curve, N x C' or V, at `s` (...): (..., 3); not unit vectors.
+
+        They do not turn over with the direction of the curve.
+        """
+        given = self.field(s)
+        return np.cross(given, self._shaped(self.velocity, s)) if self.has_normal else given
+
+    def turned(self, backwards: bool, shift: float) -> Boundary:
+        """The same boundary run through the other way and, if closed, from another start, `shift` of a turn on."""
+        if shift and not self.closed:
+            raise ValueError(f"{self.name} is not closed, so its start cannot be moved")
+        start = self.phase + (-shift if self.backwards else shift)
+        if backwards and not self.closed:
+            start = 0.0 if self.backwards else 1.0
+        return replace(self, phase=start, backwards=self.backwards != backwards)
+
+    def by_length(self) -> Boundary:
+        """The same boundary with s the share of its length (to about 1e-6; smooth).  It is not kept exactly.
+
+        The curve and its tangent planes stay as they are, so bounds on them hold on.
+        """
+        from pas.generatrix.splines import by_length
+
+        place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
+        return replace(
+            self,
+            curve=lambda s: self.curve(place(s)),
+            velocity=lambda s: self.velocity(place(s)) * speed(s)[:, None],
+            direction=lambda s: self.direction(place(s)),
+            exact=None,
+        )
+
+    def _shaped(self, function: Curve, s: Any) -> Floats:
+        own = self.own(s)
+        return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
+
+
+def _gradient(f: Polynomial, path: ParametricSurface) -> tuple[RationalFunction, RationalFunction, RationalFunction]:
+    x, y, z = (composed(f.diff(i), path.components) for i in range(3))
+    return x, y, z
+
+
+def _made(
+    path: ParametricSurface,
+    direction: Curve,
+    has_normal: bool,
+    closed: bool | None,
+    name: str,
+    exact: ExactCurve | None,
+    side: int | None,
+) -> Boundary:
+    shut = closes(value_at(path, np.array([0.0, 1.0]))) if closed is None else closed
+    return Boundary(
+        lambda s: value_at(path, s), lambda s: value_at(path, s, 1), direction, has_normal, shut, name, exact, side
+    )
+
+
+def _plain_normals(curve: SurfaceCurve, s: Floats) -> Floats:
+    tangents = curve.surface.tangents(curve.parameters(s))
+    return np.cross(tangents[..., 0, :], tangents[..., 1, :])

@@ -1,0 +1,111 @@
+"""Where a triangle mesh crosses itself: a hierarchy of boxes, then edges against triangles.
+
+Triangles are sorted along Morton's curve, so that neighbours in the list are near in space, and a binary tree of
+boxes stands on the list (Karras 2012); pairs of boxes that overlap are followed down, all of a level at once.
+Two triangles without a common vertex cross iff an edge of one passes through the other (Moller 1997): by signs
+of 4-point determinants, each beyond its rounding error (Shewchuk 1997, the static filter), so that only clear
+crossings count; touching and coplanar triangles do not.
+
+It is a statement on the mesh: a surface nearby may differ by as much as it is away from the mesh.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+from pas.limits import checkpoint
+from pas.mesh.field import Integers
+
+BITS = 10
+"""Of each coordinate in Morton's order."""
+
+FILTER = 16 * 2.0**-53
+"""Rounding error of a 4-point determinant over the product of its edges' greatest entries."""
+
+BLOCK = 1 << 18
+"""Pairs of triangles examined at once."""
+
+
+def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
+    """Pairs (k, 2) of triangles that cross, and a point (k, 3) of each crossing."""
+    pairs = _near_pairs(points[triangles])
+    shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).any(axis=(1, 2))
+    pairs = pairs[~shared]
+    found, places = [np.empty((0, 2), dtype=np.intp)], [np.empty((0, 3))]
+    for start in range(0, len(pairs), BLOCK):
+        checkpoint("looking for self-intersections", start / len(pairs))
+        block = pairs[start : start + BLOCK]
+        hit, place = _cross(points[triangles[block[:, 0]]], points[triangles[block[:, 1]]])
+        found.append(block[hit])
+        places.append(place[hit])
+    return np.concatenate(found), np.concatenate(places)
+
+
+def _near_pairs(corners: Floats) -> Integers:
+    """Pairs (i < j) of triangles (n, 3, 3) whose boxes overlap."""
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    order = np.argsort(_morton((low + high) / 2), kind="stable")
+    depth = max(1, int(np.ceil(np.log2(max(len(order), 2)))))
+    size = 1 << depth
+    boxes = np.full((size, 2, 3), np.inf)
+    boxes[:, 1] = -np.inf
+    boxes[: len(order), 0], boxes[: len(order), 1] = low[order], high[order]
+    levels = [boxes]
+    while len(levels[-1]) > 1:
+        halves = levels[-1].reshape(-1, 2, 2, 3)
+        levels.append(np.stack([halves[:, :, 0].min(axis=1), halves[:, :, 1].max(axis=1)], axis=1))
+    pairs = np.zeros((1, 2), dtype=np.intp)
+    for level in reversed(levels[:-1]):
+        checkpoint("looking for self-intersections")
+        same = pairs[:, 0] == pairs[:, 1]
+        base = 2 * pairs
+        down = [base, base + 1, base + (0, 1), base[~same] + (1, 0)]
+        pairs = np.concatenate(down)
+        a, b = level[pairs[:, 0]], level[pairs[:, 1]]
+        pairs = pairs[((a[:, 0] <= b[:, 1]) & (b[:, 0] <= a[:, 1])).all(axis=1)]
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    return np.sort(order[pairs], axis=1)
+
+
+def _morton(centers: Floats) -> Integers:
+    """Numbers along Morton's curve: the bits of three coordinates in turn."""
+    start, extent = centers.min(axis=0), float(np.ptp(centers, axis=0).max()) or 1.0
+    cells = ((centers - start) / extent * ((1 << BITS) - 1)).astype(np.int64)
+    code = np.zeros(len(centers), dtype=np.int64)
+    for bit in range(BITS):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return code
+
+
+def _cross(first: Floats, second: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Whether triangles (n, 3, 3) cross each other, and where (nan where not)."""
+    hit = np.zeros(len(first), dtype=bool)
+    place = np.full((len(first), 3), np.nan)
+    for one, two in ((first, second), (second, first)):
+        heights = np.stack([_volume(two[:, 0], two[:, 1], two[:, 2], one[:, i]) for i in range(3)], axis=1)
+        for i in range(3):
+            j = (i + 1) % 3
+            rows = np.flatnonzero(heights[:, i] * heights[:, j] < 0)
+            if not len(rows):
+                continue
+            p, q, t = one[rows, i], one[rows, j], two[rows]
+            sides = np.stack([_volume(p, q, t[:, k], t[:, (k + 1) % 3]) for k in range(3)], axis=1)
+            through = (sides > 0).all(axis=1) | (sides < 0).all(axis=1)
+            share = heights[rows, i] / (heights[rows, i] - heights[rows, j])
+            place[rows[through]] = (p + share[:, None] * (q - p))[through]
+            hit[rows[through]] = True
+    return hit, place
+
+
+def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    """Six times the signed volume of tetrahedra (n, 3 each), zero where rounding could have made the sign."""
+    u, v, w = b - a, c - a, d - a
+    minors = np.stack([v[:, (k + 1) % 3] * w[:, (k + 2) % 3] - v[:, (k + 2) % 3] * w[:, (k + 1) % 3] for k in range(3)])
+    value = (u * minors.T).sum(axis=1)
+    bound = FILTER * np.abs(u).max(axis=1) * np.abs(v).max(axis=1) * np.abs(w).max(axis=1)
+    largest = 2.0**-50 * np.abs(np.stack([a, b, c, d])).max(axis=(0, 2))
+    sizes = np.maximum(np.maximum(np.abs(u).max(axis=1), np.abs(v).max(axis=1)), np.abs(w).max(axis=1))
+    return np.where(np.abs(value) > 6 * bound + largest * sizes * sizes, value, 0.0)

@@ -1,0 +1,313 @@
+"""What is proved, and what is only measured, of a generatrix blend.
+
+Contact (G1): along its boundaries the blend has the tangents C' and 3 l T, T a combination of W and C'.  For rational
+data it is proved that these lie in the surface's tangent plane and span it: C' . N = W . N = 0 identically, no zero
+of C' or W in [0, 1], l > 0 and |lambda| < 1; an exact blend is also looked at itself, from its components.
+Ellipses in closed form have rounded vectors; what that does is bounded for all s.  For other numeric data the
+greatest angle between the two tangent planes is measured.
+
+Regularity: exact blends by `pas.parametric.regularity`.  Else along many generatrices for all t at once: the
+normal is a polynomial in t of degree 2m - 1, whose Bernstein coefficients must be on one side of a plane
+through the origin (halving t where they are not); between generatrices the turn of the normal is measured.
+
+Simple: exact blends that do not bend too far are proved to be so (`injective`).  Else crossings of the triangles of
+a mesh.  A crossing is followed to a double point of the surface itself,
+P(s, t) = P(s', t'), by Newton's method, and reported with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+from pas.bernstein.signs import Status
+from pas.generatrix.crossings import crossings
+from pas.generatrix.exact import exact_dot
+from pas.generatrix.injective import is_injective
+from pas.mesh.field import Integers
+from pas.parametric.regularity import regularity
+from pas.parametric.surface import Components
+from pas.surface.certificate import Verdict
+
+if TYPE_CHECKING:
+    from pas.generatrix.blend import GeneratrixBlend
+
+SAMPLES = 257
+FINE = (160, 40)
+"""Grid of the mesh that is searched for crossings."""
+
+GENERATRICES, DEEP = 256, 8
+"""Generatrices along which the normal is examined, and halvings of t."""
+
+SMALL = 1e-9
+"""Angle up to which a bound is as good as contact; larger ones come from badly scaled data, which are measured."""
+
+EXACT_EFFORT = 4_000
+NEWTON_STEPS, DOUBLE_POINTS = 25, 12
+
+
+@dataclass(frozen=True)
+class GeneratrixCertificate:
+    """All verdicts about one blend.
+
+    `contacts`: G1 with each surface.  `sense`: the curves run the same way round.  `regular`: the normal vanishes
+    nowhere.  `simple`: the blend does not cross itself.
+    """
+
+    contacts: tuple[Verdict, Verdict]
+    sense: Verdict
+    regular: Verdict
+    simple: Verdict
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """All verdicts in that order."""
+        return (*self.contacts, self.sense, self.regular, self.simple)
+
+    @property
+    def refuted(self) -> tuple[Verdict, ...]:
+        """Those that failed."""
+        return tuple(v for v in self.verdicts if v.status is Status.REFUTED)
+
+    @property
+    def proved(self) -> bool:
+        """Whether every verdict is proved; what is measured never is."""
+        return all(verdict.proved for verdict in self.verdicts)
+
+    def __bool__(self) -> bool:
+        raise TypeError("a certificate has several verdicts; ask for .proved or .refuted")
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.verdicts))
+
+
+def certify(blend: GeneratrixBlend) -> GeneratrixCertificate:
+    """All verdicts."""
+    return GeneratrixCertificate(
+        (contact_verdict(blend, 0), contact_verdict(blend, 1)),
+        sense_verdict(blend),
+        regular_verdict(blend),
+        simple_verdict(blend),
+    )
+
+
+def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
+    """G1 with surface `number`."""
+    boundary = blend.boundaries[number]
+    claim = f"G1 with {boundary.name}"
+    if boundary.exact is None:
+        bounded = _bounded_contact(blend, number, claim)
+        return _measured_contact(blend, number, claim) if bounded is None else bounded
+    if not boundary.exact.lies_in_plane:
+        return Verdict(Status.REFUTED, claim, "the curve or the vector given is not in the tangent plane")
+    if blend.surface.is_exact and not _touches(blend, number):
+        return Verdict(Status.REFUTED, claim, "the tangent planes of the exact blend differ")
+    reason = "both tangents are perpendicular to the surface's normal identically, and span its tangent plane"
+    return Verdict(Status.PROVED, claim, reason)
+
+
+def _touches(blend: GeneratrixBlend, number: int) -> bool:
+    """Whether P(s, i) is the curve and P_s, P_t there are perpendicular to N, from the components alone."""
+    from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction
+
+    boundary = blend.boundaries[number]
+    exact = boundary.exact
+    assert exact is not None
+    s = RationalFunction.quotient(1 - GENERATORS[0] if boundary.backwards else GENERATORS[0], ONE, ("s", "t"))
+    end = RationalFunction.quotient(ONE * number, ONE, ("s", "t"))
+    parts = blend.surface.components
+
+    def at_end(order: tuple[int, int]) -> Components:
+        x, y, z = (c.diff(*order).substitute(s, end) for c in parts)
+        return x, y, z
+
+    on = all(c == d for c, d in zip(at_end((0, 0)), exact.curve, strict=True))
+    return on and all(exact_dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
+
+
+def _bounded_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict | None:
+    """The blend's tangent plane is spanned by C' and N x C', so its angle with the surface's is that of C'."""
+    make = blend.boundaries[number].bounds
+    bounds = None if make is None else make()
+    if bounds is None or bounds.angle > SMALL:
+        return None
+    reason = (
+        f"for all s, by exact arithmetic on the rounded curve, its tangent planes differ from the surface's by "
+        f"{np.degrees(bounds.angle):.1e} degrees at most, and it is {bounds.distance:.1e} off the surface at most"
+    )
+    return Verdict(Status.PROVED, f"{claim}, to rounding", reason)
+
+
+def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict:
+    boundary = blend.boundaries[number]
+    s = np.linspace(0.0, 1.0, SAMPLES)
+    places = np.stack([s, np.full(SAMPLES, float(number))], axis=-1)
+    sines = np.linalg.norm(np.cross(blend.surface.normals(places), boundary.normals(s)), axis=-1)
+    gaps = np.linalg.norm(blend.surface(places) - boundary(s), axis=-1)
+    worst = float(np.degrees(np.arcsin(min(1.0, float(sines.max())))))
+    reason = (
+        f"numeric data, measured at {SAMPLES} points: the tangent planes differ by {worst:.1e} degrees at most, the "
+        f"curves by {gaps.max():.1e}"
+    )
+    if worst > 1e-3:
+        i = int(sines.argmax())
+        x, y, z = map(float, boundary(s[i]))
+        return Verdict(Status.REFUTED, claim, reason, (x, y, z))
+    return Verdict(Status.UNDECIDED, claim, reason)
+
+
+def sense_verdict(blend: GeneratrixBlend) -> Verdict:
+    """Whether the curves run the same way."""
+    found = blend.alignment
+    claim = "the two curves run the same way"
+    if found.opposed:
+        reason = f"{found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
+        return Verdict(Status.REFUTED, claim, reason)
+    return Verdict(Status.PROVED, claim, found.reason + ("; the second was reversed" if found.reversed else ""))
+
+
+def regular_verdict(blend: GeneratrixBlend) -> Verdict:
+    """Whether the normal vanishes nowhere."""
+    claim = "regular"
+    if blend.surface.is_exact:
+        exact = regularity(blend.surface, EXACT_EFFORT)
+        if exact.status is not Status.UNDECIDED:
+            return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
+    s = blend.frames.parameters(GENERATRICES)
+    controls, slopes = blend.frames.controls(blend.shape, s)
+    forms = _normal_forms(controls, slopes)
+    settled, place = _avoid_origin(forms)
+    points, normals = blend.frames.sheet(blend.shape, (GENERATRICES, 33))
+    lengths = np.linalg.norm(normals, axis=-1)
+    turn = _largest_turn(normals, blend.closed)
+    if not settled.all():
+        i = int(np.flatnonzero(~settled)[0])
+        x, y, z = map(float, blend.surface([s[i], place[i]]))
+        reason = f"the normal vanishes (to {DEEP} halvings of t) near s = {s[i]:.5g}, t = {place[i]:.5g}; change l1, l2"
+        return Verdict(Status.REFUTED, claim, reason, (x, y, z))
+    smallest = float(lengths.min() / np.median(lengths))
+    measured = (
+        f"numeric data, measured: on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
+        f"{smallest:.2g} of the median, and between neighbours it turns by {turn[0]:.3g} degrees at most"
+    )
+    if turn[0] >= 90.0:
+        x, y, z = map(float, points[turn[1]])
+        return Verdict(Status.REFUTED, claim, measured + ": the blend folds over; change l1, l2", (x, y, z))
+    return Verdict(Status.UNDECIDED, claim, measured)
+
+
+def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
+    """Bernstein coefficients in t of P_s x P_t / m: (n, 2m, 3)."""
+    m = len(controls) - 1
+    legs = np.diff(controls, axis=0)
+    forms = np.zeros((controls.shape[1], 2 * m, 3))
+    for i in range(m + 1):
+        for j in range(m):
+            weight = comb(m, i) * comb(m - 1, j) / comb(2 * m - 1, i + j)
+            forms[:, i + j] += weight * np.cross(slopes[i], legs[j])
+    return forms
+
+
+def _avoid_origin(forms: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Which curves of vectors (n, k, 3), Bernstein forms in t, avoid the origin; else a t near where they may not."""
+    n, k = forms.shape[:2]
+    settled, place = np.ones(n, dtype=bool), np.zeros(n)
+    rows, starts, width = np.arange(n), np.zeros(n), 1.0
+    for depth in range(DEEP + 1):
+        size = np.linalg.norm(forms, axis=-1)
+        mean = (forms / np.maximum(size, 1e-300)[..., None]).mean(axis=1)
+        bad = np.einsum("nkx,nx->nk", forms, mean).min(axis=1) <= 1e-12 * size.max(axis=1)
+        forms, rows, starts = forms[bad], rows[bad], starts[bad]
+        if not len(rows):
+            break
+        if depth == DEEP:
+            settled[rows], place[rows] = False, starts + width / 2
+            break
+        left, right = np.empty_like(forms), np.empty_like(forms)
+        for i in range(k):
+            left[:, i], right[:, k - 1 - i] = forms[:, 0], forms[:, -1]
+            forms = (forms[:, :-1] + forms[:, 1:]) / 2
+        width /= 2
+        forms, rows = np.concatenate([left, right]), np.concatenate([rows, rows])
+        starts = np.concatenate([starts, starts + width])
+    return settled, place
+
+
+def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:
+    """The greatest angle in degrees between normals (n, m, 3) of neighbours in s, and where."""
+    rows = np.concatenate([normals, normals[:1]]) if closed else normals
+    with np.errstate(all="ignore"):
+        rows = rows / np.linalg.norm(rows, axis=-1, keepdims=True)
+    cosine = np.nan_to_num((rows[1:] * rows[:-1]).sum(axis=-1), nan=-1.0)
+    i, j = np.unravel_index(int(cosine.argmin()), cosine.shape)
+    return float(np.degrees(np.arccos(np.clip(cosine[i, j], -1.0, 1.0)))), (int(i), int(j))
+
+
+def is_safe(blend: GeneratrixBlend, size: tuple[int, int]) -> bool:
+    """Whether on a mesh of this size no triangles cross and no normal turns by a right angle between neighbours."""
+    normals = blend.frames.sheet(blend.shape, size)[1]
+    turns = (_largest_turn(normals, blend.closed), _largest_turn(normals.swapaxes(0, 1), False))
+    if max(angle for angle, _ in turns) >= 90.0:
+        return False
+    mesh = blend.mesh(size)
+    return not len(crossings(mesh.points, mesh.triangles)[0])
+
+
+def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verdict:
+    """Whether the blend does not cross itself: on a mesh, and at double points found from its crossings."""
+    claim = "does not cross itself"
+    if blend.surface.is_exact and is_injective(blend.surface, EXACT_EFFORT):
+        return Verdict(Status.PROVED, claim, "the map from the square is monotone with respect to its mean tangents")
+    mesh = blend.mesh(size)
+    pairs, places = crossings(mesh.points, mesh.triangles)
+    on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
+    if not len(pairs):
+        return Verdict(Status.UNDECIDED, claim, f"measured, not proved: on {on} no triangles cross", measure=len(pairs))
+    found = _double_point(blend, mesh.triangles, pairs, size)
+    if found is None:
+        x, y, z = map(float, places[0])
+        reason = (
+            f"measured: on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
+        )
+        return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
+    (s, t, u, v), (x, y, z), gap = found
+    reason = (
+        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}; {len(pairs)} pairs of triangles cross on {on}; "
+        "shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
+    )
+    return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
+
+
+def _double_point(
+    blend: GeneratrixBlend, triangles: Integers, pairs: Integers, size: tuple[int, int]
+) -> tuple[tuple[float, float, float, float], tuple[float, float, float], float] | None:
+    """(s, t, s', t') with P(s, t) = P(s', t') by Newton's method from crossing triangles, the point, the gap."""
+    chosen = pairs[np.linspace(0, len(pairs) - 1, min(DOUBLE_POINTS, len(pairs))).astype(int)]
+    s = blend.frames.parameters(size[0])
+    first = triangles[chosen, 0]
+    places = np.stack([s[first // size[1]], (first % size[1]) / (size[1] - 1)], axis=-1)
+    for _ in range(NEWTON_STEPS):
+        points, tangents = blend.surface(places), blend.surface.tangents(places)
+        gap = points[:, 0] - points[:, 1]
+        slopes = np.concatenate([tangents[:, 0], -tangents[:, 1]], axis=1).swapaxes(1, 2)
+        step = (np.linalg.pinv(slopes) @ gap[..., None])[..., 0].reshape(-1, 2, 2)
+        places = places - step
+        places[..., 0] = places[..., 0] % 1.0 if blend.closed else np.clip(places[..., 0], 0.0, 1.0)
+        places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
+    points = blend.surface(places)
+    gaps = np.linalg.norm(points[:, 0] - points[:, 1], axis=-1)
+    extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
+    apart = np.abs(places[:, 0] - places[:, 1])
+    apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if blend.closed else apart[:, 0]
+    good = np.flatnonzero((gaps < 1e-9 * extent) & (apart.max(axis=1) > 1e-3))
+    if not len(good):
+        return None
+    i = int(good[0])
+    (a, b), (c, d) = places[i]
+    x, y, z = map(float, points[i, 0])
+    return (float(a), float(b), float(c), float(d)), (x, y, z), float(gaps[i])
