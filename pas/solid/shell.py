@@ -104,7 +104,7 @@ class Near(Distance):
             square = ((found - points[rows]) ** 2).sum(axis=1)
             better = square < best[rows]
             if len(target.labels) == 1:
-                better[better] = self._on_boundary(found[better], target.labels[0])
+                better[better] = ~self._buried(found[better], target.labels[0])
             result[rows[better]], best[rows[better]] = found[better], square[better]
         return result
 
@@ -133,11 +133,11 @@ class Near(Distance):
         gradient = self._field.jets(points, label)[:, 1:]
         return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
 
-    def _on_boundary(self, points: Floats, label: int) -> Bools:
-        """Whether the solid is on one side of points on a label's surface and not on the other."""
+    def _buried(self, points: Floats, label: int) -> Bools:
+        """Whether the solid is on both sides of points on a label's surface: the face does not go there."""
         step = BESIDE * self._normals(points, label)
-        inside, outside = (self._field.inside(self._field.signs(points + side * step)) for side in (-1, 1))
-        return np.asarray(inside & ~outside)
+        signs = [self._field.signs(points + side * step) for side in (-1, 1)]
+        return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
 
 
 def _target(mesh: Labelled, labels: tuple[int, ...], cells: Integers) -> _Target:
