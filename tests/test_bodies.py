@@ -10,6 +10,7 @@ import pytest
 import pas
 from pas import solid
 from pas.blending.bodies import body as body_of
+from pas.cli import main
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -131,3 +132,17 @@ def test_a_gap_along_a_joint_is_found():
     assert verdict.status is pas.Status.REFUTED
     assert "dome is missing" in verdict.reason
     assert verdict.witness[0] < -1 / 2
+
+
+def test_the_command_line_makes_a_body(corner, tmp_path, capsys):
+    project = corner.save(tmp_path / "corner.pas.json")
+    out = tmp_path / "body.stl"
+    assert main(["convert", str(project), str(out), "--length", "1/4", "--tolerance", "0.01"]) == 0
+    assert str(out) in capsys.readouterr().out
+    assert (len(out.read_bytes()) - 84) // 50 == len(corner.solid("1/4").mesh(0.01).triangles)
+    assert main(["convert", str(project), str(out), "--length", "a yard"]) == 2
+    assert "length" in capsys.readouterr().err
+    ball = pas.save_solid(solid.ball((0, 0, 0), 1), tmp_path / "ball.pas.json")
+    assert main(["convert", str(ball), str(tmp_path / "ball.stl"), "--length", "1"]) == 2
+    assert "--length is for blends" in capsys.readouterr().err
+    assert not (tmp_path / "ball.stl").exists()

@@ -149,6 +149,7 @@ def run_render(options: argparse.Namespace) -> int:
 
 def run_convert(options: argparse.Namespace) -> int:
     """`pas convert`."""
+    from pas.blending.blend import Blend
     from pas.blending.project import load
     from pas.exchange.solids import write_solid
     from pas.solid.assembly import Assembly
@@ -156,6 +157,10 @@ def run_convert(options: argparse.Namespace) -> int:
 
     tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
     thing = load(options.project)
+    if isinstance(thing, Blend):
+        thing = thing.solid(options.length)
+    elif options.length is not None:
+        raise ValueError(f"--length is for blends with their neighbours; {options.project} holds none")
     if not isinstance(thing, Solid | Assembly):
         raise ValueError(f"{options.project} holds no solid but a surface; write it with `pas mesh`")
     print(write_solid(thing, options.output, tolerance=tolerance, unit=options.unit))

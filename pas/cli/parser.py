@@ -138,7 +138,10 @@ def _render_parser(added: Commands) -> None:
 
 def _convert_parser(added: Commands) -> None:
     parser = _command(added, "convert", "write the solid or assembly of a project file in another format")
-    parser.add_argument("project", metavar="FILE.pas.json", help="a project file of a solid or assembly")
+    parser.add_argument(
+        "project", metavar="FILE.pas.json", help="a project file of a solid or assembly, or of a blend, made solid"
+    )
+    parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
     parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
     parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
     _tolerance(parser, "0.001 of the size")
