@@ -52,12 +52,14 @@ lint: setup
 
 examples: setup
 	$(BIN)/python examples/corners/corners.py
+	$(BIN)/python examples/parametric/parametric.py
 	for script in examples/gallery/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup
 	$(BIN)/python benchmarks/corner.py
 	$(BIN)/python benchmarks/solutions.py
 	$(BIN)/python benchmarks/parametric.py
+	$(BIN)/python benchmarks/generatrix.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -59,8 +59,9 @@ def test_the_readme_does_what_it_says(tmp_path, monkeypatch, capsys):
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
     monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}  # a reader goes from the top down
     for block in blocks:
-        exec(compile(block, "README.md", "exec"), {})
+        exec(compile(block, "README.md", "exec"), names)
         expected = re.findall(r"print\(.*\)  # (.*)", block)
         assert capsys.readouterr().out.splitlines() == expected
     assert {p.name for p in tmp_path.iterdir()} == {"corner.pas.json", "corner.png"}

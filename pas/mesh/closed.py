@@ -22,7 +22,7 @@ from pas.mesh.refine import split
 from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
-FIRST_PARTS, FINER, LATTICES, COMPARED = 16, 1.6, 9, 4
+FIRST_PARTS, FINER, LATTICES, COMPARED = 25, 1.6, 8, 3
 """Cubes along the longest side of the box in the first lattice, how many times more in each further
 one, how many are tried, and how many at least must show the same pieces, holes and faces."""
 
@@ -34,6 +34,9 @@ SHORT = 0.55
 """Edges below this share of the mean length about both their ends are collapsed."""
 
 SMOOTHINGS, LATER_SMOOTHINGS, REFINEMENTS = 3, 1, 40
+FEW = 0.01
+"""Share of the edges that must be split for the mesh to be smoothed again."""
+
 FOLD = 0.2
 """Cosine of a triangle's normal and its face's below which it counts as folded."""
 
@@ -83,9 +86,10 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
             )
         points, triangles, parents = split(mesh.points, mesh.triangles, far)
         mesh = project(Labelled.of(points, triangles, mesh.labels[parents]), field, spacing)
-        for _ in range(LATER_SMOOTHINGS):
-            mesh = flip(mesh, field, 2)
-            mesh = smooth(mesh, field, spacing / 4)
+        if len(far) > FEW * len(edges):
+            for _ in range(LATER_SMOOTHINGS):
+                mesh = flip(mesh, field, 2)
+                mesh = smooth(mesh, field, spacing / 4)
         mesh = flip(mesh, field)
     raise MeshError(
         f"the tolerance {tolerance:g} was not reached with {len(mesh.triangles)} triangles ({worst:.2g} was); "
