@@ -50,7 +50,9 @@ def test_corner(name):
 def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["corners.py", "-o", str(tmp_path)])
     runpy.run_path(str(CORNERS / "corners.py"), run_name="__main__")
-    assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted([*ENERGIES, "three_pipes_zebra"])
+    assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted(
+        [*ENERGIES, "three_pipes_zebra", "three_pipes_body"]
+    )
     assert capsys.readouterr().out.count("all proved") == 7
 
 

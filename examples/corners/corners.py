@@ -12,6 +12,7 @@ import argparse
 from pathlib import Path
 
 import pas
+from pas.render.parts import draw_parts
 
 HERE = Path(__file__).parent
 STYLES = {
@@ -19,6 +20,9 @@ STYLES = {
     "three": {"": pas.Style.PLAIN, "_zebra": pas.Style.ZEBRA},
 }
 """Pictures other than stripes, by the first word of a file's name."""
+
+BODY = "three_pipes"
+"""The corner that is also drawn as a solid, with its pipes."""
 
 PROBLEMS = sorted(HERE.glob("*.toml"))
 
@@ -49,6 +53,8 @@ def main() -> None:
         )
         for suffix, style in STYLES.get(path.stem.split("_")[0], {"": pas.Style.ZEBRA}).items():
             pas.draw(blend.surface, folder / f"{path.stem}{suffix}.png", style=style, size=(480, 360))
+        if path.stem == BODY:
+            draw_parts(blend.solid("1/2"), folder / f"{BODY}_body.png", size=(480, 360))
 
 
 if __name__ == "__main__":

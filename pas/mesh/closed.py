@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pas.mesh.faces import Crossings, march_faces
 from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh
-from pas.mesh.refine import split
+from pas.mesh.refine import split, with_longest
 from pas.mesh.remesh import Labelled, collapse, cosines, flip, least_norm, pair_normals, project, smooth, untangle
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 
@@ -190,15 +190,7 @@ def _far_edges(field: FaceField, mesh: Labelled, tolerance: float) -> tuple[Inte
     inner = inner_distances(field, mesh)
     worst = float(max(distances.max(), inner.max()))
     far = edges[distances > AIM * tolerance]
-    triangles = mesh.triangles[inner > AIM * tolerance]
-    p = mesh.points[triangles]
-    lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
-    longest = lengths.argmax(axis=1)[:, None]
-    pairs = np.concatenate(
-        [np.take_along_axis(triangles, longest, axis=1), np.take_along_axis(triangles, (longest + 1) % 3, axis=1)],
-        axis=1,
-    )
-    return edges, np.unique(np.sort(np.concatenate([far, pairs]), axis=1), axis=0), worst
+    return edges, with_longest(mesh.points, mesh.triangles[inner > AIM * tolerance], far), worst
 
 
 def edge_distances(field: FaceField, mesh: Labelled) -> Floats:

@@ -48,3 +48,12 @@ def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:
     wanted = np.minimum(a, b) * size + np.maximum(a, b)
     at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
     return np.where(keys[at] == wanted, at, -1)
+
+
+def with_longest(points: Floats, triangles: Integers, edges: Integers) -> Integers:
+    """The edges (E, 2) and the longest one of each triangle (T, 3), each once, the lower vertex first."""
+    p = points[triangles]
+    lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
+    longest = lengths.argmax(axis=1)[:, None]
+    ends = [np.take_along_axis(triangles, (longest + i) % 3, axis=1) for i in range(2)]
+    return np.unique(np.sort(np.concatenate([edges, np.concatenate(ends, axis=1)]), axis=1), axis=0)

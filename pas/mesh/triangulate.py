@@ -19,7 +19,7 @@ from pas.mesh.contour import march
 from pas.mesh.field import CellField, Floats, Integers, TriangleMesh
 from pas.mesh.improve import boundary_of, flip, folded, project, smooth
 from pas.mesh.lattice import lattice
-from pas.mesh.refine import split
+from pas.mesh.refine import split, with_longest
 
 RESOLUTION = 1.8
 """The first lattice's spacing over the size of the smallest feature: about what shows a pipe of
@@ -87,14 +87,7 @@ def _far_edges(field: CellField, mesh: TriangleMesh, tolerance: float) -> tuple[
     edges, times = mesh.edges
     far = edges[_edge_distances(field, mesh, edges, times) > tolerance]
     triangles = mesh.triangles[_inner_distances(field, mesh) > tolerance]
-    p = mesh.points[triangles]
-    lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
-    longest = lengths.argmax(axis=1)[:, None]
-    pairs = np.concatenate(
-        [np.take_along_axis(triangles, longest, axis=1), np.take_along_axis(triangles, (longest + 1) % 3, axis=1)],
-        axis=1,
-    )
-    return edges, np.unique(np.sort(np.concatenate([far, pairs]), axis=1), axis=0)
+    return edges, with_longest(mesh.points, triangles, far)
 
 
 def _edge_distances(field: CellField, mesh: TriangleMesh, edges: Integers, times: Integers) -> Floats:

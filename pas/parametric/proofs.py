@@ -19,14 +19,14 @@ from pas.parametric.data import AXES, BlendingData
 from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
-from pas.surface.certificate import Verdict
+from pas.surface.certificate import Verdict, Verdicts
 
 SAMPLES = 64
 """Parameters along a curve at which derivatives are compared where identities are out of reach."""
 
 
 @dataclass(frozen=True)
-class ParametricCertificate:
+class ParametricCertificate(Verdicts):
     """All verdicts about one blend: one on each contact, one on regularity."""
 
     contacts: tuple[Verdict, ...]
@@ -36,17 +36,6 @@ class ParametricCertificate:
     def verdicts(self) -> tuple[Verdict, ...]:
         """All verdicts in the order of proof."""
         return (*self.contacts, self.regular)
-
-    @property
-    def proved(self) -> bool:
-        """Whether every verdict is proved."""
-        return all(verdict.proved for verdict in self.verdicts)
-
-    def __bool__(self) -> bool:
-        raise TypeError("a certificate has several verdicts; ask for .proved")
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.verdicts))
 
 
 def contact_verdicts(surface: ParametricSurface, data: BlendingData, order: int) -> tuple[Verdict, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from pas.exchange.files import replacing
 from pas.mesh.field import Floats
 from pas.render.offscreen import offscreen_pyvista
+from pas.render.picture import look_at
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
@@ -61,6 +62,7 @@ def draw_parts(
     parts = shape if isinstance(shape, Assembly) else assembly(solid=shape)
     found = meshes or parts.meshes(tolerance)
     pictures = [(name, mesh, parts[name].color) for name, mesh in found.items()]
+    points = np.concatenate([m.points + _shift(look, place, found) for place, m in enumerate(found.values())])
     grid = (2, 2) if look is Look.FOUR_VIEWS else (1, 1)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size), shape=grid, border=False)
     for number in range(grid[0] * grid[1]):
@@ -69,8 +71,7 @@ def draw_parts(
         for place, (_, mesh, color) in enumerate(pictures):
             _add(plotter, mesh, color, look, _shift(look, place, found))
         plotter.enable_anti_aliasing("ssaa")
-        plotter.view_vector(VIEWS[number], viewup=(0, 0, 1))
-        plotter.camera.zoom(1.35 if look is not Look.FOUR_VIEWS else 1.25)
+        look_at(plotter, np.eye(3), VIEWS[number], points, (size[0] // grid[1], size[1] // grid[0]))
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()

@@ -99,7 +99,7 @@ def draw(
     for layer in layers:
         _add(plotter, layer, style, frame, size[0] / SIZE[0])
     plotter.enable_anti_aliasing("ssaa")
-    _look(plotter, frame, VIEW if view is None else view, np.concatenate([part.points for part in meshes]), size)
+    look_at(plotter, frame, VIEW if view is None else view, np.concatenate([part.points for part in meshes]), size)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()
@@ -143,7 +143,7 @@ def _add(plotter: Any, layer: Layer, style: Style, frame: Floats, scale: float) 
             plotter.add_mesh(rim, color=CURVE_COLOR, line_width=3)
 
 
-def _look(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int]) -> None:
+def look_at(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int]) -> None:
     """Point the camera so that the points fill the picture."""
     ahead = -np.array(view, dtype=float) @ frame
     ahead /= np.linalg.norm(ahead)

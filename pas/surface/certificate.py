@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,8 +61,33 @@ class Verdict:
         )
 
 
+class Verdicts(ABC):
+    """Several verdicts about one thing."""
+
+    @property
+    @abstractmethod
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """All verdicts in the order of proof."""
+
+    @property
+    def proved(self) -> bool:
+        """Whether every verdict is proved."""
+        return all(verdict.proved for verdict in self.verdicts)
+
+    @property
+    def refuted(self) -> tuple[Verdict, ...]:
+        """The verdicts that failed."""
+        return tuple(v for v in self.verdicts if v.status is Status.REFUTED)
+
+    def __bool__(self) -> bool:
+        raise TypeError("a certificate has several verdicts; ask for .proved or .refuted")
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.verdicts))
+
+
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Verdicts):
     """All verdicts about one surface.
 
     `contacts`: one for each contact: exact GC^k, alpha > 0 on its curve, the curve closed and
@@ -79,14 +105,6 @@ class Certificate:
     def verdicts(self) -> tuple[Verdict, ...]:
         """All verdicts in the order of proof."""
         return (*self.contacts, *self.faces, self.one_sheet, self.enclosed)
-
-    @property
-    def proved(self) -> bool:
-        """Whether every verdict is proved."""
-        return all(verdict.proved for verdict in self.verdicts)
-
-    def __bool__(self) -> bool:
-        raise TypeError("a certificate has several verdicts; ask for .proved")
 
     def __str__(self) -> str:
         width = max(len(verdict.claim) for verdict in self.verdicts)
