@@ -16,7 +16,7 @@ TURN = (0, "6.283185307179586")
 
 
 def test_a_hollow_ball():
-    hollow = solid.ball((1, 0, 0), 1).shell(0.2)
+    hollow = solid.ball((1, 0, 0), 1).shell(0.2, tolerance=0.02)
     assert hollow.faces == ("ball", "inside of ball")
     mesh = hollow.mesh(2e-2)
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 2, 4)
@@ -58,7 +58,7 @@ def test_the_distance_to_a_smooth_joint_of_two_faces():
     shape = solid.patch("upper", ball, "z - 1/3") | solid.patch("lower", other, "1/3 - z")
     shape = shape.joined("upper", "lower", (ball, "z - 1/3"), 1)
     near = Near(shape, ["upper", "lower"], 0.1, 1e-2)
-    mesh = shape.mesh(5e-4)
+    mesh = shape.mesh(4e-3)
     normals = mesh.triangle_mesh.normals
     jets = near.jets(mesh.points - 0.1 * normals)
     assert np.abs(jets[:, 0]).max() < 1e-9

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from fractions import Fraction
 from itertools import combinations
 from math import factorial, prod
@@ -213,14 +212,3 @@ def test_blending_polynomial():
     solutions = pas.hermite_blend(data_of("ex3"), 1).all_solutions()
     assert solutions.multiplier == RationalFunction("h^2*(h - 1)^2*(h - 2)^2")
     assert blending_polynomial(data_of("ex3").values, 1).degree() == 6
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_the_exact_blend_takes_no_time(name):
-    """50 ms for up to three surfaces, half a second for the largest; measured a tenth of that."""
-    spent = []
-    for _ in range(3):
-        start = time.perf_counter()
-        _ = pas.hermite_blend(data_of(name), CASES[name]["k"]).surface.components
-        spent.append(time.perf_counter() - start)
-    assert min(spent) < (0.05 if len(CASES[name]["P"]) <= 3 else 0.5)
