@@ -47,10 +47,10 @@ class Boundary:
     `curve`, `velocity` (C') and `direction` (N where `has_normal`, else V) take parameters (n,) in [0, 1] and
     return (n, 3).  `side` (1 or -1) says on which side of the curve the blend lies, N x C' (or V) times
     `side` pointing there; None leaves it to the blend.  `name` stands in messages, `exact` holds the rational
-    curve and field where there are such, `bounds` makes what is known of a curve in closed form.  `surface` is what
-    the curve lies on, where known (for a parametric one with its `parameters` (n, 2) along the curve), and `source` the plain data from which all this was read, where it was.  The blend's
+    curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's
     parameter s is brought to the curve's own by `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed
-    curves.
+    curves.  `surface` is what the curve lies on, where that is known; for a parametric one `parameters` are the pairs
+    (n, 2) along the curve.  `source` is the table that all this was read from, where it was.
 
     Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
     closed is not.
