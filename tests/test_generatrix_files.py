@@ -30,7 +30,7 @@ TABLES = {
     "intersection": {"quadric": "x^2 + y^2 + z^2 - 4", "other": "(x-1)^2 + y^2 - 1/2", "branch": 1},
     "implicit": {"implicit": "x^2 + y^2 - 1", "curve": ["(1-s^2)/(1+s^2)", "2*s/(1+s^2)", "3"], "interval": [0, "1/2"]},
     "implicit, formulas": {"implicit": "x^2 + y^2 - 1", "curve": ["cos(2*pi*s)", "sin(2*pi*s)", "3"], "closed": True},
-    "iso-curve": {"x": "2*cos(t)", "y": "2*sin(t)", "z": "h", "h": "5/2", "domain": [[-1, 1], [2, 3]], "interval": [0, 1]},
+    "iso-curve": {"x": "cos(t)", "y": "sin(t)", "z": "h", "h": "5/2", "domain": [[-1, 1], [2, 3]], "interval": [0, 1]},
     "path": {"x": "h*sin(t)", "y": "h*cos(t)", "z": "2 + t", "path": ["0", "4*s"]},
     "normal": {"curve": ["s", "s^2", "3"], "normal": ["0", "0", "1"]},
     "tangent": {"curve": ["s", "0", "3"], "tangent": ["0", "s", "1"], "by_length": True},
@@ -155,6 +155,9 @@ l2 = "1/2"
 """
 
 
+VERDICTS = (("true", 1), ("false", 0))
+
+
 def problem(tmp_path, text):
     path = tmp_path / "case.toml"
     path.write_text(text)
@@ -169,7 +172,7 @@ def problem(tmp_path, text):
         (('"z + 1"', '"z^2 + 1"'), "line 2: boundary 1: the plane must be a polynomial of degree 1"),
         (('"z + 1"', '"x - 3"'), "line 2: boundary 1: the plane .* meet in nothing"),
         (('plane = "z + 1"\n', ""), "line 2: boundary 1: a boundary needs"),
-        (("x^2 + y^2 - 4", "x^2 + y^2 - 5"), "line 5: boundary 2: .* does not lie on"),
+        (("x^2 + y^2 - 4", "x^2 + y^2 - 5"), "line 5: boundary 2: .* the curve is off the surface by 0.2"),
         (('"generatrix"', '"quadrics"'), "line 5: boundary 2: a boundary needs quadric, plane; this one has implicit"),
         (('l2 = "1/2"', "l2 = 0"), "line 10: l2 is 0; it must be positive"),
         (('l2 = "1/2"', "l2 = [[0, 1], [2, 1]]"), "line 10: l2: the s of pairs must be distinct and in"),
@@ -209,21 +212,28 @@ def test_the_command(tmp_path, capsys):
     assert "none refuted, not all proved" in capsys.readouterr().out
     assert main(["mesh", str(project), "-o", str(tmp_path / "a.ply"), "--tolerance", "0.1"]) == 0
     assert "within" in capsys.readouterr().out
-    assert main(["render", str(project), "-o", str(tmp_path / "a.png"), "--curvature"]) == 0
 
 
-@pytest.mark.parametrize(("prove", "code"), [("", 1), ("prove = true\n", 1), ("prove = false\n", 0)])
+@pytest.mark.parametrize(
+    ("prove", "code"), [("", 1), *(pytest.param(f"prove = {v}\n", c, marks=pytest.mark.slow) for v, c in VERDICTS)]
+)
 def test_a_refuted_claim_is_an_exit_code(tmp_path, capsys, prove, code):
     text = prove + (FOLDER / "helicoid_twisted.toml").read_text()
     arguments = ["-o", str(tmp_path), "--no-picture", "--tolerance", "0.1"]
     assert main(["parametric", str(problem(tmp_path, text)), *arguments]) == code
     assert "the two curves run the same way: refuted" in capsys.readouterr().out
-    assert main(["check", str(tmp_path / "case.pas.json")]) == 1
 
 
 def test_all_proofs_can_be_asked_for(tmp_path):
     arguments = ["-o", str(tmp_path), "--no-picture", "--tolerance", "0.1"]
     assert main(["parametric", str(problem(tmp_path, "prove = true\n" + TEXT)), *arguments]) == 1
+
+
+def test_curvature_of_a_cylinder():
+    """Two sections of one cylinder with straight generatrices: the blend is the cylinder."""
+    blend = pas.blend_quadrics("x^2 + y^2 - 1", "z - 1", "x^2 + y^2 - 1", "z + 1")
+    own = generatrix_layers(blend, None, "curvature")[0]
+    np.testing.assert_allclose(np.abs(own.curvature), 0.5, atol=1e-4)
 
 
 @pytest.mark.parametrize("name", ["section", "intersection", "implicit", "iso-curve", "path", "hyperbola"])
@@ -321,9 +331,9 @@ def test_the_quadrics_have_all_four_shape_values(script):
 
 
 def test_the_intersection_is_the_published_curve(script):
-    """x = 36 / sqrt(1040 - 768 cos a - 311 sin^2 a) on the cone (x, 2x/3 cos a, x/3 sin a), up to the sense of rotation.
+    """x = 36 / sqrt(1040 - 768 cos a - 311 sin^2 a) on the cone (x, 2x/3 cos a, x/3 sin a); it is not plane.
 
-    It is not plane.
+    Up to the sense of the rotation of the ellipsoid.
     """
     points = script["solve"]("cone_and_ellipsoid").boundaries[0](S)
     x, cosine, sine = points[:, 0], 3 * points[:, 1] / (2 * points[:, 0]), 3 * points[:, 2] / points[:, 0]
@@ -338,9 +348,9 @@ def test_the_intersection_is_the_published_curve(script):
 def test_the_middle_curve_avoids_the_obstacle(script):
     blend = script["solve"]("obstacle")
     assert blend.degree == 4
-    assert np.linalg.norm(blend.mesh().points, axis=1).min() > 1.2  # the ball's radius is 1
+    assert np.linalg.norm(blend.mesh().points, axis=1).min() > 1.6  # the ball's radius is 1.5
     straight = blend.with_shape(middle=None)
-    assert np.linalg.norm(straight.mesh().points, axis=1).min() <= 1 + 1e-9
+    assert np.linalg.norm(straight.mesh().points, axis=1).min() < 1.01
 
 
 def test_three_pipes_make_one_surface(script, tmp_path):

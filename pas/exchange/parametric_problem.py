@@ -90,11 +90,11 @@ class _Reader(PictureReader):
     lists: ClassVar = {"surfaces"}
 
     def problem(self, data: dict[str, Any]) -> ParametricProblem:
-        self.check(data, "", 0)
         method = self.typed(data, "method", str, "hermite")
         if method not in METHODS:
             known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
             raise self.error(f"method must be one of {known}, not {method!r}", "", 0, "method")
+        self.check(data, "", 0)
         options = {name: data[name] for name in OPTIONS if name in data}
         for name in options:
             if name not in METHODS[method].options:

@@ -15,7 +15,9 @@ from pas.mesh.field import TriangleMesh
 from pas.render.collar import collar
 from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
 
-GRID = (320, 120)
+GRID, CURVED = (320, 120), (160, 60)
+"""Of the blend's mesh; the second for curvatures, which are smooth but slow."""
+
 REACH = 0.3
 """How far the surfaces are shown beyond their curves, over the size of the blend."""
 
@@ -24,9 +26,10 @@ def generatrix_layers(blend: GeneratrixBlend, mesh: TriangleMesh | None, style: 
     """The layers of one blend and its two surfaces."""
     curvature = None
     if mesh is None:
-        mesh = blend.mesh(GRID)
+        size = CURVED if style == "curvature" else GRID
+        mesh = blend.mesh(size)
         if style == "curvature":
-            s, t = np.meshgrid(blend.frames.parameters(GRID[0]), np.linspace(0, 1, GRID[1]), indexing="ij")
+            s, t = np.meshgrid(blend.frames.parameters(size[0]), np.linspace(0, 1, size[1]), indexing="ij")
             curvature = mean_curvatures(blend.surface, np.stack([s, t], axis=-1).reshape(-1, 2))
     reach = REACH * float(np.ptp(mesh.points, axis=0).max())
     layers = [Layer(mesh, BLEND_COLOR, BLEND_TINT, curvature, outlined=True)]

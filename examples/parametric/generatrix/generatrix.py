@@ -25,7 +25,7 @@ def solve(name: str) -> pas.GeneratrixBlend:
 
 def ball() -> pas.ParametricSurface:
     """What the blend of `obstacle` avoids."""
-    return pas.ellipsoid(angle=True)
+    return pas.ellipsoid("3/2", "3/2", "3/2", angle=True)
 
 
 def three_pipes() -> pas.SphereBlend:
