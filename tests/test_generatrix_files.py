@@ -80,6 +80,18 @@ def test_shapes_come_back(tmp_path, name):
     assert [v["status"] for v in verdicts] == [v.status.value for v in blend.certificate.verdicts]
 
 
+@pytest.mark.parametrize("known", [False, True])
+def test_evened_curves_come_back(tmp_path, known):
+    """Where the blend takes curves by their lengths, and where they were so already."""
+    place = "(2*pi*s + 4*sin(2*pi*s)/5)"
+    table = {"implicit": "x^2 + y^2 - 1", "curve": [f"cos({place})", f"sin({place})", "3"]}
+    blend = pas.generatrix_blend(
+        pas.boundary_from(table | ({"by_length": True} if known else {})), pas.boundary_from(PLANES)
+    )
+    assert known or blend.alignment.by_length
+    require_same(blend, pas.load(pas.save_parametric(blend, tmp_path / "a.pas.json")))
+
+
 def test_exact_blends_come_back_and_are_proved(tmp_path):
     pair = pas.boundary_from(TABLES["implicit"]), pas.boundary_from(OPEN)
     blend = pas.generatrix_blend(*pair, pas.GeneratrixShape(1, pas.ShapeFunction.through([(0, 1), (1, 2)])), unit=False)
@@ -212,6 +224,23 @@ def test_the_command(tmp_path, capsys):
     assert "none refuted, not all proved" in capsys.readouterr().out
     assert main(["mesh", str(project), "-o", str(tmp_path / "a.ply"), "--tolerance", "0.1"]) == 0
     assert "within" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (('"1"]', '"1"]\ninterval = [0, 0.5]'), "is closed but"),
+        (('l2 = "1/2"', "l2 = [[0, 1], [1, 2]]"), "l2 differs"),
+        (('l2 = "1/2"', 'middle = ["s", "0", "0"]'), "the middle curve is not"),
+    ],
+)
+def test_failures_leave_nothing(tmp_path, capsys, change, words):
+    path = problem(tmp_path, TEXT.replace(*change, 1))
+    assert main(["parametric", str(path), "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

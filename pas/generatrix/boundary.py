@@ -241,6 +241,8 @@ class Boundary:
         """
         from pas.generatrix.splines import by_length
 
+        if self.source is not None and self.source.get("by_length"):
+            return self  # it is already
         place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
         parameters = self.parameters
         return replace(
