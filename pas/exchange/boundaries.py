@@ -110,8 +110,9 @@ def boundary_from(table: Table, kinds: tuple[Kind, ...] = KINDS) -> Boundary:
         if key in source and not isinstance(source[key], types):
             raise ValueError(f"{key} must be {'a string' if types is str else 'true or false'}, not {source[key]!r}")
     options = {key: source[key] for key in (*kind.may, "side", "name") if key in source}
+    evened = source.pop("by_length", False)
     made = replace(kind.build(source, options), source=source)
-    return made.by_length() if source.get("by_length") else made
+    return made.by_length() if evened else made  # which notes it in the source
 
 
 def as_plain(value: Any) -> Any:
