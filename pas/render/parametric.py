@@ -54,7 +54,7 @@ def parametric_layers(
         elif isinstance(item, SphereBlend):
             layers += sphere_layers(item, known)
         elif isinstance(item, ParametricSurface):
-            place = number % len(COLORS)
+            place = len(layers) % len(COLORS)  # not a colour of a blend before
             layers.append(_layer(item, known, domain, style, COLORS[place], TINTS[place]))
         else:
             raise TypeError(f"what to draw must be a surface or a blend, not {item!r}")
