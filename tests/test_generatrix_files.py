@@ -346,7 +346,9 @@ def test_every_file_has_a_case_and_a_picture():
     assert all(p.stat().st_size < 150_000 for p in pictures)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n == "helicoid_twisted" else ()) for n in CASES]
+)
 def test_worked_case(script, tmp_path, name):
     blend = script["solve"](name)
     assert tuple(v.claim for v in blend.certificate.refuted) == CASES[name]
