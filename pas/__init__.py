@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from pas.errors import PasError as PasError
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
+    from pas.exchange.boundaries import boundary_from as boundary_from
     from pas.exchange.cells import write_cells as write_cells
     from pas.exchange.meshes import write_mesh as write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
@@ -169,6 +170,7 @@ _HOMES = {
         "ProblemFileError",
         "ProjectFileError",
     ),
+    "pas.exchange.boundaries": ("boundary_from",),
     "pas.exchange.cells": ("write_cells",),
     "pas.exchange.meshes": ("write_mesh",),
     "pas.exchange.parametric_problem": ("read_parametric_problem",),

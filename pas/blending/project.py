@@ -14,7 +14,7 @@ from pas.algebra.rational import rational, to_fraction
 from pas.blending.blend import Attempt, Blend
 from pas.errors import PasError, ProjectFileError
 from pas.exchange.container import check_name, read, write
-from pas.exchange.parametric_records import PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
+from pas.exchange.parametric_records import GENERATRIX, PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
 from pas.exchange.records import (
     constraints_record,
     energy_record,
@@ -26,6 +26,7 @@ from pas.exchange.records import (
     surface_record,
 )
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
+from pas.generatrix.blend import GeneratrixBlend
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
 from pas.solid.assembly import Assembly
@@ -58,7 +59,9 @@ def save(blend: Blend, path: str | Path) -> Path:
     return write(path, content, f"pas {__version__}")
 
 
-def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend:
+def load(
+    path: str | Path, *, edited: bool = False
+) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend | GeneratrixBlend:
     """Read a project file back: whatever it holds, exactly as it was written.
 
     A blend has the verdicts as they were written; everything else is proved anew when asked for.
@@ -71,7 +74,7 @@ def load(path: str | Path, *, edited: bool = False) -> Blend | Solid | Assembly 
     kind = content.get("kind", BLEND)
     if kind in (SOLID, ASSEMBLY):
         return solid_from_content(content, name)
-    if kind in (PARAMETRIC_SURFACE, PARAMETRIC_BLEND):
+    if kind in (PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX):
         return parametric_from_content(content, name)
     if kind != BLEND:
         raise ProjectFileError(f"{name}: holds a thing of kind {kind!r}, which this program does not know; update pas")

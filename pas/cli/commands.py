@@ -89,11 +89,12 @@ def run_check(options: argparse.Namespace) -> int:
     """`pas check`."""
     from pas.blending.blend import Blend
     from pas.blending.project import load
+    from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
 
     thing = load(options.project, edited=options.edited)
-    if isinstance(thing, ParametricSurface | ParametricBlend):
+    if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.check(thing)
     start = time.perf_counter()
     certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
@@ -109,12 +110,13 @@ def run_mesh(options: argparse.Namespace) -> int:
     from pas.blending.project import load
     from pas.exchange.meshes import check_mesh_suffix, write_mesh
     from pas.exchange.solids import write_solid
+    from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
 
     tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
     thing = load(options.project)
-    if isinstance(thing, ParametricSurface | ParametricBlend):
+    if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.mesh(thing, options.output, tolerance)
     if not isinstance(thing, Blend):
         print(write_solid(thing, options.output, tolerance=tolerance))

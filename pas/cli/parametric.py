@@ -11,14 +11,22 @@ from typing import TYPE_CHECKING
 
 from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, progress
 from pas.errors import MissingLibraryError
+from pas.surface.certificate import Verdict
 
 if TYPE_CHECKING:
+    from pas.exchange.generatrix_problem import GeneratrixProblem
     from pas.exchange.parametric_problem import ParametricProblem
+    from pas.generatrix.blend import GeneratrixBlend
+    from pas.generatrix.verdicts import GeneratrixCertificate
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.meshing import ParametricMesh
+    from pas.parametric.proofs import ParametricCertificate
     from pas.parametric.surface import ParametricSurface
 
-    Thing = ParametricSurface | ParametricBlend
+    Problem = ParametricProblem | GeneratrixProblem
+    Made = ParametricBlend | GeneratrixBlend
+    Certificate = ParametricCertificate | GeneratrixCertificate
+    Thing = ParametricSurface | Made
 
 
 def run_parametric(options: argparse.Namespace) -> int:
@@ -29,19 +37,17 @@ def run_parametric(options: argparse.Namespace) -> int:
 
     problem = read_parametric_problem(options.problem)
     if options.order is not None:
-        problem = replace(problem, order=options.order)
+        problem = _with_order(problem, options.order)
     folder = output_folder(options.output)
     tolerance = problem.tolerance if options.tolerance is None else options.tolerance
     tolerance = None if tolerance is None else checked_tolerance(tolerance)
     start = time.perf_counter()
-    blend = problem.blend()
-    if problem.domain is not None:
-        blend = replace(blend, surface=blend.surface.with_domain(problem.domain))
+    blend = _blend(problem)
     start = _passed("blend", start)
-    certificate = blend.prove()
+    certificate = prove(blend)
     start = _passed("proofs", start)
     print(f"{blend}\n\n{certificate}\n")
-    made = blend.mesh(tolerance)
+    made = blend.surface.mesh(tolerance)
     _passed(f"mesh ({len(made.triangles)} triangles)", start)
     folder.mkdir(parents=True, exist_ok=True)
     base = folder / problem.name
@@ -52,27 +58,66 @@ def run_parametric(options: argparse.Namespace) -> int:
     if notes:
         print(f"pas: no picture: {notes}", file=sys.stderr)
         return FAILED
-    return DONE if certificate.proved or not problem.prove else FAILED
+    return DONE if _holds(certificate, problem.prove) else FAILED
 
 
 def check(thing: Thing) -> int:
     """`pas check` of a parametric surface or blend."""
-    from pas.parametric.blends import ParametricBlend
     from pas.parametric.regularity import regularity
+    from pas.parametric.surface import ParametricSurface
 
     start = time.perf_counter()
-    found = thing.prove() if isinstance(thing, ParametricBlend) else regularity(thing)
-    verdict = "all proved" if found.proved else "not all proved"
+    found = regularity(thing) if isinstance(thing, ParametricSurface) else prove(thing)
+    holds = found.proved if isinstance(found, Verdict) else _holds(found, None)
+    verdict = "all proved" if found.proved else "none refuted, not all proved" if holds else "not all proved"
     print(f"{found}\n\n{verdict}, in {time.perf_counter() - start:.2f} s")
-    return DONE if found.proved else FAILED
+    return DONE if holds else FAILED
+
+
+def prove(blend: Made) -> Certificate:
+    """All verdicts about a blend."""
+    from pas.parametric.blends import ParametricBlend
+
+    return blend.prove() if isinstance(blend, ParametricBlend) else blend.certificate
+
+
+def _holds(certificate: Certificate, wanted: bool | None) -> bool:
+    """Whether a certificate is as wanted: True, all proved; False, anything.
+
+    None: what the kind of blend can give, for generatrix blends, much of which is measured, that nothing is refuted.
+    """
+    from pas.generatrix.verdicts import GeneratrixCertificate
+
+    if wanted is False or certificate.proved:
+        return True
+    return wanted is None and isinstance(certificate, GeneratrixCertificate) and not certificate.refuted
+
+
+def _blend(problem: Problem) -> Made:
+    """The blend of a problem, on the problem's domain."""
+    from pas.exchange.generatrix_problem import GeneratrixProblem
+
+    if isinstance(problem, GeneratrixProblem):
+        return problem.blend()
+    blend = problem.blend()
+    return blend if problem.domain is None else replace(blend, surface=blend.surface.with_domain(problem.domain))
+
+
+def _with_order(problem: Problem, order: int) -> Problem:
+    from pas.exchange.generatrix_problem import GeneratrixProblem
+
+    if isinstance(problem, GeneratrixProblem):
+        raise ValueError(f"a blend of the method {problem.method!r} has contact of order 1; leave out --order")
+    return replace(problem, order=order)
 
 
 def mesh(thing: Thing, path: str, tolerance: float | None) -> int:
     """`pas mesh` of a parametric surface or blend."""
     from pas.exchange.meshes import check_mesh_suffix, write_mesh
+    from pas.parametric.conversion import surface_of
 
     check_mesh_suffix(path)
-    made = thing.mesh(tolerance)
+    made = surface_of(thing).mesh(tolerance)
     print(f"{write_mesh(made, path)}: {size_of(made)}")
     return DONE
 
@@ -83,14 +128,13 @@ def size_of(mesh: ParametricMesh) -> str:
     return f"{len(mesh.triangles)} triangles, within {mesh.deviation:.3g} of the surface ({how})"
 
 
-def _draw(
-    problem: ParametricProblem, blend: ParametricBlend, mesh: ParametricMesh, base: Path, written: list[Path]
-) -> str:
+def _draw(problem: Problem, blend: Made, mesh: ParametricMesh, base: Path, written: list[Path]) -> str:
     """Draw the picture; returns why there is none where OpenGL is missing."""
+    from pas.parametric.blends import ParametricBlend
     from pas.render.picture import Style, draw
 
     start, style = time.perf_counter(), Style(problem.style)
-    known = None if style is Style.ZEBRA else mesh
+    known = mesh if style is not Style.ZEBRA and isinstance(blend, ParametricBlend) else None
     try:
         written.append(draw(blend, f"{base}.png", style=style, mesh=known, view=problem.view))
     except MissingLibraryError as error:

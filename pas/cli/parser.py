@@ -75,7 +75,17 @@ def _parametric_parser(added: Commands) -> None:
         "  [[surfaces]]         # two or more, met at h = 0, 1, ... or at values = [...]\n"
         '  x = "(1 - t^2)/(1 + t^2)"\n  y = "2*t/(1 + t^2)"\n  z = "h - 1"\n\n'
         "  [domain]             # of proof, mesh and picture\n  t = [-1, 1]\n\n"
-        "Also: parameters, tolerance, prove, [picture] (style, view).",
+        "Also: parameters, tolerance, prove, [picture] (style, view).\n\n"
+        "Or by a Bezier generatrix between two boundaries of any kind:\n\n"
+        '  method = "generatrix"                # or "quadrics": closed plane sections of quadrics\n\n'
+        "  [[boundaries]]                       # two of these; a plane section of a quadric,\n"
+        '  quadric = "x^2 + y^2 - 1"\n  plane = "z - 2"\n\n'
+        "  [[boundaries]]                       # or a curve on an implicit surface, or others\n"
+        '  implicit = "y^2 + z^2 - 1"\n  curve = ["3", "cos(2*pi*s)", "sin(2*pi*s)"]\n\n'
+        "  [shape]                              # a number, pairs, a cosine; middle: a curve\n"
+        "  l1 = 1\n  l2 = { low = 0.5, high = 1 }\n\n"
+        "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
+        "Also: align, unit, tolerance, prove, [picture].",
     )
     parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
     parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")

@@ -3,7 +3,7 @@
 `{"format": "pas-project", "version": 1, "written_by": ..., "sha256": ..., "content": {...}}`; the
 checksum is that of the content in canonical form, so that a file changed by hand or damaged is
 noticed before its verdicts are believed.  The content has a `kind` ("blend", "solid", "assembly", "parametric surface",
-"parametric blend"); without one it is a blend.
+"parametric blend", "generatrix blend"); without one it is a blend.
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from pas.exchange.files import replacing
+from pas.generatrix.blend import GeneratrixBlend
+from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.field import Floats, Integers, TriangleMesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
@@ -24,7 +26,7 @@ def check_mesh_suffix(path: str | Path) -> str:
 
 
 def write_mesh(
-    shape: TriangleMesh | ParametricSurface | ParametricBlend,
+    shape: TriangleMesh | ParametricSurface | ParametricBlend | GeneratrixBlend | SphereBlend,
     path: str | Path,
     *,
     tolerance: Any = None,
@@ -33,7 +35,8 @@ def write_mesh(
     """Write a mesh with its normals (STL has those of its facets only); returns the path.
 
     `.stl` is binary; `.vtp` is VTK's XML format, with the parameters of vertices where there are any.  `tolerance`
-    and `domain` are those of `ParametricSurface.mesh`, for surfaces and blends.
+    and `domain` are those of `ParametricSurface.mesh`, for surfaces and blends of two (of one by a generatrix, of its
+    `surface`); a `SphereBlend` has a `mesh` of its own.
 
     Raises `ValueError` for another suffix and for these two beside a mesh, `TypeError` for another shape, and what
     `mesh` raises.
@@ -53,6 +56,9 @@ def write_mesh(
 def _mesh(shape: Any, tolerance: Any, domain: Any) -> TriangleMesh:
     if isinstance(shape, ParametricSurface | ParametricBlend):
         return shape.mesh(tolerance, domain)
+    if isinstance(shape, GeneratrixBlend):
+        return shape.surface.mesh(tolerance, domain)
+    shape = shape.mesh() if isinstance(shape, SphereBlend) else shape
     if not isinstance(shape, TriangleMesh):
         raise TypeError(f"shape must be a TriangleMesh, a parametric surface or a blend of such, not {shape!r}")
     if tolerance is not None or domain is not None:

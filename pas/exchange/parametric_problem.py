@@ -1,5 +1,7 @@
 """Problem files (TOML) of parametric blends: which surfaces, at which values, and how.
 
+Files of the methods "generatrix" and "quadrics" have other tables: see `pas.exchange.generatrix_problem`.
+
 order = 2                      # of contact
 method = "hermite"             # the default; or "weighted", or another one of METHODS
 values = [0, 1]                # optional: the value of the second parameter at which each surface is met
@@ -28,13 +30,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pas.algebra.rational import rational, to_float, vector
+from pas.algebra.rational import rational
 from pas.errors import PasError
-from pas.exchange.tables import TableReader, read_toml
+from pas.exchange.generatrix_problem import GENERATRIX_METHODS, GeneratrixProblem, GeneratrixReader
+from pas.exchange.picture_options import PictureReader
+from pas.exchange.tables import read_toml
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.methods import METHODS, blend_by
@@ -42,7 +45,6 @@ from pas.parametric.rational_function import PARAMETERS
 from pas.parametric.surface import Domain, ParametricSurface
 
 OPTIONS = {name for method in METHODS.values() for name in method.options}
-STYLES = ("plain", "zebra", "curvature")
 WHOLE = {"name", "order", "method", "values", "parameters", "tolerance", "prove", "surfaces", "domain", "picture"}
 
 
@@ -66,17 +68,19 @@ class ParametricProblem:
         return blend_by(self.method, self.data, self.order, self.options)
 
 
-def read_parametric_problem(path: str | Path) -> ParametricProblem:
-    """Read a problem file.
+def read_parametric_problem(path: str | Path) -> ParametricProblem | GeneratrixProblem:
+    """Read a problem file; its method says of which kind it is (see `pas.exchange.generatrix_problem`).
 
     Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong types and values, and
     surfaces that cannot be blended; `FileNotFoundError`.
     """
     file, text, data = read_toml(path)
+    if data.get("method") in GENERATRIX_METHODS:
+        return GeneratrixReader(file, text).problem(data)
     return _Reader(file, text).problem(data)
 
 
-class _Reader(TableReader):
+class _Reader(PictureReader):
     keys: ClassVar = {
         "": WHOLE | OPTIONS,
         "surfaces": {"x", "y", "z", "domain"},
@@ -86,11 +90,11 @@ class _Reader(TableReader):
     lists: ClassVar = {"surfaces"}
 
     def problem(self, data: dict[str, Any]) -> ParametricProblem:
-        self.check(data, "", 0)
         method = self.typed(data, "method", str, "hermite")
         if method not in METHODS:
-            known = ", ".join(map(repr, METHODS))
+            known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
             raise self.error(f"method must be one of {known}, not {method!r}", "", 0, "method")
+        self.check(data, "", 0)
         options = {name: data[name] for name in OPTIONS if name in data}
         for name in options:
             if name not in METHODS[method].options:
@@ -103,9 +107,7 @@ class _Reader(TableReader):
             blending = BlendingData(surfaces, data.get("values"))
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "", 0, "values") from None
-        tolerance = self.typed(data, "tolerance", (int, float, Fraction), None)
-        picture = data.get("picture", {})
-        self.check(picture, "picture", 0)
+        style, view = self.picture(data)
         return ParametricProblem(
             name=self.name(data),
             data=blending,
@@ -113,10 +115,10 @@ class _Reader(TableReader):
             method=method,
             options=options,
             domain=self._domain(data, names, blending),
-            tolerance=None if tolerance is None else float(tolerance),
+            tolerance=self.tolerance(data),
             prove=self.typed(data, "prove", bool, True),
-            style=self._style(picture),
-            view=self._view(picture),
+            style=style,
+            view=view,
         )
 
     def _parameters(self, data: dict[str, Any]) -> tuple[str, str]:
@@ -145,23 +147,6 @@ class _Reader(TableReader):
             return blending.surfaces[0].with_domain(None).with_domain(given).domain
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "domain", 0) from None
-
-    def _style(self, picture: dict[str, Any]) -> str:
-        style = picture.get("style", "zebra")
-        if style not in STYLES:
-            raise self.error(f"style must be one of {', '.join(STYLES)}, not {style!r}", "picture", 0, "style")
-        return str(style)
-
-    def _view(self, picture: dict[str, Any]) -> tuple[float, float, float] | None:
-        if "view" not in picture:
-            return None
-        try:
-            x, y, z = map(to_float, vector(picture["view"], "view"))
-        except (ValueError, TypeError) as error:
-            raise self.error(str(error), "picture", 0, "view") from None
-        if x == y == z == 0:
-            raise self.error("view must not be the zero vector", "picture", 0, "view")
-        return x, y, z
 
 
 def _intervals(domain: Any) -> Any:

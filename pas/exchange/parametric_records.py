@@ -20,6 +20,9 @@ from pas._version import __version__
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.errors import PasError, ProjectFileError
 from pas.exchange.container import check_name, write
+from pas.exchange.generatrix_records import generatrix_record, read_generatrix
+from pas.generatrix.blend import GeneratrixBlend
+from pas.generatrix.verdicts import GeneratrixCertificate
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.methods import blend_by, method_of
@@ -27,22 +30,27 @@ from pas.parametric.proofs import ParametricCertificate
 from pas.parametric.rational_function import RING, RationalFunction
 from pas.parametric.surface import ParametricSurface
 
-PARAMETRIC_SURFACE, PARAMETRIC_BLEND = "parametric surface", "parametric blend"
+PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX = "parametric surface", "parametric blend", "generatrix blend"
 READ_ERRORS = (KeyError, TypeError, ValueError, IndexError, AttributeError, ZeroDivisionError, PasError)
 
 
 def save_parametric(
-    thing: ParametricSurface | ParametricBlend, path: str | Path, certificate: ParametricCertificate | None = None
+    thing: ParametricSurface | ParametricBlend | GeneratrixBlend,
+    path: str | Path,
+    certificate: ParametricCertificate | GeneratrixCertificate | None = None,
 ) -> Path:
-    """Write a parametric surface or blend as a project file; returns the path.  `pas.load` reads it.
+    """Write a parametric surface or blend, or a blend by a generatrix, as a project file; returns the path.
 
-    `certificate` goes with a blend for those who read the file; `pas check` proves anew.  Raises `ValueError` unless
-    the name ends in `.pas.json`, and for surfaces made of callables; `TypeError` for other things.
+    `pas.load` reads it.  `certificate` goes with a blend for those who read the file; `pas check` proves anew.
+
+    Raises `ValueError` unless the name ends in `.pas.json`, and for surfaces, boundaries and middle curves made of
+    callables; `TypeError` for other things.
     """
     check_name(path)
     if isinstance(thing, ParametricBlend):
-        content = {"kind": PARAMETRIC_BLEND, **_blend_record(thing)}
-        content["verdicts"] = None if certificate is None else [v.to_record() for v in certificate.verdicts]
+        content = {"kind": PARAMETRIC_BLEND, **_blend_record(thing), "verdicts": _verdicts(certificate)}
+    elif isinstance(thing, GeneratrixBlend):
+        content = {"kind": GENERATRIX, **generatrix_record(thing), "verdicts": _verdicts(certificate)}
     elif isinstance(thing, ParametricSurface):
         content = {"kind": PARAMETRIC_SURFACE, "surface": surface_record(thing)}
     else:
@@ -50,16 +58,22 @@ def save_parametric(
     return write(path, content, f"pas {__version__}")
 
 
-def parametric_from_content(content: dict[str, Any], name: str) -> ParametricSurface | ParametricBlend:
+def parametric_from_content(
+    content: dict[str, Any], name: str
+) -> ParametricSurface | ParametricBlend | GeneratrixBlend:
     """The surface or blend of a project file's content; raises `ProjectFileError`."""
     try:
         if content["kind"] == PARAMETRIC_SURFACE:
             return read_surface(content["surface"])
-        return _read_blend(content)
+        return read_generatrix(content) if content["kind"] == GENERATRIX else _read_blend(content)
     except READ_ERRORS as error:
         raise ProjectFileError(
             f"{name}: the content cannot be understood ({type(error).__name__}: {error}); write it again"
         ) from None
+
+
+def _verdicts(certificate: ParametricCertificate | GeneratrixCertificate | None) -> list[dict[str, Any]] | None:
+    return None if certificate is None else [v.to_record() for v in certificate.verdicts]
 
 
 def surface_record(surface: ParametricSurface) -> dict[str, Any]:

@@ -20,12 +20,13 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
 from pas.exchange.files import replacing
+from pas.generatrix.blend import GeneratrixBlend
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.patches import RationalPatch
 from pas.parametric.surface import ParametricSurface
 
-Shape = RationalPatch | ParametricSurface | ParametricBlend
+Shape = RationalPatch | ParametricSurface | ParametricBlend | GeneratrixBlend
 
 SUFFIXES = (".step", ".stp")
 
@@ -77,7 +78,7 @@ def _patches(patches: Any) -> list[RationalPatch]:
         raise ValueError("there must be at least one patch")
     found: list[RationalPatch] = []
     for number, item in enumerate(items):
-        surface = item.surface if isinstance(item, ParametricBlend) else item
+        surface = item.surface if isinstance(item, ParametricBlend | GeneratrixBlend) else item
         if isinstance(surface, ParametricSurface) and not surface.is_exact:
             raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
         if isinstance(surface, ParametricSurface):

@@ -56,6 +56,22 @@ class GeneratrixBlend:
     shape: GeneratrixShape
     alignment: Alignment
 
+    @classmethod
+    def of_turned(
+        cls,
+        boundaries: tuple[Boundary, Boundary],
+        signs: tuple[int, int],
+        shape: GeneratrixShape,
+        alignment: Alignment,
+        unit: bool = True,
+    ) -> GeneratrixBlend:
+        """The blend of boundaries that are turned to fit already; `signs` are those of N x C' (or V) towards it.
+
+        Lengths that `shape` leaves open are filled in.  Raises as `generatrix_blend` does for shapes.
+        """
+        frames = Frames(boundaries, signs, unit, _middle(shape, boundaries[0]))
+        return _checked(cls(frames, with_lengths(shape, frames), alignment))
+
     @property
     def boundaries(self) -> tuple[Boundary, Boundary]:
         """The two boundaries, the second one turned to fit the first."""
@@ -230,8 +246,7 @@ def generatrix_blend(
     require_apart(first, second)
     signs = sides(first, second)
     first, second, found = aligned(first, second, signs, align)
-    frames = Frames((first, second), signs, unit, _middle(shape, first))
-    blend = _checked(GeneratrixBlend(frames, with_lengths(shape, frames), found))
+    blend = GeneratrixBlend.of_turned((first, second), signs, shape, found, unit)
     open_lengths = [name for name in ("l1", "l2") if getattr(shape, name) is None]
     return _shortened(blend, open_lengths) if open_lengths and align else blend
 

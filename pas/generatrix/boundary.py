@@ -10,7 +10,7 @@ with one sense of the normal: by exact identities and roots for exact data, else
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -49,7 +49,8 @@ class Boundary:
     `side` pointing there; None leaves it to the blend.  `name` stands in messages, `exact` holds the rational
     curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's
     parameter s is brought to the curve's own by `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed
-    curves.
+    curves.  `surface` is what the curve lies on, where that is known; for a parametric one `parameters` are the pairs
+    (n, 2) along the curve.  `source` is the table that all this was read from, where it was.
 
     Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
     closed is not.
@@ -66,6 +67,9 @@ class Boundary:
     bounds: Callable[[], Bounds] | None = None
     phase: float = 0.0
     backwards: bool = False
+    surface: Polynomial | ParametricSurface | None = None
+    parameters: Curve | None = None
+    source: Mapping[str, Any] | None = field(default=None, repr=False)
     checked: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -127,7 +131,7 @@ class Boundary:
             exact = ExactCurve(path.components, _gradient(f, path), True)
         else:
             require_on(f, path, name)
-        return _made(path, lambda s: f.gradient(value_at(path, s)), True, closed, name, exact, side)
+        return _made(path, lambda s: f.gradient(value_at(path, s)), True, closed, name, exact, side, f)
 
     @classmethod
     def on_parametric(
@@ -159,7 +163,16 @@ class Boundary:
         ends = curve(np.array([low, high]))
         shut = closes(ends) if closed is None else closed
         return cls(
-            lambda s: curve(own(s)), velocity, lambda s: _plain_normals(curve, own(s)), True, shut, name, exact, side
+            lambda s: curve(own(s)),
+            velocity,
+            lambda s: _plain_normals(curve, own(s)),
+            has_normal=True,
+            closed=shut,
+            name=name,
+            exact=exact,
+            side=side,
+            surface=curve.surface,
+            parameters=lambda s: curve.parameters(own(s)),
         )
 
     @classmethod
@@ -228,13 +241,18 @@ class Boundary:
         """
         from pas.generatrix.splines import by_length
 
+        if self.source is not None and self.source.get("by_length"):
+            return self  # it is already
         place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
+        parameters = self.parameters
         return replace(
             self,
             curve=lambda s: self.curve(place(s)),
             velocity=lambda s: self.velocity(place(s)) * speed(s)[:, None],
             direction=lambda s: self.direction(place(s)),
             exact=None,
+            parameters=None if parameters is None else lambda s: parameters(place(s)),
+            source=None if self.source is None else {**self.source, "by_length": True},
         )
 
     def _shaped(self, function: Curve, s: Any) -> Floats:
@@ -255,10 +273,19 @@ def _made(
     name: str,
     exact: ExactCurve | None,
     side: int | None,
+    surface: Polynomial | None = None,
 ) -> Boundary:
     shut = closes(value_at(path, np.array([0.0, 1.0]))) if closed is None else closed
     return Boundary(
-        lambda s: value_at(path, s), lambda s: value_at(path, s, 1), direction, has_normal, shut, name, exact, side
+        lambda s: value_at(path, s),
+        lambda s: value_at(path, s, 1),
+        direction,
+        has_normal=has_normal,
+        closed=shut,
+        name=name,
+        exact=exact,
+        side=side,
+        surface=surface,
     )
 
 

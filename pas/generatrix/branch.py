@@ -156,6 +156,7 @@ class QuadricBranch:
             closed=interval is None,
             name=name,
             side=side,
+            surface=f,
         )
 
     def local(self, s: Floats) -> Floats:

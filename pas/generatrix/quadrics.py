@@ -20,6 +20,8 @@ from pas.generatrix.quadric import text
 from pas.generatrix.sections import plane_section
 from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.space import unit
+from pas.generatrix.sphere_mesh import sphere_mesh
+from pas.mesh.field import TriangleMesh
 
 SAMPLES = 256
 
@@ -64,6 +66,13 @@ class SphereBlend:
     circles: tuple[Boundary, ...]
     angles: tuple[float, ...]
     blends: tuple[GeneratrixBlend, ...]
+
+    def mesh(self, size: tuple[int, int] = (96, 48)) -> TriangleMesh:
+        """Triangles of all blends, each on a grid of that size, and of the sphere between the circles, all welded.
+
+        Normals point out of the sphere.
+        """
+        return sphere_mesh(self.center, self.radius, [blend.mesh(size) for blend in self.blends], size)
 
     def require(self) -> SphereBlend:
         """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted."""

@@ -134,6 +134,7 @@ def plane_section(
         name=name,
         side=side,
         bounds=(lambda: ellipse_bounds(surface, conic)) if closed else None,
+        surface=f,
     )
 
 

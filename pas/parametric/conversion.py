@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import comb, factorial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from flint import fmpq
@@ -102,14 +102,32 @@ def bezier_patches(surface: ParametricSurface, domain: Any = None) -> tuple[Rati
     return tuple(found)
 
 
-def fit_patch(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> FittedPatch:
+class HasSurface(Protocol):
+    """A blend, say."""
+
+    @property
+    def surface(self) -> ParametricSurface:
+        """The surface that it is."""
+
+
+def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
+    """A surface itself, or that of a blend; raises `TypeError` for what has none."""
+    found = thing if isinstance(thing, ParametricSurface) else getattr(thing, "surface", None)
+    if not isinstance(found, ParametricSurface):
+        raise TypeError(f"surface must be a parametric surface or a blend of such, not {thing!r}")
+    return found
+
+
+def fit_patch(surface: ParametricSurface | HasSurface, tolerance: Any = None, domain: Any = None) -> FittedPatch:
     """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
 
-    It interpolates at the Greville abscissae of uniform knots.  Raises `ValueError` for an infinite domain,
-    `GeometryError` for a pole or where MOST spans do not suffice.
+    For a blend, of its `surface`.  It interpolates at the Greville abscissae of uniform knots.
+
+    Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
     """
-    rectangle = finite_domain(surface, domain)
-    bounded = surface.with_domain(rectangle)
+    whole = surface_of(surface)
+    rectangle = finite_domain(whole, domain)
+    bounded = whole.with_domain(rectangle)
     aim = RELATIVE * extent(bounded) if tolerance is None else checked_tolerance(tolerance)
     spans = [_spans(bounded, axis, aim * SHARE) for axis in (0, 1)]
     while True:

@@ -7,22 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import PasError
+from pas.generatrix.blend import GeneratrixBlend
+from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.field import TriangleMesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.meshing import ParametricMesh, extent, finite_domain
 from pas.parametric.surface import Domain, ParametricSurface
-from pas.render.layers import BLEND_COLOR, Layer
+from pas.render.generatrix import generatrix_layers, sphere_layers
+from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
 
 Parametric = ParametricSurface | ParametricBlend
-
-COLORS = ("#5b8db8", "#7fae7a", "#b07aa1", "#9c755f", "#76b7b2", "#c95d63")
-"""Of the surfaces that a blend meets, in their order, and of several surfaces."""
-
-BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5e4e1", "#efbcbf")
-"""Of their bright stripes."""
+Drawable = Parametric | GeneratrixBlend | SphereBlend
 
 REACH = 0.4
 """How far a blend's surfaces are shown beyond their curves, over the range of the blend's second parameter."""
@@ -36,18 +33,15 @@ THROUGH = 0.35
 TURNS, RISE, USUAL = 16, 0.55, 1.1
 """Views that are tried, their height over their distance, and by how much another must be better than the first."""
 
-FLAT = 1e-12
-"""Where the normal is shorter, over the tangents, there is no curvature."""
-
 
 def parametric_layers(
-    things: Parametric | Sequence[Parametric], mesh: TriangleMesh | None, domain: Any, style: str
+    things: Drawable | Sequence[Drawable], mesh: TriangleMesh | None, domain: Any, style: str
 ) -> list[Layer]:
     """The layers of a picture; `mesh` is that of the first thing.
 
     Raises `TypeError` for other things, `ValueError` for none, and what meshing raises.
     """
-    items = [things] if isinstance(things, Parametric) else list(things) if isinstance(things, Sequence) else [things]
+    items = list(things) if isinstance(things, Sequence) else [things]
     if not items:
         raise ValueError("there must be at least one surface to draw")
     layers: list[Layer] = []
@@ -55,8 +49,12 @@ def parametric_layers(
         known = mesh if number == 0 else None
         if isinstance(item, ParametricBlend):
             layers += _blend_layers(item, known, domain, style)
+        elif isinstance(item, GeneratrixBlend):
+            layers += generatrix_layers(item, known, style)
+        elif isinstance(item, SphereBlend):
+            layers += sphere_layers(item, known)
         elif isinstance(item, ParametricSurface):
-            place = number % len(COLORS)
+            place = len(layers) % len(COLORS)  # not a colour of a blend before
             layers.append(_layer(item, known, domain, style, COLORS[place], TINTS[place]))
         else:
             raise TypeError(f"what to draw must be a surface or a blend, not {item!r}")
@@ -127,19 +125,3 @@ def widest_view(meshes: Sequence[TriangleMesh]) -> tuple[float, float, float]:
     seen[0] *= USUAL
     x, y, z = directions[int(seen.argmax())].tolist()
     return x, y, z
-
-
-def mean_curvatures(surface: ParametricSurface, parameters: Floats) -> Floats:
-    """Mean curvatures at parameters (N, 2), positive where the surface bends towards dP/dt x dP/dh; nan at poles."""
-    (p, q), (a, b, c) = (
-        (surface.derivative(parameters, *orders) for orders in group)
-        for group in (((1, 0), (0, 1)), ((2, 0), (1, 1), (0, 2)))
-    )
-    normal = np.cross(p, q)
-    first = [(u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))]
-    length = np.linalg.norm(normal, axis=-1)
-    with np.errstate(all="ignore"):
-        second = [(u * normal).sum(axis=-1) / length for u in (a, b, c)]
-        above = second[0] * first[2] - 2 * second[1] * first[1] + second[2] * first[0]
-        result = above / (2 * length * length)
-    return np.where(length > FLAT * np.sqrt(first[0] * first[2]), result, np.nan)

@@ -15,7 +15,7 @@ from pas.mesh.field import TriangleMesh
 from pas.render.layers import BLEND_COLOR, CURVE_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
 from pas.render.offscreen import offscreen_pyvista
-from pas.render.parametric import Parametric, parametric_layers, widest_view
+from pas.render.parametric import Drawable, parametric_layers, widest_view
 from pas.surface.piecewise import PiecewiseSurface
 
 SIZE = (1200, 900)
@@ -56,7 +56,7 @@ class Style(Enum):
 
 
 def draw(
-    surface: PiecewiseSurface | Parametric | Sequence[Parametric],
+    surface: PiecewiseSurface | Drawable | Sequence[Drawable],
     path: str | Path,
     *,
     style: Style = Style.PLAIN,
@@ -67,8 +67,9 @@ def draw(
 ) -> Path:
     """Draw a surface with its neighbours into a PNG file; returns the path.
 
-    The surface is a piecewise algebraic one, a parametric surface or blend, or several of these.  A parametric blend
-    is drawn with its surfaces beyond their curves, in other colours; `domain` is that of `ParametricSurface.mesh`
+    The surface is a piecewise algebraic one, a parametric surface or blend, a blend by a generatrix or through a
+    sphere, or several of these.  A blend is drawn with its surfaces beyond their curves, in other colours, as far as
+    they are known; `domain` is that of `ParametricSurface.mesh`
     (for all that are given).
 
     `Style.ZEBRA` shows isophotes, lines of equal angle between normal and a direction: across a

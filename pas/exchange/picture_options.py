@@ -1,0 +1,41 @@
+"""What problem files of parametric surfaces have in common: how the picture is drawn, and how fine the mesh is."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from pas.algebra.rational import to_float, vector
+from pas.exchange.tables import TableReader
+
+STYLES = ("plain", "zebra", "curvature")
+View = tuple[float, float, float]
+
+
+class PictureReader(TableReader):
+    """Readers of files with a table [picture] (style, view) and a tolerance."""
+
+    def picture(self, data: dict[str, Any]) -> tuple[str, View | None]:
+        """Style and direction of view."""
+        table = data.get("picture", {})
+        self.check(table, "picture", 0)
+        style = table.get("style", "zebra")
+        if style not in STYLES:
+            raise self.error(f"style must be one of {', '.join(STYLES)}, not {style!r}", "picture", 0, "style")
+        return str(style), self._view(table)
+
+    def tolerance(self, data: dict[str, Any]) -> float | None:
+        """That of the mesh, where given."""
+        tolerance = self.typed(data, "tolerance", (int, float, Fraction), None)
+        return None if tolerance is None else float(tolerance)
+
+    def _view(self, table: dict[str, Any]) -> View | None:
+        if "view" not in table:
+            return None
+        try:
+            x, y, z = map(to_float, vector(table["view"], "view"))
+        except (ValueError, TypeError) as error:
+            raise self.error(str(error), "picture", 0, "view") from None
+        if x == y == z == 0:
+            raise self.error("view must not be the zero vector", "picture", 0, "view")
+        return x, y, z
