@@ -12,9 +12,7 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -42,9 +40,8 @@ Interval = tuple[float, float]
 Domain = tuple[Interval, Interval]
 PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
-CHUNK, MOST_WORKERS = 1 << 14, 8
-"""Points evaluated at once (some dozen intermediate arrays of this length fit into the caches), and how
-many such blocks are worked on side by side, processors permitting."""
+CHUNK = 1 << 14
+"""Points evaluated at once: some dozen intermediate arrays of this length fit into the caches."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -284,24 +281,13 @@ class ParametricSurface:
             raise ValueError(f"points must have shape (..., 2), parameters t and h, not {array.shape}")
         flat = array.reshape(-1, 2)
         result = np.empty((3, *extra, len(flat)))
-
-        def fill(start: int) -> None:
-            block = np.ascontiguousarray(flat[start : start + CHUNK].T)
-            self._check(block[0], block[1])
-            with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"):
+            for start in range(0, len(flat), CHUNK):
+                checkpoint("evaluating a surface", start / len(flat))
+                block = np.ascontiguousarray(flat[start : start + CHUNK].T)
+                self._check(block[0], block[1])
                 for axis, part in enumerate(work(block[0], block[1])):
                     result[axis, ..., start : start + CHUNK] = part
-
-        starts = range(0, len(flat), CHUNK)
-        # formulas of ours may run side by side, once the first block has prepared them; callables may not
-        workers = min(os.cpu_count() or 1, MOST_WORKERS) if self.is_exact and len(starts) > 2 else 1
-        for start in starts[: 1 if workers > 1 else None]:
-            checkpoint("evaluating a surface", start / len(flat))
-            fill(start)
-        if workers > 1:
-            with ThreadPoolExecutor(workers) as pool:
-                for start, _ in zip(starts[1:], pool.map(fill, starts[1:]), strict=True):
-                    checkpoint("evaluating a surface", start / len(flat))
         return np.moveaxis(result.reshape(3, *extra, *array.shape[:-1]), 0, -1)
 
     def _check(self, t: Floats, h: Floats) -> None:
