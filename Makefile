@@ -53,6 +53,7 @@ lint: setup
 examples: setup
 	$(BIN)/python examples/corners/corners.py
 	$(BIN)/python examples/parametric/parametric.py
+	$(BIN)/python examples/parametric/generatrix/generatrix.py
 	for script in examples/gallery/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup

@@ -32,7 +32,7 @@ from pas.generatrix.injective import is_injective
 from pas.mesh.field import Integers
 from pas.parametric.regularity import regularity
 from pas.parametric.surface import Components
-from pas.surface.certificate import Verdict
+from pas.surface.certificate import Verdict, Verdicts
 
 if TYPE_CHECKING:
     from pas.generatrix.blend import GeneratrixBlend
@@ -52,7 +52,7 @@ NEWTON_STEPS, DOUBLE_POINTS = 25, 12
 
 
 @dataclass(frozen=True)
-class GeneratrixCertificate:
+class GeneratrixCertificate(Verdicts):
     """All verdicts about one blend.
 
     `contacts`: G1 with each surface.  `sense`: the curves run the same way round.  `regular`: the normal vanishes
@@ -68,22 +68,6 @@ class GeneratrixCertificate:
     def verdicts(self) -> tuple[Verdict, ...]:
         """All verdicts in that order."""
         return (*self.contacts, self.sense, self.regular, self.simple)
-
-    @property
-    def refuted(self) -> tuple[Verdict, ...]:
-        """Those that failed."""
-        return tuple(v for v in self.verdicts if v.status is Status.REFUTED)
-
-    @property
-    def proved(self) -> bool:
-        """Whether every verdict is proved; what is measured never is."""
-        return all(verdict.proved for verdict in self.verdicts)
-
-    def __bool__(self) -> bool:
-        raise TypeError("a certificate has several verdicts; ask for .proved or .refuted")
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.verdicts))
 
 
 def certify(blend: GeneratrixBlend) -> GeneratrixCertificate:
@@ -168,7 +152,10 @@ def sense_verdict(blend: GeneratrixBlend) -> Verdict:
     if found.opposed:
         reason = f"{found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
         return Verdict(Status.REFUTED, claim, reason)
-    return Verdict(Status.PROVED, claim, found.reason + ("; the second was reversed" if found.reversed else ""))
+    reason = found.reason + ("; the second was reversed" if found.reversed else "")
+    if blend.surface.is_exact:  # rounding is far below the margin by which directions are told apart
+        return Verdict(Status.PROVED, claim, reason)
+    return Verdict(Status.UNDECIDED, claim, f"measured: {reason}")
 
 
 def regular_verdict(blend: GeneratrixBlend) -> Verdict:
@@ -188,7 +175,8 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
     if not settled.all():
         i = int(np.flatnonzero(~settled)[0])
         x, y, z = map(float, blend.surface([s[i], place[i]]))
-        reason = f"the normal vanishes (to {DEEP} halvings of t) near s = {s[i]:.5g}, t = {place[i]:.5g}; change l1, l2"
+        where = f"s = {s[i]:.5g}, t = {place[i]:.5g}"
+        reason = f"measured: the normal vanishes (to {DEEP} halvings of t) near {where}; change l1, l2"
         return Verdict(Status.REFUTED, claim, reason, (x, y, z))
     smallest = float(lengths.min() / np.median(lengths))
     measured = (
@@ -277,8 +265,8 @@ def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verd
         return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
     (s, t, u, v), (x, y, z), gap = found
     reason = (
-        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}; {len(pairs)} pairs of triangles cross on {on}; "
-        "shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
+        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}, measured; {len(pairs)} pairs of triangles cross on "
+        f"{on}; shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
     )
     return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
 
