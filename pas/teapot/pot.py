@@ -35,7 +35,7 @@ CHANNEL = (
     (Fraction(101, 50), Fraction(41, 100)),
     (Fraction(62, 25), Fraction(6, 5)),
 )
-CHANNEL_RADII = (Fraction(2, 25), Fraction(13, 200), Fraction(3, 50), Fraction(1, 25))
+CHANNEL_RADII = (Fraction(2, 25), Fraction(3, 50), Fraction(1, 20), Fraction(1, 40))
 """The axis (x, z) of the channel through the spout, and its radius at each of these points."""
 
 
