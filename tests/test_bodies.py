@@ -11,6 +11,8 @@ import pas
 from pas import solid
 from pas.blending.bodies import body as body_of
 from pas.cli import main
+from pas.solid.pieces import Pieces
+from pas.solid.tree import atoms
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -146,3 +148,25 @@ def test_the_command_line_makes_a_body(corner, tmp_path, capsys):
     assert main(["convert", str(ball), str(tmp_path / "ball.stl"), "--length", "1"]) == 2
     assert "--length is for blends" in capsys.readouterr().err
     assert not (tmp_path / "ball.stl").exists()
+
+
+def test_size_and_place_are_kept():
+    """Axes of other lengths than 1, a corner twenty times as large: lengths are in the model's units."""
+    pipes = [pas.Pipe(tuple(3 * c for c in a), 7, "20/3", (5, 6, 7)) for a in AXES]
+    body = pas.blend(pipes, order=1).solid(10)
+    assert np.allclose(body.mesh(0.5).points.max(axis=0), [35, 36, 37], atol=1e-6)
+    pieces = next(a.function for a in atoms(body.tree) if isinstance(a.function, Pieces))
+    points = np.random.default_rng(0).uniform(-2, 2, (50, 3)) + [15, 6, 7]
+    jets, step = pieces.jets(points), 1e-4
+    for axis in range(3):
+        shift = step * np.eye(3)[axis]
+        slope = (pieces.jets(points + shift)[:, 0] - pieces.jets(points - shift)[:, 0]) / (2 * step)
+        assert np.allclose(jets[:, 1 + axis], slope, rtol=1e-4, atol=1e-6 * np.abs(jets[:, 1:]).max())
+    cells = pieces.cells
+    assert all(p(points).shape == (50,) and len(walls) == 4 for p, walls in cells)
+    yes, no = pieces.decided(points, np.full((50, 3), 0.5))
+    inside = pieces.jets(points)[:, 0] <= 0
+    assert not (yes & ~inside).any()
+    assert not (no & inside).any()
+    far = pieces.decided(np.array([[5.0, 6.0, 7.0]]), np.full((1, 3), 1e-3))
+    assert bool(far[0][0]) != bool(far[1][0])  # a small box well inside is decided

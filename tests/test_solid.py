@@ -9,6 +9,7 @@ import pytest
 
 import pas
 from pas import solid
+from pas.mesh.faces import _roots
 from pas.mesh.triangulate import MeshError
 
 CYLINDER = solid.cylinder((-2, 0, 0), (2, 0, 0), 1)
@@ -218,3 +219,22 @@ def test_assemblies_keep_parts_apart():
     assert moved.contains([[10, 0, 0], [0, 0, 0], [1.5, 0, 0]]).tolist() == [True, False, True]
     with pytest.raises(KeyError, match="no part 'c'"):
         both["c"]
+
+
+@pytest.mark.parametrize(
+    "values, root",
+    [
+        (lambda x: (x - 0.9, np.ones_like(x)), 0.9),
+        (lambda x: ((x - 0.9) ** 3, 3 * (x - 0.9) ** 2), 0.9),
+        (lambda x: (np.arctan(40 * (x - 0.2)), 40 / (1 + 1600 * (x - 0.2) ** 2)), 0.2),  # Newton alone diverges
+        (lambda x: (0.3 - x**5, -5 * x**4), 0.3**0.2),  # falling
+    ],
+)
+def test_lattice_edges_are_crossed_where_functions_vanish(values, root):
+    class Along:
+        def jets(self, points, label):
+            value, slope = values(points[:, 0])
+            return np.stack([value, slope, 0 * slope, 0 * slope], axis=1)
+
+    found = _roots(Along(), 0, np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
+    assert found == pytest.approx([root] * 2, abs=2e-3 if root == 0.9 else 1e-9)
