@@ -48,7 +48,7 @@ def test_volume_area_and_topology(name):
 @pytest.mark.parametrize("name", ["ball", "torus", "steinmetz", "lens"])
 def test_volume_and_area_converge_at_second_order(name):
     shape, volume, area, _ = KNOWN[name]
-    tolerances = np.array([1e-3, 2e-4]) * np.ptp(shape.box, axis=0).max()
+    tolerances = np.array([4e-3, 2e-4]) * np.ptp(shape.box, axis=0).max()
     # the error of the flat mesh is of first order in what tolerance was really reached
     reached = [abs(shape.mesh(t).volume / volume - 1) for t in tolerances]
     assert reached[1] < reached[0] * 0.8
@@ -190,7 +190,7 @@ def test_coincident_faces_are_refused():
 
 def test_thin_solids_are_refused_in_words():
     sheet = solid.box((0, 0, 0), (1, 1, "1/100000"))
-    with pytest.raises(MeshError, match=r"thinner|too small"):
+    with pytest.raises(MeshError, match="too thin for its size"):
         sheet.mesh()
 
 

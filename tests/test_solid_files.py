@@ -81,7 +81,8 @@ def test_parts_stay_apart(parts, tmp_path, suffix):
     title = "the_body" if suffix == ".obj" else "the body"
     expected = {title if n == "the body" else n: m for n, m in parts.meshes().items()}
     if suffix == ".obj":
-        found = dict(zip(expected, sorted(found.values(), reverse=True), strict=True))
+        largest = sorted(expected, key=lambda name: -expected[name].volume)
+        found = dict(zip(largest, sorted(found.values(), key=lambda pair: -pair[1]), strict=True))
     assert set(found) == set(expected)
     for name, mesh in expected.items():
         assert found[name] == (len(mesh.triangles), pytest.approx(mesh.volume, rel=1e-6))

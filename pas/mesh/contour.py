@@ -28,20 +28,21 @@ def march(lattice: Lattice, snap: float) -> tuple[Floats, Integers]:
     t = lattice.values[a] / (lattice.values[a] - lattice.values[b])
     points = lattice.points[a] + t[:, None] * (lattice.points[b] - lattice.points[a])
     triangles = oriented(lattice.points, negative, edges, points, triangles)
-    points, triangles, _ = snapped(points, triangles, edges, t, snap, len(lattice.points))
+    points, triangles, _ = snapped(points, triangles, edges, t, snap, np.zeros(len(lattice.points), dtype=bool))
     return points, triangles
 
 
 def snapped(
-    points: Floats, triangles: Integers, edges: Integers, t: Floats, snap: float, nodes: int
+    points: Floats, triangles: Integers, edges: Integers, t: Floats, snap: float, free: NDArray[np.bool_]
 ) -> tuple[Floats, Integers, Integers]:
     """The mesh with all crossings within the share `snap` of their edge from a node merged.
 
-    Also the crossing (a row of `edges`, the one nearest to its node) that each vertex comes from.
+    Crossings do not merge at nodes that are `free` (N,).  Also the crossing (a row of `edges`, the one nearest to
+    its node) that each vertex comes from.
     """
     a, b = edges[:, 0], edges[:, 1]
-    group = np.arange(len(edges)) + nodes
-    group = np.where(t < snap, a, np.where(t > 1 - snap, b, group))
+    group = np.arange(len(edges)) + len(free)
+    group = np.where((t < snap) & ~free[a], a, np.where((t > 1 - snap) & ~free[b], b, group))
     order = np.argsort(np.minimum(t, 1 - t), kind="stable")
     _, first, label = np.unique(group[order], return_index=True, return_inverse=True)
     back = np.empty(len(order), dtype=np.intp)
@@ -103,6 +104,7 @@ def oriented(
 
 def _without_doubles(triangles: Integers) -> Integers:
     """Triangles that snapping folded onto one another vanish in pairs."""
-    ordered = np.sort(triangles, axis=1)
-    _, inverse, times = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
-    return triangles[times[inverse.ravel()] == 1]
+    size = int(triangles.max(initial=0)) + 1
+    keys = np.sort(triangles, axis=1) @ np.array([size * size, size, 1])
+    _, inverse, times = np.unique(keys, return_inverse=True, return_counts=True)
+    return triangles[times[inverse] == 1]

@@ -10,9 +10,7 @@ it is made by labels alone, whatever the geometry.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,19 +18,17 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.contour import crossings, oriented, snapped
-from pas.mesh.field import FaceField, Floats, Integers, edge_table, is_closed_manifold
-from pas.mesh.improve import cross
-from pas.mesh.refine import split
+from pas.mesh.field import FaceField, Floats, Integers, edge_table, pinched
 from pas.mesh.remesh import Labelled, grouped, least_norm, newton
+
+SNAP = 0.4
+"""Share of a lattice edge from its node within which crossings merge."""
 
 ROOT_STEPS, ROOT_STILL = 24, 1e-10
 """Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""
 
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
-
-LOCAL_HALVINGS, GROWTH = 7, 2.0
-"""How often triangles near curves are halved, and how many times as many they may become."""
 
 FARTHEST = 4.0
 """How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
@@ -41,94 +37,99 @@ NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
 edge is halved where it is not what it should be."""
 
-SHIFT = np.array([0.381966, 0.267949, 0.414214])
-"""Where the grid starts, in spacings before the box: irrational, so that the planes and axes that
-designers like do not pass through lattice nodes."""
-
 _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
-def _kuhn() -> Integers:
-    """The six tetrahedra of a cube along its monotone paths, as corner numbers (6, 4)."""
-    result = []
-    for path in permutations(range(3)):
-        corner, tet = np.zeros(3, dtype=int), [0]
-        for axis in path:
-            corner = corner + np.eye(3, dtype=int)[axis]
-            tet.append(int(corner @ [4, 2, 1]))
-        result.append(tet)
-    return np.array(result)
-
-
-_TETRAHEDRA = _kuhn()
-
-
-@dataclass(frozen=True, eq=False)
 class Crossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
-    `points` (E, 3), `triangles` (T, 3); each vertex lies on the lattice edge `edges` (E, 2) at parameter
-    `t` (E,), on the face `labels` (E,); `nodes` is the number of lattice nodes.
+    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.
     """
 
-    points: Floats
-    triangles: Integers
-    edges: Integers
-    t: Floats
-    labels: Integers
-    nodes: int
+    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers) -> None:
+        self.field, self.nodes = field, nodes
+        self._signs = field.signs(nodes)
+        self._inside = field.inside(self._signs)
+        inside = self._inside[tetrahedra]
+        mixed = tetrahedra[inside.any(axis=1) & ~inside.all(axis=1)]
+        self.edges, triangles = crossings(self._inside, mixed)
+        self.triangles = oriented(nodes, self._inside, self.edges, nodes[self.edges].mean(axis=1), triangles)
 
     @cached_property
-    def shape(self) -> tuple[int, int, tuple[int, ...]]:
-        """The number of components, the Euler characteristic, and the labels."""
-        rows, columns = self.triangles[:, [0, 1]].ravel(), self.triangles[:, [1, 2]].ravel()
-        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(self.points),) * 2)
-        components = connected_components(graph, directed=False)[0]
-        return int(components), len(self.points) - len(self.triangles) // 2, tuple(np.unique(self.labels).tolist())
+    def shape(self) -> tuple[int, int]:
+        """The number of components and the Euler characteristic."""
+        return int(self._components.max(initial=-1)) + 1, len(self.edges) - len(self.triangles) // 2
 
-    def mesh(self, field: FaceField, snap: float) -> Labelled | None:
+    @cached_property
+    def _components(self) -> Integers:
+        """The component of each vertex (E,)."""
+        rows, columns = self.triangles[:, [0, 1]].ravel(), self.triangles[:, [1, 2]].ravel()
+        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(self.edges),) * 2)
+        return np.asarray(connected_components(graph, directed=False)[1])
+
+    @cached_property
+    def crossed(self) -> tuple[Floats, Integers]:
+        """Where along each edge the boundary is (E,), and the label of the face there (E,)."""
+        return _crossing(self.field, self.nodes, self.edges, self._signs, self._inside)
+
+    def shows_faces_of(self, finer: Crossings) -> bool:
+        """Whether a finer lattice, which has this one's nodes as well, crosses no other faces."""
+        known, new = (c.nodes[:, 0] + np.sqrt(2) * c.nodes[:, 1] + np.sqrt(3) * c.nodes[:, 2] for c in (self, finer))
+        rows = (~np.isin(new, known))[finer.edges].any(axis=1)
+        labels = _crossing(finer.field, finer.nodes, finer.edges[rows], finer._signs, finer._inside)[1]
+        return set(labels.tolist()) <= set(self.crossed[1].tolist())
+
+    def mesh(self) -> Labelled | Floats:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
-        Where curves come closer than the lattice shows, triangles are made smaller until each
-        curve and corner is found.  None where merging pinched the mesh, so that it is no manifold, or
-        where so many triangles are too large that a finer lattice does better.
+        Where a face, a curve or a corner is not found so that a finer lattice is needed, the result is points
+        (K, 3) there.
         """
-        points, triangles, source = snapped(self.points, self.triangles, self.edges, self.t, snap, self.nodes)
-        if not is_closed_manifold(triangles):
-            return None
-        labels, most = self.labels[source], GROWTH * len(triangles)
-        for _ in range(LOCAL_HALVINGS):
-            unclear = _unclear(field, points, triangles, labels)
-            if not len(unclear):
-                break
-            if len(triangles) > most:
-                return None
-            points, triangles, labels = _refined(field, points, triangles, labels, unclear)
+        if not len(self.edges):
+            return _cut(np.empty((0, 3)), self.triangles, np.empty(0, dtype=np.intp))
+        points, triangles, source = self._merged()
+        labels = self.crossed[1][source]
+        if (labels < 0).any():
+            return points[labels < 0]
+        unclear = _unclear(self.field, points, triangles, labels)
+        if len(unclear):
+            return np.asarray(points[triangles[unclear]].mean(axis=1))
         return _cut(points, triangles, labels)
 
+    def _merged(self) -> tuple[Floats, Integers, Integers]:
+        """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""
+        t = self.crossed[0]
+        ends = self.nodes[self.edges]
+        crossed = ends[:, 0] + t[:, None] * (ends[:, 1] - ends[:, 0])
+        free = self._knotted(
+            np.where(t < SNAP, self.edges[:, 0], np.where(t > 1 - SNAP, self.edges[:, 1], len(self.nodes)))
+        )
+        before = self._euler_characteristics(np.arange(len(self.edges)), self.triangles)
+        while True:
+            points, triangles, source = snapped(crossed, self.triangles, self.edges, t, SNAP, free)
+            bad = np.isin(triangles, pinched(triangles)).any(axis=1)
+            free[self.edges[source[triangles[bad]]]] = True
+            if not bad.any():
+                changed = self._euler_characteristics(source, triangles) != before
+                if not changed.any():
+                    return points, triangles, source
+                free[self.edges[changed[self._components]]] = True
 
-def march_faces(field: FaceField, spacing: float, halvings: int) -> Crossings | None:
-    """The crossings of one lattice; None where nothing is crossed."""
-    box = field.box
-    coarse = spacing * 2**halvings
-    origin = box[0] - (1 + SHIFT) * spacing
-    counts = np.ceil((box[1] + 1.5 * spacing - origin) / coarse).astype(int)
-    cubes = field.cubes(origin, spacing, halvings, (int(counts[0]), int(counts[1]), int(counts[2])))
-    if not len(cubes):
-        return None
-    nodes, corners = _nodes(cubes)
-    points = origin + nodes * spacing
-    signs = field.signs(points)
-    inside = field.inside(signs)
-    mixed = inside[corners].any(axis=1) & ~inside[corners].all(axis=1)
-    if not mixed.any():
-        return None
-    tets = corners[mixed][:, _TETRAHEDRA].reshape(-1, 4)
-    edges, triangles = crossings(inside, tets)
-    triangles = oriented(points, inside, edges, points[edges].mean(axis=1), triangles)
-    t, labels = _crossing(field, points, edges, signs, inside)
-    on_edge = points[edges[:, 0]] + t[:, None] * (points[edges[:, 1]] - points[edges[:, 0]])
-    return Crossings(on_edge, triangles, edges, t, labels, len(points))
+    def _knotted(self, group: Integers) -> NDArray[np.bool_]:
+        """The nodes (N,) whose group of crossings is no disc, so that merging them would change the topology."""
+        size = len(self.nodes) + 1  # the last one collects those that do not merge
+        corners = group[self.triangles]
+        same = [corners[:, i] == corners[:, (i + 1) % 3] for i in range(3)]
+        sides = sum(np.bincount(corners[same[i], i], minlength=size) for i in range(3))
+        insides = np.bincount(corners[same[0] & same[1], 0], minlength=size)
+        characteristic = np.bincount(group, minlength=size) - sides // 2 + insides
+        return np.asarray((characteristic != 1) & (np.bincount(group, minlength=size) > 0))[:-1]
+
+    def _euler_characteristics(self, source: Integers, triangles: Integers) -> Integers:
+        """Of each component, for a mesh (T, 3) whose vertices come from given crossings."""
+        number = self._components[source]
+        size = self.shape[0]
+        return np.bincount(number, minlength=size) - np.bincount(number[triangles[:, 0]], minlength=size) // 2
 
 
 def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> Integers:
@@ -157,7 +158,7 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
     for row, at in grouped(np.sort(labels[groups], axis=1), int(labels.max()) + 2):
         names = tuple(int(v) for v in row)
         start = p[at].mean(axis=1)
-        end = newton(start, field, names, float(size[at].max()))
+        end = newton(start, field, names, size[at])
         rest = np.sqrt((least_norm(field, field.functions(names), end) ** 2).sum(axis=1))
         moved = np.sqrt(((end - start) ** 2).sum(axis=1))
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
@@ -185,52 +186,6 @@ def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach
         around = field.inside(field.signs(corners)).reshape(-1, 8)
         result |= around.any(axis=1) & ~around.all(axis=1)
     return result
-
-
-def _refined(
-    field: FaceField, points: Floats, triangles: Integers, labels: Integers, chosen: Integers
-) -> tuple[Floats, Integers, Integers]:
-    """The triangles around the chosen ones split in four, new vertices on the boundary with their labels."""
-    vertices = np.unique(triangles[chosen])
-    near = np.isin(triangles, vertices).any(axis=1)
-    edges = np.unique(np.sort(triangles[near][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-    p = points[triangles]
-    normals = np.zeros_like(points)
-    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    for i in range(3):
-        np.add.at(normals, triangles[:, i], area)
-    middle = points[edges].mean(axis=1)
-    length = np.sqrt(((points[edges[:, 0]] - points[edges[:, 1]]) ** 2).sum(axis=1))
-    normal = normals[edges].sum(axis=1)
-    normal /= np.maximum(np.sqrt((normal * normal).sum(axis=1, keepdims=True)), 1e-300)
-    inner, outer = middle.copy(), middle.copy()
-    valid = np.zeros(len(edges), dtype=bool)
-    for share in (0.05, 0.15, 0.4):
-        rows = np.flatnonzero(~valid)
-        step = share * length[rows, None] * normal[rows]
-        inner[rows], outer[rows] = middle[rows] - step, middle[rows] + step
-        ends = [field.inside(field.signs(side[rows])) for side in (inner, outer)]
-        valid[rows] = ends[0] & ~ends[1]
-    edges, inner, outer = edges[valid], inner[valid], outer[valid]
-    both = np.concatenate([inner, outer])
-    signs = field.signs(both)
-    pairs = np.stack([np.arange(len(edges)), np.arange(len(edges)) + len(edges)], axis=1)
-    t, found = _crossing(field, both, pairs, signs, field.inside(signs))
-    size = len(points)
-    everything, smaller, _ = split(points, triangles, edges)
-    order = np.argsort(edges[:, 0] * size + edges[:, 1])
-    everything[size:] = (inner + t[:, None] * (outer - inner))[order]
-    return everything, smaller, np.concatenate([labels, found[order]])
-
-
-def _nodes(cubes: Integers) -> tuple[Integers, Integers]:
-    """The distinct corners of cubes (K, 3), and each cube's eight as rows of these."""
-    all_corners = (cubes[:, None] + _CORNERS).reshape(-1, 3)
-    span = all_corners.max(axis=0) + 1
-    keys = (all_corners[:, 0] * span[1] + all_corners[:, 1]) * span[2] + all_corners[:, 2]
-    unique, inverse = np.unique(keys, return_inverse=True)
-    nodes = np.stack([unique // (span[1] * span[2]), unique // span[2] % span[1], unique % span[2]], axis=1)
-    return nodes, inverse.reshape(-1, 8)
 
 
 def _crossing(

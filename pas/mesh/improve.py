@@ -156,7 +156,7 @@ def _interior_edges(triangles: Integers) -> tuple[Integers, Integers, Integers, 
     apex = np.concatenate([triangles[:, 2], triangles[:, 0], triangles[:, 1]])
     owner = np.tile(np.arange(len(triangles)), 3)
     key = np.minimum(start, end) * size + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
+    order = np.argsort(key)
     keys = key[order]
     twin = np.flatnonzero(keys[1:] == keys[:-1])
     i, j = order[twin], order[twin + 1]

@@ -1,33 +1,30 @@
 """Improving a closed mesh whose triangles carry labels, with the curves between labels kept.
 
 A label is a face of a solid; an edge between two labels lies on the curve where the two faces
-meet, a vertex of three labels in a corner.  Short edges are collapsed (only where the link
-condition holds, so the topology stays; Dey et al. 1999), edges inside a face are flipped to
-Delaunay's criterion, vertices are averaged inside their face or along their curve and projected
-back by Newton's method.
+meet, a vertex of three labels in a corner.  Edges inside a face are flipped to Delaunay's criterion,
+vertices are averaged inside their face or along their curve and projected back by Newton's method.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField, Floats, Integers, distinct
 from pas.mesh.improve import cross, flip_once
+from pas.mesh.refine import split
 
 NEWTON_STEPS = 16
-KEPT = 0.35
-"""Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
-
 NEARBY = 8
 """How many times the reach of one step a corner may move."""
 
-UNTANGLINGS = 8
+PARALLEL, WELL_APART = 1e-6, 1e-6
+"""Ratio of singular values below which gradients count as parallel; squared sine of the angle between two
+above which their inverse is written down."""
+
 FUNCTIONS = 3
 """A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
 
@@ -46,14 +43,17 @@ class Topology:
     @cached_property
     def pairs(self) -> Integers:
         """The distinct (vertex, label) pairs (P, 2), sorted."""
-        keys = np.unique(self._corner_keys)
+        keys = distinct(self._corner_keys)
         return np.stack([keys // self._span, keys % self._span], axis=1)
 
     @cached_property
     def corner_pairs(self) -> Integers:
         """For each corner of each triangle, the row in `pairs` (T, 3)."""
-        keys = self.pairs[:, 0] * self._span + self.pairs[:, 1]
-        return np.searchsorted(keys, self._corner_keys).reshape(-1, 3)
+        return self.rows(self.triangles, self.labels[:, None])
+
+    def rows(self, vertices: Integers, labels: Integers) -> Integers:
+        """Where given (vertex, label) pairs stand in `pairs`."""
+        return np.searchsorted(self.pairs @ np.array([self._span, 1]), vertices * self._span + labels)
 
     @property
     def _span(self) -> int:
@@ -74,11 +74,16 @@ class Topology:
         return np.bincount(self.triangles.ravel(), minlength=self.size)
 
     @cached_property
+    def corners(self) -> tuple[Integers, Integers]:
+        """The corners of all triangles (3 T,), vertex by vertex, and where each vertex's end (N,)."""
+        return np.argsort(self.triangles.ravel()), np.cumsum(self.valence)
+
+    @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
         key = np.minimum(start, end) * self.size + np.maximum(start, end)
-        order = np.argsort(key, kind="stable")
+        order = np.argsort(key)
         labels = np.repeat(self.labels, 3)[order]
         keys = key[order][::2]
         edges = np.stack([keys // self.size, keys % self.size], axis=1)
@@ -134,10 +139,15 @@ class Topology:
 
 @dataclass(frozen=True, eq=False)
 class Labelled:
-    """A closed mesh: points (N, 3) and the topology of its triangles."""
+    """A closed mesh: points (N, 3) and the topology of its triangles.
+
+    `normals` (P, 3) are those of the rows of `topology.pairs`, where they are known from the mesh that this
+    one was made of.
+    """
 
     points: Floats
     topology: Topology
+    normals: Floats | None = None
 
     @classmethod
     def of(cls, points: Floats, triangles: Integers, labels: Integers) -> Labelled:
@@ -153,6 +163,25 @@ class Labelled:
     def labels(self) -> Integers:
         """The label of each triangle (T,)."""
         return self.topology.labels
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """The lengths (E,) of the edges."""
+        ends = self.points[self.topology.edges]
+        difference = ends[:, 0] - ends[:, 1]
+        return np.asarray(np.sqrt((difference * difference).sum(axis=1)))
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
+        topology = self.topology
+        result = np.ones(topology.size)
+        for rows in (slice(None), topology.seam_mask):
+            edges, lengths = topology.edges[rows], np.tile(self.lengths[rows], 2)
+            total = np.bincount(edges.T.ravel(), lengths, minlength=topology.size)
+            count = np.bincount(edges.T.ravel(), minlength=topology.size)
+            result = np.where(count > 0, total / np.maximum(count, 1), result)
+        return result
 
     def moved(self, points: Floats) -> Labelled:
         """The same triangles on other points."""
@@ -171,6 +200,8 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
 
 def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     """Unit outward normals (P, 3) of each vertex's faces; zero at singular points."""
+    if mesh.normals is not None:
+        return mesh.normals
     pairs = mesh.topology.pairs
     result = np.zeros((len(pairs), 3))
     for label, rows, _ in mesh.topology.label_rows:
@@ -185,32 +216,36 @@ def face_normals(mesh: Labelled, normals: Floats) -> Floats:
     return normals[mesh.topology.corner_pairs].sum(axis=1)
 
 
-def project(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
-    """Vertices moved onto their faces, curves and corners; none further than `reach` a step.
+def project(mesh: Labelled, field: FaceField, reach: Floats) -> Labelled:
+    """Vertices moved onto their faces, curves and corners; none further than `reach` (N,) a step.
 
     A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
     """
     points = mesh.points.copy()
     for labels, vertices in mesh.topology.groups:
         start = points[vertices]
-        end = newton(start, field, labels, reach)
+        most = reach[vertices]
+        end = newton(start, field, labels, most)
         if len(labels) > 2:
             rest = np.sqrt((least_norm(field, field.functions(labels), end) ** 2).sum(axis=1))
-            lost = (rest > 1e-9 * reach) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * reach)
+            lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
             end = np.where(lost[:, None], start, end)
         points[vertices] = end
     return mesh.moved(points)
 
 
-def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: float) -> Floats:
-    """Points (N, 3) moved to the common zeros of the functions that place such a vertex."""
+def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Floats) -> Floats:
+    """Points (N, 3) moved to the common zeros of the functions that place such a vertex.
+
+    None moves further than `reach` (N,) a step.
+    """
     points = points.copy()
     functions = field.functions(labels)
     active = np.arange(len(points))
     for _ in range(NEWTON_STEPS):
         step = -least_norm(field, functions, points[active])
         length = np.sqrt((step * step).sum(axis=1, keepdims=True))
-        points[active] += step * np.minimum(1.0, reach / np.maximum(length, 1e-300))
+        points[active] += step * np.minimum(1.0, reach[active, None] / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-14 * (1 + np.abs(points[active]).max(axis=1))]
         if not len(active):
             break
@@ -226,10 +261,28 @@ def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> 
     values = np.stack([j[:, 0] for j in jets], axis=1)
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
     size = np.maximum(np.sqrt((matrix * matrix).sum(axis=2)), 1e-300)
-    return np.einsum("nij,nj->ni", np.linalg.pinv(matrix / size[..., None], rcond=1e-6), values / size)
+    matrix, values = matrix / size[..., None], values / size
+    if len(functions) > 2:
+        return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
+    cosine = (matrix[:, 0] * matrix[:, 1]).sum(axis=1, keepdims=True)
+    square = 1 - cosine * cosine
+    u, v = values.T[..., None]
+    result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
+    flat = np.flatnonzero(square[:, 0] < WELL_APART)
+    result[flat] = np.einsum("nij,nj->ni", np.linalg.pinv(matrix[flat], rcond=PARALLEL), values[flat])
+    return result
 
 
-def smooth(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
+def subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
+    """The mesh with edges of at most a given length."""
+    while (long := mesh.lengths > longest).any():
+        points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
+        finer = Labelled.of(points, triangles, mesh.labels[parents])
+        mesh = project(finer, field, finer.sizes)
+    return mesh
+
+
+def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     """Each vertex moved to the mean of its triangles' centres, or along its curve, then projected."""
     points, topology = mesh.points, mesh.topology
     size = topology.size
@@ -246,12 +299,13 @@ def smooth(mesh: Labelled, field: FaceField, reach: float) -> Labelled:
     on_curve = topology.label_count > 1
     move[on_curve] = along[on_curve] / 4 - points[on_curve] / 2
     move[topology.fixed] = 0.0
-    return project(mesh.moved(points + move), field, reach)
+    return project(mesh.moved(points + move), field, mesh.sizes / 4)
 
 
 def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
     """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
-    normals = face_normals(mesh, pair_normals(mesh, field))
+    known = pair_normals(mesh, field)
+    normals = face_normals(mesh, known)
     triangles, changed = mesh.triangles.copy(), False
 
     def about(first: Integers, second: Integers) -> Floats:
@@ -263,68 +317,8 @@ def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
             break
         normals[owners] = about(owners[:, 0], owners[:, 1])[:, None] / 2
         changed = True
-    return Labelled.of(mesh.points, triangles, mesh.labels) if changed else mesh
-
-
-def collapse(
-    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]], passes: int = 4
-) -> Labelled:
-    """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first."""
-    for _ in range(passes):
-        smaller = _collapse_once(mesh, field, short)
-        if smaller is None:
-            break
-        mesh = smaller
-    return mesh
-
-
-def _collapse_once(
-    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]]
-) -> Labelled | None:
-    edges = mesh.topology.edges
-    lengths = np.sqrt(((mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]) ** 2).sum(axis=1))
-    chosen = np.flatnonzero(short(mesh, edges))
-    chosen = chosen[np.argsort(lengths[chosen], kind="stable")]
-    removed, kept = _directed(mesh.topology, chosen)
-    valid = removed >= 0
-    removed, kept = removed[valid], kept[valid]
-    if not len(removed):
-        return None
-    size = len(mesh.points)
-    ones = np.ones(len(edges), dtype=np.int8)
-    adjacency = csr_array((ones, (edges[:, 0], edges[:, 1])), shape=(size, size))
-    adjacency = (adjacency + adjacency.T).tocsr()
-    common = np.asarray(adjacency[removed].multiply(adjacency[kept]).sum(axis=1)).ravel()
-    good = (common == 2) & _keeps_orientation(mesh, field, removed, kept)
-    removed, kept = removed[good], kept[good]
-    if not len(removed):
-        return None
-    free = _independent(edges, removed, kept, size)
-    removed, kept = removed[free], kept[free]
-    target = np.arange(size)
-    target[removed] = kept
-    triangles = target[mesh.triangles]
-    distinct = (
-        (triangles[:, 0] != triangles[:, 1])
-        & (triangles[:, 1] != triangles[:, 2])
-        & (triangles[:, 2] != triangles[:, 0])
-    )
-    used, inverse = np.unique(triangles[distinct], return_inverse=True)
-    return Labelled.of(mesh.points[used], inverse.reshape(-1, 3), mesh.labels[distinct])
-
-
-def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
-    """Which end of the edges in given rows goes and which stays (-1 where neither may go).
-
-    A vertex inside a face may go anywhere; one on a curve only along it; a corner stays.
-    """
-    edges, is_seam = topology.edges[rows], topology.seam_mask[rows]
-    inner, fixed = topology.label_count == 1, topology.fixed
-    removed, kept = np.full(len(edges), -1), np.full(len(edges), -1)
-    for a, b in ((edges[:, 0], edges[:, 1]), (edges[:, 1], edges[:, 0])):
-        may = (inner[a] | (is_seam & ~fixed[a])) & (removed < 0)
-        removed[may], kept[may] = a[may], b[may]
-    return removed, kept
+    topology = Topology(triangles, mesh.labels, len(mesh.points)) if changed else mesh.topology
+    return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
 
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
@@ -334,57 +328,3 @@ def cosines(mesh: Labelled, field: FaceField) -> Floats:
     normal = face_normals(mesh, pair_normals(mesh, field))
     size = np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
     return np.asarray((area * normal).sum(axis=1) / np.maximum(size, 1e-300))
-
-
-def untangle(mesh: Labelled, field: FaceField, fold: float, reach: float) -> Labelled:
-    """The mesh without folded triangles, as far as collapsing their edges and smoothing removes them."""
-    for _ in range(UNTANGLINGS):
-        folded = cosines(mesh, field) < fold
-        if not folded.any():
-            break
-        keys = np.sort(mesh.triangles[folded][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        marked = np.unique(keys @ np.array([mesh.topology.size, 1]))
-
-        def short(m: Labelled, edges: Integers, marked: Integers = marked) -> NDArray[np.bool_]:
-            return np.isin(edges @ np.array([m.topology.size, 1]), marked)
-
-        mesh = collapse(mesh, field, short, 1)
-        mesh = smooth(flip(mesh, field), field, reach)
-    return mesh
-
-
-def _keeps_orientation(mesh: Labelled, field: FaceField, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
-    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`."""
-    corners = mesh.triangles.ravel()
-    order = np.argsort(corners, kind="stable")
-    starts = np.searchsorted(corners[order], removed)
-    counts = np.searchsorted(corners[order], removed, side="right") - starts
-    row = np.repeat(np.arange(len(removed)), counts)
-    slot = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(starts, counts)
-    triangle = order[slot] // 3
-    old = mesh.triangles[triangle]
-    stays = ~(old == kept[row][:, None]).any(axis=1)
-    row, triangle, old = row[stays], triangle[stays], old[stays]
-    new = np.where(old == removed[row][:, None], kept[row][:, None], old)
-    p = mesh.points[new]
-    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    normal = face_normals(mesh, pair_normals(mesh, field))[triangle]
-    side = (area * normal).sum(axis=1)
-    bad = side <= KEPT * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
-    good = np.ones(len(removed), dtype=bool)
-    good[row[bad]] = False
-    return good
-
-
-def _independent(edges: Integers, removed: Integers, kept: Integers, size: int) -> NDArray[np.bool_]:
-    """The collapses, in the given order, whose neighbourhoods share no vertex with earlier ones."""
-    rank = np.arange(len(removed))
-    lowest = np.full(size, len(removed))
-    np.minimum.at(lowest, removed, rank)
-    np.minimum.at(lowest, kept, rank)
-    for _ in range(2):
-        spread = lowest.copy()
-        np.minimum.at(spread, edges[:, 0], lowest[edges[:, 1]])
-        np.minimum.at(spread, edges[:, 1], lowest[edges[:, 0]])
-        lowest = spread
-    return np.asarray((lowest[removed] == rank) & (lowest[kept] == rank))

@@ -7,14 +7,17 @@ about the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import CHUNK_ENTRIES, Floats, count, evaluate, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.solid.tree import Bools
+
+Integers = NDArray[np.intp]
 
 BOX_CHUNK = 1 << 22
 """Numbers held at once while boxes are bounded."""
@@ -51,48 +54,45 @@ class Bank:
             self._jet_matrices[number] = np.stack(columns, axis=1)
         return evaluate(points, self._jet_matrices[number])
 
-    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools, Floats]:
-        """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3).
-
-        Also a bound (M, N) for the second-order part of what a polynomial changes inside the box.
-        """
+    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3), or (1, 3) for all."""
         yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)
-        second = np.zeros((len(self), len(centers)))
-        table = self._derivatives
-        size = table.shape[2]
-        step = max(1, BOX_CHUNK // max(1, table.shape[1] * size))
-        for start in range(0, len(centers) if len(self) else 0, step):
-            part = slice(start, start + step)
-            values = evaluate(centers[part], table.reshape(table.shape[0], -1))
-            values = values.reshape(len(values), len(self), size)
-            powers = _powers(halves[part], self._degree)
-            change = np.einsum("nmk,nk->mn", np.abs(values[:, :, 1:]), powers[:, 1:])
-            yes[:, part] = values[:, :, 0].T + change <= 0
-            no[:, part] = values[:, :, 0].T - change > 0
-            second[:, part] = np.einsum("nmk,nk->mn", np.abs(values) * self._second_order, powers)
-        return yes, no, second
-
-    def gradient_bounds(self, centers: Floats, half: float, second: Floats) -> tuple[Bools, Bools]:
-        """As `taylor` for cubes, given bounds (M, N) of second-order changes for cubes of this size."""
-        yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)
-        if len(self):
-            jets = np.concatenate([self._gradient_matrix, self._matrix], axis=1)
-            step = max(1, BOX_CHUNK // jets.shape[1])
-            for start in range(0, len(centers), step):
-                part = slice(start, start + step)
-                values = evaluate(centers[part], jets).T.reshape(4, len(self), -1)
-                change = np.abs(values[:3]).sum(axis=0) * half + second[:, part]
-                yes[:, part], no[:, part] = values[3] + change <= 0, values[3] - change > 0
+        for expansion in self._expansions:
+            for part, values, powers in expansion.about(centers, halves):
+                change = (np.abs(values[:, :, 1:]) @ powers[:, 1:, None])[..., 0]
+                yes[expansion.rows, part] = (values[:, :, 0] + change <= 0).T
+                no[expansion.rows, part] = (values[:, :, 0] - change > 0).T
         return yes, no
+
+    def slopes(self, chosen: Integers, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (m, N, 3) of chosen polynomials at the centres of boxes, and bounds of their changes in these."""
+        gradients, changes = np.zeros((2, len(chosen), len(centers), 3))
+        for expansion in self._expansions:
+            own = np.flatnonzero(np.isin(chosen, expansion.rows))
+            table = expansion.exponents
+            orders = np.where(table.sum(axis=1, keepdims=True) > 1, table, 0)  # of each term's derivative by x, y, z
+            units = [int(np.flatnonzero((table == unit).all(axis=1))[0]) for unit in np.eye(3, dtype=int)]
+            members = np.searchsorted(expansion.rows, chosen[own])
+            for part, values, powers in expansion.about(centers, halves, members):
+                gradients[own, part] = values[:, :, units].transpose(1, 0, 2)
+                terms = (np.abs(values) * powers[:, None]) @ orders
+                changes[own, part] = terms.transpose(1, 0, 2) / (halves if len(halves) == 1 else halves[part])
+        return gradients, changes
 
     def shares(self, centers: Floats, half: Floats) -> Floats:
         """How much of its change in boxes each polynomial owes to each side (N, M, 3); sums are 1 or 0."""
-        table = self._derivatives
-        values = evaluate(centers, table.reshape(table.shape[0], -1))
-        values = np.abs(values.reshape(len(centers), len(self), -1))
-        terms = values * _powers(np.broadcast_to(half, (len(centers), 3)), self._degree)[:, None]
-        parts = terms @ np.array(exponents(self._degree), dtype=float)
-        return np.asarray(parts / np.maximum(parts.sum(axis=2, keepdims=True), 1e-300))
+        result = np.zeros((len(centers), len(self), 3))
+        for expansion in self._expansions:
+            for part, values, powers in expansion.about(centers, half[None]):
+                terms = (np.abs(values) * powers[:, None]) @ expansion.exponents.astype(float)
+                result[part, expansion.rows] = terms / np.maximum(terms.sum(axis=2, keepdims=True), 1e-300)
+        return result
+
+    @cached_property
+    def _expansions(self) -> list[_Expansion]:
+        """The polynomials by degree: those of low degree have short expansions."""
+        degrees = np.array([max(p.degree, 1) for p in self.polynomials], dtype=np.intp)
+        return [_Expansion(self.polynomials, np.flatnonzero(degrees == d), int(d)) for d in np.unique(degrees)]
 
     @cached_property
     def _degree(self) -> int:
@@ -106,39 +106,41 @@ class Bank:
             matrix[:, k] = p.dense(self._degree)
         return matrix
 
-    @cached_property
-    def _gradient_matrix(self) -> Floats:
-        """Coefficients of all first derivatives, the x ones first (count, 3 M)."""
-        return np.concatenate([_shift_operator(self._degree, i) @ self._matrix for i in range(3)], axis=1)
 
-    @cached_property
-    def _derivatives(self) -> Floats:
-        """Coefficients (count, M, count) of `p^(a) / a!` for each polynomial and exponent a."""
-        degree, matrix = self._degree, self._matrix
+class _Expansion:
+    """Taylor expansions of some of the polynomials (their `rows`), all of one degree."""
+
+    def __init__(self, polynomials: Sequence[Polynomial], rows: Integers, degree: int) -> None:
+        self.rows, self.exponents = rows, np.array(exponents(degree))
         where = positions(degree)
-        table = np.zeros((len(matrix), len(self), len(matrix)))
+        size = len(self.exponents)
+        self._table = np.zeros((size, len(rows), size))
+        self._table[:, :, 0] = np.stack([polynomials[row].dense(degree) for row in rows], axis=1)
         operators = [_shift_operator(degree, i) for i in range(3)]
-        table[:, :, 0] = matrix
-        for e in exponents(degree)[1:]:
+        for e in exponents(degree)[1:]:  # p^(a) / a! from that of the lower exponent
             axis = next(i for i in range(3) if e[i])
             lower = tuple(v - (i == axis) for i, v in enumerate(e))
-            table[:, :, where[e]] = operators[axis] @ table[:, :, where[lower]] / e[axis]
-        return table
+            self._table[:, :, where[e]] = operators[axis] @ self._table[:, :, where[lower]] / e[axis]
 
-    @cached_property
-    def _second_order(self) -> Floats:
-        """How often each Taylor term counts in a bound of the second-order change: C(|a|, 2)."""
-        orders = np.array([sum(e) for e in exponents(self._degree)])
-        return orders * (orders - 1) / 2.0
+    def about(
+        self, centers: Floats, halves: Floats, members: Integers | slice = slice(None)
+    ) -> Iterator[tuple[slice, Floats, Floats]]:
+        """Coefficients (n, m, count) about centres, powers (n or 1, count) of half edges, some boxes at a time."""
+        table = self._table[:, members]
+        step = max(1, BOX_CHUNK // max(1, table[0].size))
+        for start in range(0, len(centers) if table.shape[1] else 0, step):
+            part = slice(start, start + step)
+            values = evaluate(centers[part], table.reshape(len(table), -1))
+            yield (
+                part,
+                values.reshape(len(values), *table.shape[1:]),
+                self._powers(halves if len(halves) == 1 else halves[part]),
+            )
 
-
-def _powers(half: Floats, degree: int) -> Floats:
-    """`r^a` for all exponents (N, count)."""
-    table = np.array(exponents(degree))
-    result = np.ones((len(half), len(table)))
-    for axis in range(3):
-        result *= half[:, axis, None] ** table[:, axis]
-    return result
+    def _powers(self, half: Floats) -> Floats:
+        """`r^a` for all exponents (N, count)."""
+        powers = half[..., None] ** np.arange(self.exponents.max() + 1)
+        return np.asarray(np.prod([powers[:, axis, self.exponents[:, axis]] for axis in range(3)], axis=0))
 
 
 def _shift_operator(degree: int, axis: int) -> Floats:

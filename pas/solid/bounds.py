@@ -81,7 +81,7 @@ def _shrunk(program: Program, start: Floats) -> Floats | None:
     hull = start
     centers, half = start.mean(axis=0)[None], np.maximum((start[1] - start[0]) / 2, 1e-300)
     for _ in range(LEVELS):
-        yes, no, _ = program.taylor(centers, half)
+        yes, no = program.taylor(centers, half[None])
         possible = program.holds(~no, ~yes)
         centers = centers[possible]
         if not len(centers):

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.solid.affine import Affine
 from pas.solid.tree import Bools
+
+CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+"""Of a cube about the origin."""
 
 
 class Distance(ABC):
@@ -23,6 +27,13 @@ class Distance(ABC):
         """Whether it is certainly <= 0, and certainly > 0, in boxes: the values are within half a diagonal."""
         value, reach = self.jets(centers)[:, 0], np.sqrt((halves * halves).sum(axis=1))
         return value + reach <= 0, value - reach > 0
+
+    def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
+        gradients = self.jets(centers)[:, 1:]
+        corners = (centers[:, None] + halves[:, None] * CORNERS).reshape(-1, 3)
+        changes = self.jets(corners)[:, 1:].reshape(-1, len(CORNERS), 3) - gradients[:, None]
+        return gradients, np.abs(changes).max(axis=1)
 
     def moved(self, map_: Affine) -> Distance:
         """The distance after a similarity; raises `ValueError` for other maps."""

@@ -12,13 +12,20 @@ from numpy.typing import NDArray
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational
+from pas.algebra.rational import rational, to_float
 from pas.errors import GeometryError
+from pas.mesh.remesh import grouped
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
 from pas.solid.tree import Function, Tree
 
 Integers = NDArray[np.intp]
+
+STEEP = 0.3
+"""Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads."""
+
+TURNS = 4
+"""How many directions are tried from which a boundary may be seen all at once."""
 
 
 class SolidField:
@@ -43,25 +50,44 @@ class SolidField:
         self.special_points = self.program.local(special_points)
         self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
 
-    def cubes(self, origin: Floats, spacing: float, halvings: int, counts: tuple[int, int, int]) -> Integers:
-        """The cubes (K, 3) that the boundary may pass through."""
-        cubes = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 3)
-        half = spacing * 2**halvings / 2
-        yes, no, second = self.program.taylor(origin + (2 * cubes + 1) * half, np.full(3, half))
-        kept = self._undecided(yes, no)
-        cubes, second = cubes[kept], second[:, kept]
-        eighths = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-        for _ in range(halvings):
-            half /= 2
-            cubes = (2 * cubes[:, None] + eighths).reshape(-1, 3)
-            second = np.repeat(second, 8, axis=1) / 4
-            kept = self._undecided(*self.program.gradient_bounds(origin + (2 * cubes + 1) * half, half, second))
-            cubes, second = cubes[kept], second[:, kept]
-        return cubes
+    @property
+    def scale(self) -> float:
+        """The user's length of one local unit."""
+        return to_float(self.program.scale)
 
-    def _undecided(self, yes: NDArray[np.bool_], no: NDArray[np.bool_]) -> Integers:
-        """Boxes neither certainly inside nor certainly outside."""
-        return np.flatnonzero(self.program.holds(~no, ~yes) & ~self.program.holds(yes, no))
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
+        return self.program.world(points)
+
+    def crossed(self, centers: Floats, half: float) -> NDArray[np.bool_]:
+        """Which cubes (N,) the boundary may pass."""
+        true, false = self.program.decided(*self.program.taylor(centers, np.full((1, 3), half)))
+        return ~(true | false)
+
+    def turning(self, centers: Floats, half: float) -> Floats:
+        """How much faces turn in cubes that the boundary may pass (N,); infinite where it may not be one sheet.
+
+        It is one where all functions that matter rise in one direction: the set then holds with each point
+        those below it.  A wall that matters from both sides only says which function holds where; the
+        two faces are taken to meet on it.
+        """
+        program, halves = self.program, np.full((1, 3), half)
+        below, above = program.relevant(*program.taylor(centers, halves))
+        switches = below & above & self._walls[:, None]
+        result = np.full(len(centers), np.inf)
+        for sides, rows in grouped(((below & ~switches) + 2 * (above & ~switches)).T, 5):
+            columns = np.flatnonzero(sides)
+            if len(columns) and (sides < 3).all():
+                gradients, changes = program.slopes(columns, centers[rows], halves)
+                rise = _rise(gradients * (3 - 2 * sides[columns])[:, None, None], changes)
+                turn = np.sqrt((changes**2).sum(axis=2) / np.maximum((gradients**2).sum(axis=2), 1e-300)).max(axis=0)
+                result[rows] = np.where(rise, turn, np.inf)
+        return result
+
+    @cached_property
+    def _walls(self) -> NDArray[np.bool_]:
+        """Which columns are no faces."""
+        return np.array([not c.face for c in self.program.columns[: self.program.used]])
 
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """Which columns are <= 0 (M, N)."""
@@ -134,3 +160,23 @@ class SolidField:
                 if ideal.contains(q) and not ideal.is_whole_ring:
                     return kept, number
         return ()
+
+
+def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
+    """Whether functions with gradients (M, N, 3), up to changes, all rise steeply in some direction (N,).
+
+    Tried are the mean of the gradients' directions and some that are turned towards the steepest.
+    """
+    size = np.maximum(np.sqrt((gradients * gradients).sum(axis=2)), 1e-300)
+    units = gradients / size[..., None]
+    direction = units.sum(axis=0)
+    result = np.zeros(len(direction), dtype=bool)
+    for _ in range(TURNS):
+        direction /= np.maximum(np.sqrt((direction * direction).sum(axis=1, keepdims=True)), 1e-300)
+        margins = (gradients * direction).sum(axis=2) - (changes * np.abs(direction)).sum(axis=2)
+        result |= (margins > STEEP * size).all(axis=0)
+        if len(gradients) == 1 or result.all():
+            break
+        worst = (units * direction).sum(axis=2).argmin(axis=0)
+        direction += units[worst, np.arange(len(worst))]
+    return result

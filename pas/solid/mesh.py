@@ -253,9 +253,8 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
     mesh = found.mesh
     edges = mesh.topology.edges
     middles = mesh.points[edges].mean(axis=1)
-    reach = float(np.sqrt(((mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]) ** 2).sum(axis=1)).max())
     for labels, rows in mesh.topology.edge_groups:
-        middles[rows] = newton(middles[rows], field, labels, reach)
+        middles[rows] = newton(middles[rows], field, labels, mesh.lengths[rows])
     size = mesh.topology.size
     keys = edges @ np.array([size, 1])
     center = mesh.points.mean(axis=0)

@@ -47,10 +47,22 @@ class Pieces:
         scale = to_float(self.partition.frame.scale)
         local, half = self.partition.frame.local_points(centers), halves / scale
         touched = self._touched(local, half)
-        yes, no, _ = self._bank.taylor(local, half)
+        yes, no = self._bank.taylor(local, half)
         of_cells = self.partition.piece_of
         inside, outside = (np.asarray((side[of_cells] | ~touched).all(axis=0)) for side in (yes, no))
         return inside & np.asarray(touched.any(axis=0)), outside
+
+    def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """The middle (N, 3) of all gradients of the cells that boxes meet, and how far these are from it."""
+        scale = to_float(self.partition.frame.scale)
+        local, half = self.partition.frame.local_points(centers), halves / scale
+        touched = self._touched(local, half)[..., None]
+        of_pieces = self._bank.slopes(np.arange(len(self._bank)), local, half)
+        gradients, changes = (g[self.partition.piece_of] / scale for g in of_pieces)
+        highest = np.where(touched, gradients + changes, -np.inf).max(axis=0)
+        lowest = np.where(touched, gradients - changes, np.inf).min(axis=0)
+        met = touched.any(axis=0)
+        return np.where(met, (highest + lowest) / 2, 0.0), np.where(met, (highest - lowest) / 2, 0.0)
 
     def moved(self, map_: Affine) -> Pieces:
         """The image under an affine map, exact."""

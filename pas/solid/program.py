@@ -147,9 +147,9 @@ class Program:
         jets = self._fields[number].jets(self.world(points))
         return jets * np.array([1 / to_float(self.scale), 1.0, 1.0, 1.0])
 
-    def _decided(self, number: int, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
-        """Whether a column that is no polynomial is certainly <= 0, and certainly > 0, in boxes."""
-        return self._fields[number].decided(self.world(centers), halves * to_float(self.scale))
+    def _boxes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Centres and half edges of boxes in the user's coordinates."""
+        return self.world(centers), np.broadcast_to(halves * to_float(self.scale), centers.shape)
 
     def _localised(self, p: Polynomial) -> Polynomial:
         moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
@@ -177,26 +177,63 @@ class Program:
         """The extra columns in local coordinates."""
         return Bank([self._localised(c.function) for c in self.columns[self.used :]])  # type: ignore[arg-type]
 
-    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools, Floats]:
-        """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3) or (3,).
-
-        Also a bound (M, N) for the second-order part of what a column changes inside the box.
-        """
-        halves = np.broadcast_to(halves, centers.shape)
+    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""
         yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
-        second = np.zeros((self.used, len(centers)))
-        yes[self._rows], no[self._rows], second[self._rows] = self._bank.taylor(centers, halves)
-        for number in self._fields:
-            yes[number], no[number] = self._decided(number, centers, halves)
-        return yes, no, second
-
-    def gradient_bounds(self, centers: Floats, half: float, second: Floats) -> tuple[Bools, Bools]:
-        """As `taylor` for cubes, given bounds (M, N) of second-order changes for cubes of this size."""
-        yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
-        yes[self._rows], no[self._rows] = self._bank.gradient_bounds(centers, half, second[self._rows])
-        for number in self._fields:
-            yes[number], no[number] = self._decided(number, centers, np.full(centers.shape, half))
+        yes[self._rows], no[self._rows] = self._bank.taylor(centers, halves)
+        for number, field in self._fields.items():
+            yes[number], no[number] = field.decided(*self._boxes(centers, halves))
         return yes, no
+
+    def slopes(self, columns: Integers, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (m, N, 3) of columns at the centres of boxes (N, 3), and how much they may change in these."""
+        gradients, changes = np.zeros((2, len(columns), len(centers), 3))
+        known = np.isin(columns, self._rows)
+        rows = np.searchsorted(self._rows, columns[known])
+        gradients[known], changes[known] = self._bank.slopes(rows, centers, halves)
+        for place in np.flatnonzero(~known):
+            boxes = self._boxes(centers, halves)
+            gradients[place], changes[place] = self._fields[int(columns[place])].slopes(*boxes)
+        return gradients, changes
+
+    def decided(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+        """Where the tree is certainly true, and certainly false (N,), as far as its columns say.
+
+        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.  A column that the tree reads
+        from both sides is tried as either.
+        """
+        true, false = self.holds(yes, no), ~self.holds(~no, ~yes)
+        open_ = np.flatnonzero(~(true | false))
+        both = np.logical_and(*self.relevant(yes[:, open_], no[:, open_]))
+        for column in np.flatnonzero(both.any(axis=1)):
+            rows = open_[both[column]]
+            always, never = np.ones((2, len(rows)), dtype=bool)
+            for side in (True, False):
+                certain, excluded = yes[:, rows], no[:, rows]
+                certain[column], excluded[column] = side, not side
+                always &= self.holds(certain, excluded)
+                never &= ~self.holds(~excluded, ~certain)
+            true[rows] |= always
+            false[rows] |= never
+        return true, false
+
+    def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`.
+
+        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
+        """
+        result = np.zeros((2, *yes.shape), dtype=bool)
+
+        def visit(code: Code, open_: Bools) -> None:
+            open_ = open_ & ~_holds(code, yes, no) & _holds(code, ~no, ~yes)
+            if isinstance(code, Leaf):
+                result[int(code.negated), code.column] |= open_
+            elif open_.any():
+                for part in code.parts:
+                    visit(part, open_)
+
+        visit(self.code, np.ones(yes.shape[1], dtype=bool))
+        return result[0], result[1]
 
     def widest(self, centers: Floats, half: Floats, undecided: Bools, hull: Floats) -> Floats:
         """How much each side of boxes (N, 3) adds to what the undecided columns (M, N) change in them (3,).

@@ -23,7 +23,7 @@ from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.mesh.field import Integers
 from pas.mesh.improve import cross
-from pas.mesh.remesh import Labelled, least_norm
+from pas.mesh.remesh import Labelled, least_norm, subdivided
 from pas.solid.bounds import bounding_box
 from pas.solid.distance import Distance
 from pas.solid.field import SolidField
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 
 SHARP = 0.97
 """Cosine of the angle between two faces' normals below which they meet in a sharp edge."""
+
+ALONG = 20
+"""Edges at least along the longest side of the box, where feet are looked for."""
 
 STEPS, STILL = 80, 1e-13
 """Steps to the foot of a point, and their size (over the local extent, 2) where they may end."""
@@ -59,8 +62,8 @@ class Near(Distance):
 
     def __init__(self, solid: Solid, faces: Sequence[str], thickness: float, tolerance: float) -> None:
         self.solid, self.faces, self.thickness, self.tolerance = solid, tuple(faces), thickness, tolerance
-        mesh, field = solid.face_mesh(tolerance).mesh, solid.field
-        self._field, self._scale = field, to_float(field.program.scale)
+        mesh, field = _dense(solid, tolerance), solid.field
+        self._field, self._scale = field, field.scale
         labels = [int(label) for label in np.unique(mesh.labels) if field.face(int(label)) in self.faces]
         triangles = mesh.triangles[np.isin(mesh.labels, labels)]
         self._targets = [_target(mesh, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
@@ -140,6 +143,12 @@ class Near(Distance):
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
 
 
+def _dense(solid: Solid, tolerance: float) -> Labelled:
+    """A mesh of the faces with vertices everywhere, flat or not."""
+    longest = float(np.ptp(solid.field.box, axis=0).max()) / ALONG
+    return subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
+
+
 def _target(mesh: Labelled, labels: tuple[int, ...], cells: Integers) -> _Target:
     vertices = mesh.points[np.unique(cells)]
     return _Target(labels, vertices, cKDTree(vertices))
@@ -182,7 +191,7 @@ def shelled(solid: Solid, thickness: float, without: Iterable[str], tolerance: f
 
     Raises `GeometryError` where nothing would be hollow, for unknown faces, or where none is left.
     """
-    mesh, field = solid.face_mesh(tolerance).mesh, solid.field
+    mesh, field = _dense(solid, tolerance), solid.field
     names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
     left_out = tuple(without)
     for name in left_out:

@@ -17,7 +17,6 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
@@ -239,7 +238,7 @@ class Solid:
         too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
         """
         found = self.face_mesh(tolerance)
-        return SolidMesh.of(found, self._label_names(found), self.field.program.world)
+        return SolidMesh.of(found, self._label_names(found), self.field.world)
 
     def _label_names(self, found: FaceMesh) -> dict[int, str]:
         return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
@@ -249,7 +248,7 @@ class Solid:
         wanted = self._tolerance(tolerance)
         if wanted not in self._cache:
             self.field.refuse_coincident()
-            self._cache[wanted] = triangulate_faces(self.field, wanted / to_float(self.field.program.scale))
+            self._cache[wanted] = triangulate_faces(self.field, wanted / self.field.scale)
         return self._cache[wanted]
 
     def _tolerance(self, tolerance: float | None) -> float:
@@ -271,7 +270,7 @@ class Solid:
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
             volume, area = curved_measures(self.face_mesh(tolerance), self.field)
-            scale = to_float(self.field.program.scale)
+            scale = self.field.scale
             self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]
 

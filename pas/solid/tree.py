@@ -28,6 +28,9 @@ class Field(Protocol):
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""
 
+    def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (N, 3) at the centres of boxes, and how much their components change inside (N, 3)."""
+
     def moved(self, map_: Affine) -> Field:
         """The function whose zero set is the image of this one's.
 

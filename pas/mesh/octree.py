@@ -1,0 +1,268 @@
+"""Cubes halved where a boundary needs it, cut into tetrahedra that fit together.
+
+A cube is cut into six tetrahedra about its diagonal (Kuhn 1960); the middles of the cube, of its
+faces and of its edges, in this order, halve them until each eighth of the cube has its own six
+(Maubach 1995).  Which middles are used decides everything, and they fit where the middle of an edge
+comes with those of the faces beside it, that of a face with those of both its cubes, and that of a cube
+with the cube's eight corners.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.mesh.field import FaceField, Floats, Integers, distinct
+from pas.mesh.triangulate import MeshError
+
+SHIFT = np.array([0.381966, 0.267949, 0.414214])
+"""Where the cubes start, in small cubes before the box: irrational, so that the planes and axes that
+designers like do not pass through corners."""
+
+MOST_CUBES = 400_000
+"""On one level; more take minutes."""
+
+CLEAR, QUIET, OPEN = range(3)
+"""What is known of the boundary in a cube: that it is one sheet; that some points in it agree with that; or neither."""
+
+SAMPLES, CHUNK = 5, 2000
+"""Points on each line along which the boundary is looked for in cubes where it is not proved to be clear; and
+how many cubes are looked at together."""
+
+DEEPEST = 14
+"""How often cubes are halved at most, so that `_SPAN` is not exceeded."""
+
+HIDDEN = 1
+"""Levels on which the boundary is looked for where it is not met."""
+
+NOWHERE = np.empty((0, 3))
+
+BASE, FLAT = 3, 0.1
+"""How often cubes are halved wherever the boundary may pass, but for those in which faces turn less (radians)."""
+
+_SPAN = 1 << 18
+_WEIGHTS = np.array([_SPAN * _SPAN, _SPAN, 1])
+"""Corners and middles are numbered by their coordinates; the number is linear in these."""
+
+_UNITS = np.eye(3, dtype=np.intp)
+_SIGNS = np.array(list(product((-1, 1), repeat=3)))
+_NEIGHBOURS = np.array(list(product((-1, 0, 1), repeat=3)))
+_MIDDLES = _NEIGHBOURS[(_NEIGHBOURS == 0).any(axis=1)]
+
+
+def _lines() -> Integers:
+    """The lines of samples from side to side of a cube, along axes and diagonals of squares and the cube (L, n)."""
+    steps, last = np.arange(SAMPLES), SAMPLES - 1
+    weights = SAMPLES ** np.arange(3)[::-1]
+    found = []
+    for direction in _NEIGHBOURS[len(_NEIGHBOURS) // 2 + 1 :]:
+        start = [[0] if d > 0 else [last] if d < 0 else steps for d in direction]
+        found += [(np.array(p) + steps[:, None] * direction) @ weights for p in product(*start)]
+    return np.array(found)
+
+
+_NONE = np.empty((0, 3), dtype=np.intp), np.empty(0, dtype=np.intp)
+_SAMPLES = np.array(list(product(np.linspace(-1.0, 1.0, SAMPLES), repeat=3)))
+_LINES = _lines()
+
+
+class Octree:
+    """Cubes about a boundary, halved at first where it bends and then where it is not clear.
+
+    On level i cubes have the edge `size / 2**i`; their corners have even coordinates in halves of that
+    edge, counted from `origin`, and their middles odd ones.
+    """
+
+    def __init__(self, field: FaceField, spacing: float) -> None:
+        self.field, self.size = field, spacing * 2**BASE
+        self.origin = field.box[0] - (1 + SHIFT) * spacing
+        self._counts = np.ceil((field.box[1] + 1.5 * spacing - self.origin) / self.size).astype(np.intp)
+        self._halved: list[Integers] = []
+        self._missed: list[Integers] = []
+        self._leaves: list[tuple[Integers, Integers]] = [_NONE] * (BASE + 1)
+        axes = (2 * np.arange(n) + 1 for n in self._counts)
+        cubes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        cubes = self._halve(0, self._crossed(0, cubes))
+        for level in range(1, BASE):
+            cubes = self._crossed(level, cubes)
+            half = self.size / 2 ** (level + 1)
+            flat = field.turning(self.origin + cubes * half, half) <= FLAT
+            self._leaves[level] = cubes[flat], np.full(flat.sum(), CLEAR)
+            cubes = self._halve(level, cubes[~flat])
+        self._add(BASE, cubes)
+
+    @property
+    def levels(self) -> int:
+        """How often the smallest cubes were halved."""
+        return len(self._halved)
+
+    @property
+    def open_share(self) -> float:
+        """The share of the cubes in which more than one sheet may be."""
+        states = np.concatenate([state for _, state in self._leaves])
+        return float((states == OPEN).mean()) if len(states) else 0.0
+
+    def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> Octree:
+        """With the cubes halved whose state is at least as given, and those about given points (K, 3)."""
+        result = copy(self)
+        result._halved, result._missed, result._leaves = [*self._halved], [*self._missed], [*self._leaves]
+        for level, (cubes, state) in reversed([*enumerate(self._leaves)]):
+            near = 2 * np.floor((places - self.origin) * 2**level / self.size).astype(np.intp) + 1
+            around = (near[:, None] + 2 * _NEIGHBOURS) @ _WEIGHTS
+            chosen = (state >= least) | np.isin(cubes @ _WEIGHTS, around)
+            if chosen.any() and level < DEEPEST:
+                result._leaves[level] = cubes[~chosen], state[~chosen]
+                result._add(level + 1, result._halve(level, cubes[chosen]))
+        return result
+
+    def tetrahedra(self) -> tuple[Floats, Integers]:
+        """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
+        used = self._middles()
+        found = [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+        numbers, inverse = np.unique(np.concatenate(found), return_inverse=True)
+        return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
+
+    def _halve(self, level: int, cubes: Integers) -> Integers:
+        """The eighths of cubes of one level."""
+        if level == len(self._halved):
+            self._halved.append(np.empty((0, 3), dtype=np.intp))
+        self._halved[level] = np.concatenate([self._halved[level], cubes])
+        return (2 * cubes[:, None] + _SIGNS).reshape(-1, 3)
+
+    def _crossed(self, level: int, cubes: Integers) -> Integers:
+        """The cubes that the boundary may pass; the others are remembered."""
+        if level == len(self._missed):
+            self._missed.append(np.empty(0, dtype=np.intp))
+        half = self.size / 2 ** (level + 1)
+        crossed = self.field.crossed(self.origin + cubes * half, half)
+        self._missed[level] = np.sort(np.concatenate([self._missed[level], cubes[~crossed] @ _WEIGHTS]))
+        return cubes[crossed]
+
+    def _add(self, level: int, cubes: Integers) -> None:
+        """Cubes of one level as leaves."""
+        if len(cubes) > MOST_CUBES:
+            raise MeshError(
+                f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
+            )
+        cubes = self._crossed(level, cubes)
+        half = self.size / 2 ** (level + 1)
+        places = self.origin + cubes * half
+        unknown = np.isinf(self.field.turning(places, half))
+        state = np.where(unknown, OPEN, CLEAR)
+        state[unknown] = np.where(self._is_quiet(level, places[unknown], half), QUIET, OPEN)
+        while level >= len(self._leaves):
+            self._leaves.append(_NONE)
+        before, known = self._leaves[level]
+        self._leaves[level] = np.concatenate([before, cubes]), np.concatenate([known, state])
+
+    def _is_quiet(self, level: int, centers: Floats, half: float) -> NDArray[np.bool_]:
+        """Whether each line of points through a cube, straight or diagonal, passes the boundary at most once (N,).
+
+        On the first levels cubes in which it is not met at all are not quiet: there it may hide.
+        """
+        result = np.empty(len(centers), dtype=bool)
+        for start in range(0, len(centers), CHUNK):
+            part = slice(start, start + CHUNK)
+            points = (centers[part, None] + half * _SAMPLES).reshape(-1, 3)
+            inside = self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))
+            along = inside[:, _LINES]
+            times = (along[..., 1:] != along[..., :-1]).sum(axis=2).max(axis=1)
+            result[part] = (times == 1) | ((times == 0) & (level >= BASE + HIDDEN))
+        return result
+
+    def _middles(self) -> list[tuple[Integers, Integers]]:
+        """For each level the numbers of all middles, sorted, and the coordinates of those of cubes."""
+        result = []
+        needed = np.empty((0, 3), dtype=np.intp)
+        for level in reversed(range(self.levels)):
+            own = (self._halved[level][:, None] + _MIDDLES).reshape(-1, 3)
+            middles = _distinct(np.concatenate([own, needed]))
+            odd = (middles & 1).sum(axis=1)
+            faces = _distinct(np.concatenate([middles[odd == 2], self._beside_edges(level, middles[odd == 1])]))
+            cubes = _distinct(np.concatenate([middles[odd == 3], self._beside_faces(level, faces)]))
+            everything = np.concatenate([middles[odd == 1], faces, cubes]) @ _WEIGHTS
+            result.append((np.sort(everything), cubes))
+            needed = _distinct((cubes[:, None] + _SIGNS).reshape(-1, 3) >> 1)
+            needed = needed[(needed & 1).any(axis=1)]
+        return result[::-1]
+
+    def _beside_edges(self, level: int, edges: Integers) -> Integers:
+        """The middles of the faces that have given edges, of cubes that the boundary may pass."""
+        result = [np.empty((0, 3), dtype=np.intp)]
+        for axis in range(3):
+            own = edges[edges[:, axis] & 1 == 1]
+            first, second = (_UNITS[i] for i in range(3) if i != axis)
+            for i, j in product((-1, 1), repeat=2):
+                there = own[self._exist(level, own + i * first + j * second)]
+                result += [there + i * first, there + j * second]
+        return np.concatenate(result)
+
+    def _beside_faces(self, level: int, faces: Integers) -> Integers:
+        """The middles of the cubes that have given faces, if the boundary may pass them."""
+        result = [np.empty((0, 3), dtype=np.intp)]
+        for axis in range(3):
+            own = faces[faces[:, axis] & 1 == 0]
+            for side in (-1, 1):
+                cubes = own + side * _UNITS[axis]
+                result.append(cubes[self._exist(level, cubes)])
+        return np.concatenate(result)
+
+    def _exist(self, level: int, cubes: Integers) -> NDArray[np.bool_]:
+        """Whether cubes are in the grid and were not found to be missed, nor was one that they are part of."""
+        number = cubes >> 1
+        result = np.asarray(((number >= 0) & (number >> level < self._counts)).all(axis=1))
+        for up in range(level + 1):
+            rows = np.flatnonzero(result)
+            result[rows] = ~_member(self._missed[level - up], (2 * (number[rows] >> up) + 1) @ _WEIGHTS)
+        return result
+
+    def _cut(self, level: int, used: list[tuple[Integers, Integers]]) -> Integers:
+        """Tetrahedra (T, 4) of the halved cubes of one level, but for eighths that are halved or missed."""
+        numbers, cubes = used[level]
+        gone = self._missed[level + 1]
+        if level + 1 < self.levels:
+            gone = np.sort(np.concatenate([gone, used[level + 1][1] @ _WEIGHTS]))
+        center = cubes @ _WEIGHTS
+        found = []
+        for axis, side in product(range(3), (-1, 1)):
+            out = side * _WEIGHTS[axis]
+            b, c = (i for i in range(3) if i != axis)
+            face = center + out
+            halved = _member(numbers, face)
+            plus, minus = _WEIGHTS[b] + _WEIGHTS[c], _WEIGHTS[b] - _WEIGHTS[c]
+            even = ((cubes[:, b] + cubes[:, c]) >> 1) & 1 == 1
+            for turn, along, across in ((even, plus, minus), (~even, minus, plus)):  # the diagonal, and the other
+                rows = ~halved & turn
+                m, f = center[rows], face[rows]
+                found += [(m, f - along, f + along, f - across), (m, f - along, f + along, f + across)]
+            for i, j in ((b, c), (c, b)):
+                for step in (-_WEIGHTS[i], _WEIGHTS[i]):
+                    edge, along = face + step, _WEIGHTS[j]
+                    cut = _member(numbers, edge)
+                    rows = halved & ~cut
+                    found.append((center[rows], face[rows], edge[rows] - along, edge[rows] + along))
+                    for end in (-along, along):
+                        rows = cut & ~_member(gone, 2 * center + out + step + end)
+                        found.append((center[rows], face[rows], edge[rows], edge[rows] + end))
+        return np.concatenate([np.stack(corners, axis=1) for corners in found])
+
+
+def _distinct(nodes: Integers) -> Integers:
+    """Coordinates (N, 3) without repetitions."""
+    return _coordinates(distinct(nodes @ _WEIGHTS))
+
+
+def _coordinates(numbers: Integers) -> Integers:
+    """Those (N, 3) of the nodes with given numbers."""
+    return np.stack([numbers // (_SPAN * _SPAN), numbers // _SPAN % _SPAN, numbers % _SPAN], axis=1)
+
+
+def _member(numbers: Integers, wanted: Integers) -> NDArray[np.bool_]:
+    """Whether wanted numbers are among sorted ones."""
+    if not len(numbers):
+        return np.zeros(len(wanted), dtype=bool)
+    at = np.minimum(np.searchsorted(numbers, wanted), len(numbers) - 1)
+    return np.asarray(numbers[at] == wanted)
