@@ -54,8 +54,11 @@ told("pictures of the whole", start)
 start = time.perf_counter()
 parts = pot.assembly.meshes(4 * options.tolerance)
 told("meshes of pot and lid", start)
+
+start = time.perf_counter()
 draw_parts(pot.assembly, options.output / "exploded.png", look=Look.EXPLODED, meshes=parts)
 draw_parts(pot.assembly, options.output / "cut.png", look=Look.CUT, meshes=parts)
+told("pictures of the parts", start)
 write_solid(mesh, options.output / "teapot.stl")
 save_solid(pot.assembly, options.output / "teapot.pas.json")
 for suffix in ("glb", "3mf"):

@@ -26,6 +26,9 @@ STRIPES, TOWARDS = 28, np.array([0.35, 0.85, 0.4]) / np.linalg.norm([0.35, 0.85,
 GAP = 0.35
 """Between exploded parts, over the assembly's size."""
 
+SHARP_DEGREES = 35
+"""Between triangles of what is cut in half, for an edge to look sharp."""
+
 EDGE_COLOR = "#22303c"
 
 
@@ -91,7 +94,9 @@ def _add(plotter: Any, mesh: SolidMesh, color: str, look: Look, shift: Sequence[
     if look is Look.CUT:
         whole = mesh.triangle_mesh.to_pyvista()
         middle = float(mesh.points[:, 1].min() + mesh.points[:, 1].max()) / 2
-        plotter.add_mesh(whole.clip_closed_surface(normal=(0, 1, 0), origin=(0, middle, 0)), color=color, **shading)
+        half = whole.clip_closed_surface(normal=(0, 1, 0), origin=(0, middle, 0))
+        smooth = {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": SHARP_DEGREES}
+        plotter.add_mesh(half, color=color, **(shading | smooth))
         return
     if look is Look.ZEBRA:
         data["isophotes"] = mesh.shading[2] @ TOWARDS
