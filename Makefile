@@ -61,6 +61,7 @@ bench: setup
 	$(BIN)/python benchmarks/solutions.py
 	$(BIN)/python benchmarks/parametric.py
 	$(BIN)/python benchmarks/generatrix.py
+	$(BIN)/python benchmarks/solids.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,86 @@
+"""Solids: triangles and seconds of their meshes, and of the teapot's pictures.
+
+    python benchmarks/solids.py [--repeat 3]
+
+`tolerance` is in the model's units; `seconds` is the median of several runs, each with the solid made afresh, its
+bounding box included and imports not; `angle` is the smallest one, in degrees.  The pictures are those of
+`examples/teapot`, with the meshes of pot and lid that they need; the first one starts OpenGL.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+from pas import solid
+from pas.render.parts import Look, draw_parts
+from pas.solid.solid import Solid
+from pas.teapot.pot import Teapot, teapot
+
+CASES: dict[str, tuple[Callable[[], Solid], float]] = {
+    "box": (lambda: solid.box((0, 0, 0), (1, 2, 3)), 1e-3),
+    "ball": (lambda: solid.ball((0, 0, 0), 1), 1e-3),
+    "thin ring": (lambda: solid.torus((0, 0, 0), (0, 0, 1), 1, "1/50"), 1e-3),
+    "hollow ball": (lambda: solid.ball((0, 0, 0), 1) - solid.ball((0, 0, 0), "19/20"), 1e-3),
+    "plate with a hole": (
+        lambda: solid.box((-1, -1, "-1/20"), (1, 1, "1/20")) - solid.cylinder((0, 0, -1), (0, 0, 1), "1/50"),
+        1e-3,
+    ),
+    "two cylinders": (
+        lambda: solid.cylinder((-2, 0, 0), (2, 0, 0), 1) & solid.cylinder((0, -2, 0), (0, 2, 0), 1),
+        1e-3,
+    ),
+    "teapot": (lambda: _moved(teapot().solid), 1e-3),
+    "teapot (paper)": (lambda: _moved(teapot("paper").solid), 1e-3),
+    "its lid": (lambda: _moved(teapot().lid), 4e-3),
+    "its hollow pot": (lambda: _moved(teapot().pot), 4e-3),
+}
+
+
+def _moved(shape: Solid) -> Solid:
+    """The same solid with nothing kept from its proofs."""
+    return shape.translate((0, 0, 0))
+
+
+def pictures(pot: Teapot, folder: Path) -> dict[str, float]:
+    """Seconds of each step."""
+    start, result = time.perf_counter(), {}
+
+    def done(name: str) -> None:
+        nonlocal start
+        result[name] = time.perf_counter() - start
+        start = time.perf_counter()
+
+    whole = pot.solid.mesh(1e-3)
+    done("mesh of the whole")
+    for look in (Look.FOUR_VIEWS, Look.ZEBRA):
+        draw_parts(whole, folder / "x.png", look=look)
+        done(look.value)
+    meshes = pot.assembly.meshes(4e-3)
+    done("meshes of pot and lid")
+    for look in (Look.EXPLODED, Look.CUT):
+        draw_parts(pot.assembly, folder / "x.png", look=look, meshes=meshes)
+        done(look.value)
+    return result
+
+
+parser = argparse.ArgumentParser(description="Time the meshes of solids.")
+parser.add_argument("--repeat", type=int, default=3)
+repeat = parser.parse_args().repeat
+print(f"{'solid':<20}{'tolerance':>10}{'triangles':>11}{'angle':>7}{'seconds':>9}")
+for name, (make, tolerance) in CASES.items():
+    spent = []
+    for _ in range(repeat):
+        shape = make()
+        begin = time.perf_counter()
+        mesh = shape.mesh(tolerance)
+        spent.append(time.perf_counter() - begin)
+    angle = mesh.triangle_mesh.smallest_angles.min()
+    print(f"{name:<20}{tolerance:>10g}{len(mesh.triangles):>11}{angle:>7.1f}{median(spent):>9.2f}")
+with tempfile.TemporaryDirectory() as folder:
+    for name, seconds in pictures(teapot(), Path(folder)).items():
+        print(f"{name:<48}{seconds:>9.2f}")
