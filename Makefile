@@ -40,10 +40,10 @@ teapot: setup
 	$(BIN)/python examples/teapot/teapot.py -o out/teapot
 
 test: setup
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 test-all: setup
-	$(BIN)/python -m pytest -m "slow or not slow"
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
 
 lint: setup
 	$(BIN)/ruff check pas tests examples benchmarks
