@@ -283,7 +283,7 @@ def test_certificate_of_a_blend():
 
 
 BAD = [
-    (lambda: ParametricSurface("u", "t", "h"), ValueError, "component x.*'u' is not one of the parameters t, h"),
+    (lambda: ParametricSurface("u", "t", "h"), ValueError, "component x.*'u' is not one of t, h"),
     (lambda: ParametricSurface(sympy.Symbol("q"), "t", "h"), ValueError, "'q'"),
     (lambda: ParametricSurface("t +", "t", "h"), ValueError, "cannot read the expression"),
     (lambda: ParametricSurface("1/(t - t)", "t", "h"), ValueError, "divides by zero"),
@@ -348,7 +348,7 @@ BAD = [
     (lambda: pas.helicoid(0), ValueError, "pitch must not be 0"),
     (lambda: pas.iso_curve(CYLINDER), ValueError, "exactly one of t and h"),
     (lambda: pas.iso_curve(CYLINDER.with_domain((None, (0, 1))), h=2), ValueError, "outside the domain"),
-    (lambda: pas.SurfaceCurve(CYLINDER, "q", "s"), ValueError, "'q' is not one of the parameters s"),
+    (lambda: pas.SurfaceCurve(CYLINDER, "q", "s"), ValueError, "'q' is not one of s"),
 ]
 
 

@@ -1,8 +1,9 @@
 """Reads a polynomial from a string, exactly.
 
 The grammar is Python's expression grammar restricted to numbers, the variables' names, the
-operators + - * / and ** (or ^), and parentheses.  Decimals are the decimals written (0.1 is
-1/10).  Nothing is evaluated but arithmetic, so a string from a file is harmless.
+operators + - * / and ** (or ^), and parentheses, with what people leave out (`2x^2y`) and with
+equations, `f = g` for `f - g` (see `pas.algebra.written`).  Decimals are the decimals written (0.1
+is 1/10).  Nothing is evaluated but arithmetic, so a string from a file is harmless.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from fractions import Fraction
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.written import python_expression
+
 MAXIMAL_DEGREE = 60
 """Powers above are surely slips, and could exhaust memory before anything is said."""
 
@@ -22,29 +25,21 @@ def parse_polynomial(text: str, names: Mapping[str, fmpq_mpoly]) -> fmpq_mpoly:
 
     Raises `ValueError` saying what is wrong and where.
     """
-    source = " ".join(text.replace("^", "**").split())
-    if not source:
+    if not text.strip():
         raise ValueError("the polynomial is empty; write for example 'x^2 + y^2 - 1/9'")
-    try:
-        tree = ast.parse(source, mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise ValueError(f"cannot read the polynomial {text!r}: {_place(error)}") from None
     one = next(iter(names.values())) ** 0
     try:
-        return _Reader(text, source, names, one).read(tree.body)
-    except RecursionError as error:
-        raise ValueError(f"cannot read the polynomial {text!r}: {_place(error)}") from None
-
-
-def _place(error: BaseException) -> str:
-    if isinstance(error, SyntaxError):
-        return f"{error.msg} at column {error.offset}"
-    return "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        source = python_expression(text, names, equation=True)
+        return _Reader(source, names, one).read(ast.parse(source, mode="eval").body)
+    except (RecursionError, MemoryError):
+        raise ValueError(f"cannot read the polynomial {text!r}: it is nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"cannot read the polynomial {text!r}: {error}") from None
 
 
 class _Reader:
-    def __init__(self, text: str, source: str, names: Mapping[str, fmpq_mpoly], one: fmpq_mpoly) -> None:
-        self.text, self.source, self.names, self.one = text, source, names, one
+    def __init__(self, source: str, names: Mapping[str, fmpq_mpoly], one: fmpq_mpoly) -> None:
+        self.source, self.names, self.one = source, names, one
 
     def read(self, node: ast.expr) -> fmpq_mpoly:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
@@ -56,13 +51,11 @@ class _Reader:
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd):
             return self.read(node.operand)
         if isinstance(node, ast.Name):
-            if node.id in self.names:
-                return self.names[node.id]
-            raise self._error(f"the variable {node.id!r} is not one of {', '.join(self.names)}")
+            return self.names[node.id]
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
             literal = Fraction(self._segment(node).replace("_", ""))
             return self.one * fmpq(literal.numerator, literal.denominator)
-        raise self._error(f"{self._segment(node)!r} is not a polynomial expression in {', '.join(self.names)}")
+        raise ValueError(f"{self._segment(node)!r} is not a polynomial expression in {', '.join(self.names)}")
 
     def _sum(self, node: ast.expr) -> fmpq_mpoly:
         """A sum of many terms, which the parser nests to the left, without deep recursion."""
@@ -79,26 +72,23 @@ class _Reader:
             return left * right
         if isinstance(node.op, ast.Div):
             if not right.is_constant():
-                raise self._error(f"{self._segment(node)!r} divides by a polynomial")
+                raise ValueError(f"{self._segment(node)!r} divides by a polynomial")
             if right.is_zero():
-                raise self._error(f"{self._segment(node)!r} divides by zero")
+                raise ValueError(f"{self._segment(node)!r} divides by zero")
             return left * (1 / right.leading_coefficient())
         if isinstance(node.op, ast.Pow):
             return self._power(left, right, node)
-        raise self._error(f"{self._segment(node)!r} uses an operator other than + - * / ^")
+        raise ValueError(f"{self._segment(node)!r} uses an operator other than + - * / ^")
 
     def _power(self, base: fmpq_mpoly, exponent: fmpq_mpoly, node: ast.BinOp) -> fmpq_mpoly:
         value = fmpq(0) if exponent.is_zero() else exponent.leading_coefficient()
         if not exponent.is_constant() or value.q != 1 or not 0 <= value <= MAXIMAL_DEGREE:
-            raise self._error(
+            raise ValueError(
                 f"the exponent in {self._segment(node)!r} must be a whole number from 0 to {MAXIMAL_DEGREE}"
             )
         if max(base.total_degree(), 0) * int(value) > MAXIMAL_DEGREE:
-            raise self._error(f"{self._segment(node)!r} is of degree above {MAXIMAL_DEGREE}")
+            raise ValueError(f"{self._segment(node)!r} is of degree above {MAXIMAL_DEGREE}")
         return base ** int(value)
 
     def _segment(self, node: ast.expr) -> str:
         return ast.get_source_segment(self.source, node) or self.source
-
-    def _error(self, reason: str) -> ValueError:
-        return ValueError(f"cannot read the polynomial {self.text!r}: {reason}")

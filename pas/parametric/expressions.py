@@ -1,7 +1,8 @@
 """Reads expressions in two parameters: exact rational functions, or formulas for arrays.
 
 The grammar is Python's, restricted to numbers, the parameters' names, + - * / ** (or ^),
-parentheses and, where exactness is not asked, the constant pi and elementary functions.
+parentheses and, where exactness is not asked, the constant pi and elementary functions; signs of
+products may be left out (see `pas.algebra.written`).
 Decimals are the decimals written.  Nothing is evaluated but arithmetic, so a string from a file
 is harmless.  Sympy expressions are read through the string that sympy writes for them.
 """
@@ -14,6 +15,8 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
+
+from pas.algebra.written import python_expression
 
 Names = tuple[str, str]
 Formula = Callable[[Any, Any], Any]
@@ -53,6 +56,8 @@ def as_text(expression: Any) -> str | None:
 class Values(Protocol):
     """What the reader needs to know of the values that it computes."""
 
+    names: Names
+
     def number(self, literal: Fraction) -> Any: ...
     def name(self, name: str) -> Any: ...
     def combine(self, operator: ast.operator, left: Any, right: Any) -> Any: ...
@@ -67,17 +72,17 @@ def evaluate(text: str, values: Values) -> Any:
 
 class _Reader:
     def __init__(self, text: str, values: Values) -> None:
-        self.text, self.values = text, values
-        self.source = " ".join(text.replace("^", "**").split())
+        self.text, self.values, self.source = text, values, ""
 
     def value(self) -> Any:
-        if not self.source:
+        if not self.text.strip():
             raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
+        known = [*filter(None, self.values.names), *CONSTANTS]
         try:
+            self.source = python_expression(self.text, known, FUNCTIONS)
             return self.read(ast.parse(self.source, mode="eval").body)
-        except (SyntaxError, RecursionError, MemoryError) as error:
-            where = f"{error.msg} at column {error.offset}" if isinstance(error, SyntaxError) else "it is too deep"
-            raise ValueError(f"cannot read the expression {self.text!r}: {where}") from None
+        except (RecursionError, MemoryError):
+            raise ValueError(f"cannot read the expression {self.text!r}: it is nested too deeply") from None
         except NotRationalError as error:
             raise NotRationalError(f"{self.text!r} is not a rational function: {error}") from None
         except (ValueError, ZeroDivisionError) as error:
@@ -121,9 +126,7 @@ class _Numeric:
     def name(self, name: str) -> Formula:
         if name in self.names:
             return (lambda t, h: t) if name == self.names[0] else (lambda t, h: h)
-        if name in CONSTANTS:
-            return lambda t, h: CONSTANTS[name]
-        raise ValueError(f"the variable {name!r} is not one of the parameters {', '.join(filter(None, self.names))}")
+        return lambda t, h: CONSTANTS[name]
 
     def combine(self, operator: ast.operator, left: Formula, right: Formula) -> Formula:
         if isinstance(operator, ast.Add):
@@ -138,7 +141,5 @@ class _Numeric:
         return lambda t, h: base(t, h) ** exponent(t, h)
 
     def call(self, name: str, argument: Formula) -> Formula:
-        if name not in FUNCTIONS:
-            raise ValueError(f"there is no function {name!r}; there are {', '.join(sorted(FUNCTIONS))}")
         function = FUNCTIONS[name]
         return lambda t, h: function(argument(t, h))

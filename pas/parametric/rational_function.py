@@ -20,7 +20,7 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from pas.algebra.locus import primitive
 from pas.algebra.parse import MAXIMAL_DEGREE
 from pas.algebra.rational import rational, to_fraction
-from pas.parametric.expressions import CONSTANTS, FUNCTIONS, Names, NotRationalError, as_text, evaluate
+from pas.parametric.expressions import Names, NotRationalError, as_text, evaluate
 from pas.parametric.horner import Bundle
 
 PARAMETERS: Names = ("t", "h")
@@ -287,9 +287,7 @@ class _Exact:
     def name(self, name: str) -> RationalFunction:
         if name in self.variables:
             return self.variables[name]
-        if name in CONSTANTS:
-            raise NotRationalError(f"{name} is not rational")
-        raise ValueError(f"the variable {name!r} is not one of the parameters {', '.join(filter(None, self.names))}")
+        raise NotRationalError(f"{name} is not rational")
 
     def combine(self, operator: ast.operator, left: RationalFunction, right: RationalFunction) -> RationalFunction:
         if isinstance(operator, ast.Add):
@@ -315,6 +313,4 @@ class _Exact:
         return base ** int(value)
 
     def call(self, name: str, argument: RationalFunction) -> RationalFunction:
-        if name in FUNCTIONS:
-            raise NotRationalError(f"{name} is not rational")
-        raise ValueError(f"there is no function {name!r}")
+        raise NotRationalError(f"{name} is not rational")
