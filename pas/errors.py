@@ -8,8 +8,16 @@ classes under `InputError` end with exit code 2, the others with 1.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The end of a sentence about a word that is not known: a guess at what was meant, or nothing."""
+    names = list(known)
+    near = [n for n in names if n.lower() == word.lower()] or get_close_matches(word, names, 1)
+    return f"; is {near[0]!r} meant?" if near else ""
 
 
 class PasError(Exception):

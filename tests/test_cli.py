@@ -111,10 +111,10 @@ def test_render(made, tmp_path, capsys, style):
         (["blend", PROBLEM, "--degree", "2"], 1, "lowest degree with solutions is 3"),
         (["blend", PROBLEM, "--tolerance", "0"], 2, "tolerance must be a positive number"),
         (["blend", PROBLEM, "-o", PROBLEM], 2, "is not a folder"),
-        (["check", PROBLEM], 2, "not readable as JSON"),
+        (["check", PROBLEM], 2, "is a problem file; make a project of it with `pas blend`"),
         (["mesh", "MADE", "-o", "a.step"], 2, "the suffix must be one of .stl, .obj, .ply, .vtp, .glb"),
         (["mesh", "MADE", "-o", "none/a.stl"], 2, "the folder none of a.stl does not exist"),
-        (["render", "MADE", "-o", "a.jpg"], 2, "must end in .png"),
+        (["render", "MADE", "-o", "a.jpg"], 2, "the suffix must be .png"),
     ],
 )
 def test_errors_are_one_sentence(made, tmp_path, capsys, monkeypatch, arguments, code, words):

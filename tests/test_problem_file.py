@@ -83,7 +83,7 @@ def test_the_examples_are_read(path):
         ("order = 2", "order = 2\norder = 3", 2, "cannot overwrite"),
         ('radius = "1/3"', 'radius = "1/3', 5, "illegal character|expected"),
         ("order = 2", 'order = 2\nname = "../a"', 2, "name must be a plain file name"),
-        ("order = 2", "ordr = 2", 1, "unknown key 'ordr' in the file; known are basis, contacts"),
+        ("order = 2", "ordr = 2", 1, "unknown key 'ordr' in the file; is 'order' meant"),
         ("order = 2\n", "", None, "the file has no 'order'"),
         ("order = 2", 'order = "2"', 1, "order must be a whole number, not '2'"),
         ("order = 2", "order = 2.5", 1, "order must be a whole number, not 2.5"),

@@ -135,7 +135,7 @@ def test_nothing_is_left_half_written(tmp_path, monkeypatch):
 
 def test_names_are_checked(tmp_path):
     blend = solved(EQUAL, 1)
-    with pytest.raises(ValueError, match=r"must end in \.pas\.json"):
+    with pytest.raises(ValueError, match=r"the suffix must be .pas.json"):
         blend.save(tmp_path / "a.json")
     with pytest.raises(ValueError, match=r"folder .* does not exist"):
         blend.save(tmp_path / "none" / "a.pas.json")

@@ -48,7 +48,7 @@ def test_missing_opengl_is_said(tmp_path, monkeypatch):
 
 def test_arguments_are_checked(tmp_path):
     surface = solved(EQUAL, 1).surface
-    with pytest.raises(ValueError, match=r"must end in \.png"):
+    with pytest.raises(ValueError, match=r"the suffix must be .png"):
         pas.draw(surface, tmp_path / "a.gif")
     with pytest.raises(TypeError, match="style"):
         pas.draw(surface, tmp_path / "a.png", style="zebra")

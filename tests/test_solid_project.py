@@ -156,7 +156,7 @@ def test_files_cannot_name_any_class(name):
 
 
 def test_names_and_shapes_are_checked(tmp_path):
-    with pytest.raises(ValueError, match=r"must end in \.pas\.json"):
+    with pytest.raises(ValueError, match=r"the suffix must be .pas.json"):
         pas.save_solid(SOLIDS["ball"], tmp_path / "a.json")
     with pytest.raises(TypeError, match="a Solid or an Assembly"):
         pas.save_solid("ball", tmp_path / "a.pas.json")

@@ -13,9 +13,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import lru_cache
 from typing import NoReturn
+
+from pas.errors import meant
 
 DEEPEST = 90
 """Brackets within brackets; Python's parser takes two hundred, of which differences of equations want one."""
@@ -166,8 +167,7 @@ def _refuse(word: str, after: str, names: tuple[str, ...], functions: tuple[str,
     """Raise for a name that is not known, with a guess at what was meant."""
     called = bool(functions) and after.lstrip().startswith("(")
     known = functions if called else names
-    near = get_close_matches(word, known, 1) or [n for n in known if n.lower() == word.lower()]
-    hint = f"; is {near[0]!r} meant?" if near else ""
+    hint = meant(word, known)
     if called:
         raise ValueError(f"there is no function {word!r}" + (hint or f"; there are {', '.join(sorted(functions))}"))
     raise ValueError(f"the variable {word!r} is not one of {', '.join(names)}{hint}")

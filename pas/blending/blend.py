@@ -231,6 +231,10 @@ def blend(
     stages = Stages(progress)
     with stages.stage("partition"):
         region, turned = place(contacts, partition)
+    if order == 0 and len(region.pieces) > 1:
+        raise ValueError(
+            "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
+        )
     attempts: list[Attempt] = []
     failure: InfeasibleError | NotProvedError | None = None
     for space in _spaces(region, turned, order, degree, attempts, stages):

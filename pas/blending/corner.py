@@ -19,6 +19,9 @@ from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact, Pipe
 from pas.surface.joins import Join
 
+OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
+"""What to do about contacts that make no corner."""
+
 
 def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = ()) -> SixTetrahedra:
     """The six-tetrahedra corner whose clip planes are those of three contacts.
@@ -26,19 +29,19 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = (
     `pipes` gives the pipes that the contacts came from, for better error messages.
     """
     if len(contacts) != 3:
-        raise GeometryError(
-            f"the six-tetrahedra corner joins exactly three pipes, not {len(contacts)}; "
-            "other numbers need a partition of their own, such as pas.SingleCell(lower, upper)"
-        )
+        raise GeometryError(f"the six-tetrahedra corner joins exactly three pipes, not {len(contacts)}; {OTHERS}")
     normals = [_normal(i + 1, c) for i, c in enumerate(contacts)]
     for (i, a), (j, b) in combinations(enumerate(normals, start=1), 2):
         if all(c == 0 for c in cross(a, b)):
-            raise GeometryError(f"pipes {i} and {j} are parallel; a corner needs three perpendicular directions")
+            raise GeometryError(
+                f"pipes {i} and {j} are parallel, and the six-tetrahedra corner needs three perpendicular directions; "
+                f"{OTHERS}"
+            )
         if dot(a, b) != 0:
             cosine = to_float(dot(a, b)) / sqrt(to_float(dot(a, a) * dot(b, b)))
             raise GeometryError(
-                f"the axes of pipes {i} and {j} are not perpendicular (cosine {cosine:.3g}); "
-                "skew pipes are not served yet"
+                f"the axes of pipes {i} and {j} are not perpendicular (cosine {cosine:.3g}), as the six-tetrahedra "
+                f"corner needs; {OTHERS}"
             )
     center = _center(contacts, pipes)
     legs = []
@@ -56,7 +59,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = (
 def _normal(number: int, contact: Contact) -> Vector:
     if contact.clip.degree != 1:
         raise GeometryError(
-            f"the clip {contact.clip} of contact {number} is not a plane; other clips are not served yet"
+            f"the clip {contact.clip} of contact {number} is not a plane, as the six-tetrahedra corner needs; {OTHERS}"
         )
     x, y, z = (contact.clip.diff(i).raw(0, 0, 0) for i in range(3))
     return x, y, z

@@ -6,7 +6,7 @@ touch one another or do not fit the faces they belong to.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
@@ -29,6 +29,9 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
     for anything that is no contact or no partition.
     """
+    if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
+        raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
+    items = list(items)
     contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
     pipes = [item if isinstance(item, Pipe) else None for item in items]
     if partition is not None and not isinstance(partition, Partition):

@@ -1,7 +1,7 @@
 """The command line `pas`.
 
 Exit codes: 0 done (for `check`: all proved), 1 what could not be done or proved, 2 what the user
-got wrong.  Errors go to stderr as one sentence; `--debug` shows the traceback.
+got wrong, 130 interrupted.  Errors go to stderr as one sentence; `--debug` shows the traceback.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from pas.cli.common import DONE as DONE
 from pas.cli.common import FAILED as FAILED
+from pas.cli.common import INTERRUPTED as INTERRUPTED
 from pas.cli.common import WRONG as WRONG
 from pas.cli.parser import parser
 from pas.errors import InputError, PasError
@@ -29,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(options.run(options))
     except KeyboardInterrupt:
         print("pas: interrupted; nothing was left half-written", file=sys.stderr)
-        return FAILED
+        return INTERRUPTED
     except (InputError, ValueError, TypeError, FileNotFoundError, PermissionError, IsADirectoryError) as error:
         return _fail(options, error, WRONG)
     except (PasError, OSError) as error:

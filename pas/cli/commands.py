@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pas.cli import parametric
-from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, progress
+from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, problem_file, progress, project_file
 from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def run_blend(options: argparse.Namespace) -> int:
     from pas.exchange.meshes import write_mesh
     from pas.exchange.problem import read_problem
 
-    problem = read_problem(options.problem)
+    problem = read_problem(problem_file(options.problem))
     folder = output_folder(options.output)
     tolerance = checked_tolerance(problem.tolerance if options.tolerance is None else options.tolerance)
     result = blend(
@@ -57,7 +57,7 @@ def run_solve(options: argparse.Namespace) -> int:
     from pas.exchange.problem import read_problem
     from pas.limits import limit
 
-    problem = read_problem(options.problem)
+    problem = read_problem(problem_file(options.problem))
     with limit(options.seconds, lambda line: print(line, file=sys.stderr, flush=True)):
         space = solutions(
             problem.contacts,
@@ -93,7 +93,7 @@ def run_check(options: argparse.Namespace) -> int:
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
 
-    thing = load(options.project, edited=options.edited)
+    thing = load(project_file(options.project), edited=options.edited)
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.check(thing)
     start = time.perf_counter()
@@ -115,7 +115,7 @@ def run_mesh(options: argparse.Namespace) -> int:
     from pas.parametric.surface import ParametricSurface
 
     tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
-    thing = load(options.project)
+    thing = load(project_file(options.project))
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.mesh(thing, options.output, tolerance)
     if not isinstance(thing, Blend):
@@ -138,7 +138,7 @@ def run_render(options: argparse.Namespace) -> int:
     from pas.solid.assembly import Assembly
     from pas.solid.solid import Solid
 
-    thing = load(options.project)
+    thing = load(project_file(options.project))
     if not isinstance(thing, Solid | Assembly):
         style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
         print(draw(thing.surface if isinstance(thing, Blend) else thing, options.output, style=style))
@@ -158,7 +158,7 @@ def run_convert(options: argparse.Namespace) -> int:
     from pas.solid.solid import Solid
 
     tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
-    thing = load(options.project)
+    thing = load(project_file(options.project))
     if isinstance(thing, Blend):
         thing = thing.solid(options.length)
     elif options.length is not None:

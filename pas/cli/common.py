@@ -5,15 +5,41 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from pas.exchange.files import check_folder, source
+
+FILES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".3mf", ".step", ".png", ".json", ".toml")
+"""Endings that no folder has: who names such a one means a file."""
+
 DONE, FAILED, WRONG = 0, 1, 2
+INTERRUPTED = 130
+"""After Ctrl-C, as shells expect it: 128 and the number of the signal."""
 
 
 def output_folder(name: str) -> Path:
-    """The folder to write to, which need not exist; raises `ValueError` for a file."""
-    folder = Path(name)
-    if folder.exists() and not folder.is_dir():
-        raise ValueError(f"{folder} is not a folder; -o names the folder to write to")
+    """The folder to write to, which need not exist; raises `ValueError` where it cannot be one."""
+    folder = source(name)
+    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not existing.is_dir() or folder.suffix.lower() in FILES:
+        raise ValueError(f"{name} is not a folder; -o names the folder to write to")
+    check_folder(existing)
     return folder
+
+
+def project_file(name: str) -> str:
+    """The name of a project file to read; raises `ValueError` for that of a problem file."""
+    if name.endswith(".toml"):
+        raise ValueError(f"{name} is a problem file; make a project of it with `pas blend` or `pas parametric`")
+    return name
+
+
+def problem_file(name: str) -> str:
+    """The name of a problem file to read; raises `ValueError` for that of a project file."""
+    if name.endswith(".json"):
+        raise ValueError(
+            f"{name} is a project, solved already; `pas check`, `pas mesh`, `pas render` and `pas convert` take it, "
+            "and this command the problem file (.toml) it was made from"
+        )
+    return name
 
 
 def checked_tolerance(tolerance: float) -> float:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, progress
+from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, problem_file, progress
 from pas.errors import MissingLibraryError
 from pas.surface.certificate import Verdict
 
@@ -35,7 +35,7 @@ def run_parametric(options: argparse.Namespace) -> int:
     from pas.exchange.parametric_problem import read_parametric_problem
     from pas.exchange.parametric_records import save_parametric
 
-    problem = read_parametric_problem(options.problem)
+    problem = read_parametric_problem(problem_file(options.problem))
     if options.order is not None:
         problem = _with_order(problem, options.order)
     folder = output_folder(options.output)

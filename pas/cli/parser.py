@@ -3,18 +3,45 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, NoReturn
 
 from pas._version import __version__
 from pas.cli import commands, parametric
+from pas.errors import meant
 
 if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+    Commands = argparse._SubParsersAction["Parser"]
+
+
+class Parser(argparse.ArgumentParser):
+    """A reader of arguments that guesses what a misspelt command or option was meant to be."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong on stderr and end with exit code 2."""
+        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if wrong:
+            message = f"there is no command {wrong[1]!r}" + (
+                meant(wrong[1], re.findall(r"[\w-]+", wrong[2])) or f"; there are {wrong[2]}"
+            )
+        option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
+        if option:
+            message += meant(option[1], self.options)
+        super().error(message)
+
+    @property
+    def options(self) -> list[str]:
+        """All long options, those of commands included."""
+        found = list(self._option_string_actions)
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                found += [o for command in action.choices.values() for o in command._option_string_actions]
+        return [o for o in dict.fromkeys(found) if o.startswith("--")]
 
 
 def parser() -> argparse.ArgumentParser:
     """The reader of all arguments."""
-    result = argparse.ArgumentParser(
+    result = Parser(
         prog="pas",
         description="Smooth transitions between algebraic surfaces, with a proof.",
         epilog="`pas COMMAND --help` tells more of a command.",

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.surface.piecewise import Cell, PiecewiseSurface
 
 SUFFIX = ".vtu"
@@ -34,8 +34,7 @@ def write_cells(surface: PiecewiseSurface, path: str | Path) -> Path:
 
     Raises `ValueError` for another suffix or a surface without cells.
     """
-    if Path(path).suffix.lower() != SUFFIX:
-        raise ValueError(f"cannot write cells as {Path(path).name!r}; the suffix must be {SUFFIX}")
+    target(path, (SUFFIX,), "cells")
     grid = cell_grid(surface)
     with replacing(path) as temporary:
         grid.save(temporary)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import ProjectFileError
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, source, target
 
 FORMAT = "pas-project"
 VERSION = 1
@@ -22,9 +22,8 @@ SUFFIX = ".pas.json"
 
 
 def check_name(path: str | Path) -> None:
-    """Raise `ValueError` unless the name ends in `.pas.json`."""
-    if not str(path).endswith(SUFFIX):
-        raise ValueError(f"a project file's name must end in {SUFFIX}, not {Path(path).name!r}")
+    """Raise `ValueError` unless the name ends in `.pas.json` and a file can be written there."""
+    target(path, (SUFFIX,), "a project")
 
 
 def write(path: str | Path, content: dict[str, Any], written_by: str) -> Path:
@@ -47,9 +46,10 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
     Raises `ProjectFileError` for a file that is no project file, was truncated, comes from a
     newer version, or (unless `edited`) does not match its checksum; `FileNotFoundError`.
     """
-    name = Path(path).name
+    file = source(path)
+    name = file.name
     try:
-        record = json.loads(Path(path).read_text(encoding="utf-8"))
+        record = json.loads(file.read_text(encoding="utf-8"))
     except json.JSONDecodeError as error:
         raise ProjectFileError(
             f"{name}: not readable as JSON at line {error.lineno} ({error.msg}); the file was truncated or edited; "

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.field import Floats, Integers, TriangleMesh
@@ -18,11 +18,8 @@ SUFFIXES = (".stl", ".obj", ".ply", ".vtp", ".glb")
 
 
 def check_mesh_suffix(path: str | Path) -> str:
-    """The suffix of a mesh file, or `ValueError` naming those that exist."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ValueError(f"cannot write a mesh as {Path(path).name!r}; the suffix must be one of {', '.join(SUFFIXES)}")
-    return suffix
+    """The suffix of a mesh file that can be written at `path`; raises what `pas.exchange.files.target` raises."""
+    return target(path, SUFFIXES, "a mesh", {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"})
 
 
 def write_mesh(

@@ -90,6 +90,8 @@ class _Reader(PictureReader):
     lists: ClassVar = {"surfaces"}
 
     def problem(self, data: dict[str, Any]) -> ParametricProblem:
+        if {"pipes", "contacts"} & data.keys():
+            raise self.error("this is a problem of an implicit blend; `pas blend` and `pas solve` take it", "", 0)
         method = self.typed(data, "method", str, "hermite")
         if method not in METHODS:
             known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))

@@ -125,6 +125,8 @@ class _Reader(TableReader):
     keys, required, lists = KEYS, REQUIRED, LISTS
 
     def problem(self, data: dict[str, Any]) -> Problem:
+        if {"surfaces", "boundaries"} & data.keys():
+            raise self.error("this is a problem of a parametric blend; `pas parametric` takes it", "", 0)
         self.check(data, "", 0)
         items = [
             self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))

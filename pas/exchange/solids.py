@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.exchange.meshes import binary_stl
 from pas.exchange.threemf import UNITS, write_3mf
 from pas.mesh.field import Floats, Integers
@@ -245,9 +245,5 @@ SOLID_SUFFIXES = tuple(_WRITERS)
 
 
 def check_solid_suffix(path: str | Path) -> str:
-    """The suffix of a triangle file of a solid, or `ValueError` naming those that exist."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in _WRITERS:
-        known = ", ".join(SOLID_SUFFIXES)
-        raise ValueError(f"cannot write a solid as {Path(path).name!r}; the suffix must be one of {known}")
-    return suffix
+    """The suffix of a file of a solid that can be written at `path`; raises what `pas.exchange.files.target` raises."""
+    return target(path, SOLID_SUFFIXES, "a solid")

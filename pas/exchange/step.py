@@ -19,12 +19,13 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.generatrix.blend import GeneratrixBlend
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.patches import RationalPatch
 from pas.parametric.surface import ParametricSurface
+from pas.surface.piecewise import PiecewiseSurface
 
 Shape = RationalPatch | ParametricSurface | ParametricBlend | GeneratrixBlend
 
@@ -45,25 +46,30 @@ suppression of zeros must stay off: it drops exponents of this format."""
 
 
 def write_step(
-    patches: Shape | Sequence[Shape], path: str | Path, *, sew: float | None = None, unit: str = "millimeter"
+    patches: Shape | Sequence[Shape],
+    path: str | Path,
+    *,
+    domain: Any = None,
+    sew: float | None = None,
+    unit: str = "millimeter",
 ) -> Path:
     """Write patches, exact surfaces and exact blends as the faces of a STEP file; returns the path.
 
-    A surface or a blend is one face for each of its `bezier_patches` over its own domain; `fit_patch` makes patches
-    of what is not exact.  With `sew`, faces whose sides are within that distance are joined to shells, and a shell
-    that is closed becomes a solid.  `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
+    A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
+    `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
+    within that distance are joined to shells, and a shell that is closed becomes a solid.  `unit` is micrometer, millimeter, centimeter, meter,
+    inch or foot.
 
     Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
     exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch
     that Open Cascade refuses or a surface with a pole, `MissingLibraryError` without Open Cascade.
     """
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise ValueError(f"cannot write STEP as {Path(path).name!r}; the suffix must be one of {', '.join(SUFFIXES)}")
+    target(path, SUFFIXES, "STEP")
     if unit not in UNITS:
         raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     if sew is not None and not 0 < sew < float("inf"):
         raise ValueError(f"sew must be a positive number, not {sew}")
-    items = _patches(patches)
+    items = _patches(patches, domain)
     _require_library()
     with replacing(path) as temporary, _quiet():
         faces = [_face(item, number) for number, item in enumerate(items)]
@@ -71,7 +77,7 @@ def write_step(
     return Path(path)
 
 
-def _patches(patches: Any) -> list[RationalPatch]:
+def _patches(patches: Any, domain: Any) -> list[RationalPatch]:
     """All patches, checked; an error names the item by its number."""
     items = list(patches) if isinstance(patches, Iterable) else [patches]
     if not items:
@@ -82,17 +88,26 @@ def _patches(patches: Any) -> list[RationalPatch]:
         if isinstance(surface, ParametricSurface) and not surface.is_exact:
             raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
         if isinstance(surface, ParametricSurface):
-            found += bezier_patches(surface)
+            found += bezier_patches(surface, domain)
         elif isinstance(surface, RationalPatch):
             found.append(surface)
         else:
-            raise TypeError(f"patches must be RationalPatch objects, parametric surfaces or blends, not {item!r}")
+            raise TypeError(_refusal(item))
         if max(found[-1].degrees) > HIGHEST_DEGREE:
             raise ValueError(
                 f"patches[{number}] has the degrees {found[-1].degrees}, but STEP is read up to {HIGHEST_DEGREE}; "
                 "write fit_patch(surface, tolerance) in its place"
             )
     return found
+
+
+def _refusal(item: Any) -> str:
+    if isinstance(getattr(item, "surface", item), PiecewiseSurface):
+        return (
+            "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
+            "with pas.write_mesh(surface.triangulate(), 'name.stl') or pas.write_solid(blend.solid(), 'name.3mf')"
+        )
+    return f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {item!r}"
 
 
 def _require_library() -> None:

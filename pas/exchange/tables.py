@@ -9,7 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pas.errors import ProblemFileError
+from pas.errors import ProblemFileError, meant
+from pas.exchange.files import source
 
 
 def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
@@ -17,7 +18,7 @@ def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
 
     Raises `ProblemFileError` with the line for syntax errors, `FileNotFoundError`.
     """
-    file = Path(path)
+    file = source(path)
     try:
         text = file.read_text(encoding="utf-8")
     except UnicodeDecodeError:
@@ -53,8 +54,8 @@ class TableReader:
             raise self.error(f"{section} must be a table, written [{section}] or [[{section}]]", "", 0, section)
         for key, value in table.items():
             if key not in self.keys[section]:
-                known = ", ".join(sorted(self.keys[section]))
-                raise self.error(f"unknown key {key!r} in {name}; known are {known}", section, index, key)
+                near = meant(key, self.keys[section]) or f"; known are {', '.join(sorted(self.keys[section]))}"
+                raise self.error(f"unknown key {key!r} in {name}{near}", section, index, key)
             if not section and key in self.lists and not isinstance(value, list):
                 raise self.error(f"{key} must be a list of tables, written [[{key}]]", "", 0, key)
         for key in self.required.get(section, set()) - set(table):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pas.errors import MissingLibraryError
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 
 if TYPE_CHECKING:
     from pas.exchange.volume import VolumeMesh
@@ -22,12 +22,8 @@ SUFFIXES = (".vtu", ".msh")
 
 
 def check_volume_suffix(path: str | Path) -> str:
-    """The suffix of a file of tetrahedra, or `ValueError` naming those that exist."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        known = ", ".join(SUFFIXES)
-        raise ValueError(f"cannot write tetrahedra as {Path(path).name!r}; the suffix must be one of {known}")
-    return suffix
+    """The suffix of a file of tetrahedra to be written at `path`; raises what `pas.exchange.files.target` does."""
+    return target(path, SUFFIXES, "tetrahedra")
 
 
 def write_volume(mesh: VolumeMesh, path: str | Path) -> Path:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.mesh.field import Floats
 from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import look_at
@@ -59,8 +59,7 @@ def draw_parts(
 
     Raises `ValueError` for another suffix than .png, `MissingLibraryError` without OpenGL.
     """
-    if Path(path).suffix.lower() != ".png":
-        raise ValueError(f"a picture's name must end in .png, not {Path(path).name!r}")
+    target(path, (".png",), "a picture")
     pyvista = offscreen_pyvista()
     parts = shape if isinstance(shape, Assembly) else assembly(solid=shape)
     found = meshes or parts.meshes(tolerance)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.exchange.files import replacing
+from pas.exchange.files import replacing, target
 from pas.mesh.field import TriangleMesh
 from pas.render.layers import BLEND_COLOR, CURVE_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
@@ -79,8 +79,7 @@ def draw(
 
     Raises `ValueError` for another suffix than .png and what meshing raises, `MissingLibraryError` without OpenGL.
     """
-    if Path(path).suffix.lower() != ".png":
-        raise ValueError(f"a picture's name must end in .png, not {Path(path).name!r}")
+    target(path, (".png",), "a picture")
     if not isinstance(style, Style):
         raise TypeError(f"style must be a pas.render.picture.Style, not {style!r}")
     pyvista = offscreen_pyvista()

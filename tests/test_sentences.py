@@ -1,0 +1,115 @@
+"""What users get wrong most easily, each answered with one sentence that says what would be right."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+from conftest import EQUAL, ROOT, pipes, solved
+
+import pas
+from pas import solid
+from pas.cli import INTERRUPTED, main
+
+PROBLEM = str(ROOT / "examples/corners/equal_gc1.toml")
+PARAMETRIC = str(ROOT / "examples/parametric/wavy_pipes.toml")
+
+
+def blend():
+    return solved(EQUAL, 1)
+
+
+CALLS = [
+    (lambda: pas.blend(pipes()[0], 1), TypeError, "contacts must be a list of pipes"),
+    (lambda: pas.blend(None, 1), TypeError, "contacts must be a list of pipes"),
+    (lambda: pas.blend("pipe", 1), TypeError, "contacts must be a list of pipes"),
+    (lambda: pas.blend(pipes(), 0), ValueError, "order must be at least 1 where the region has several pieces"),
+    (lambda: pas.blend([*pipes()[:2], pipes()[0]], 1), pas.GeometryError, "parallel.*pas.SingleCell"),
+    (lambda: pas.blend([*pipes()[:2], pas.Pipe((1, 1, 1), 1, 1)], 1), pas.GeometryError, "perpendic.*pas.SingleCell"),
+    (lambda: pas.write_solid("b.stl", solid.ball((0, 0, 0), 1)), TypeError, "is written to a path such as 'name.stl'"),
+    (lambda: pas.write_mesh("b.stl", None), TypeError, "a mesh is written to a path such as 'name.stl'"),
+    (lambda: pas.save_solid("b.pas.json", solid.ball((0, 0, 0), 1)), TypeError, "is written to a path such as"),
+    (lambda: blend().save("a\0b.pas.json"), ValueError, "has a null character in it"),
+    (lambda: blend().save("a" * 300 + ".pas.json"), ValueError, "is too long"),
+    (lambda: blend().save("/proc/a.pas.json"), ValueError, "nothing can be written to the folder /proc"),
+    (lambda: pas.load("a\0b"), ValueError, "has a null character in it"),
+    (lambda: pas.load("a" * 300), ValueError, "is too long"),
+    (lambda: pas.load(3), TypeError, "the file must be given by its name, not by 3"),
+    (lambda: pas.read_problem("a\0b"), ValueError, "has a null character in it"),
+    (lambda: pas.write_step(blend(), "a.step"), TypeError, "a piecewise algebraic surface has none; write its triang"),
+    (lambda: pas.draw(None, "/proc/a.png"), ValueError, "nothing can be written to the folder /proc"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(CALLS)))
+def test_a_call_is_answered_with_a_sentence(number, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call, kind, said = CALLS[number]
+    with pytest.raises(kind, match=said):
+        call()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_step_takes_the_domain_that_it_asks_for(tmp_path):
+    data = pas.BlendingData([pas.elliptic_cylinder(1, 1), pas.elliptic_cylinder(2, 2)], values=[0, 1])
+    neck = pas.hermite_blend(data, order=1)
+    with pytest.raises(ValueError, match=r"give a finite one, such as domain="):
+        pas.write_step(neck, tmp_path / "neck.step")
+    try:
+        pas.write_step(neck, tmp_path / "neck.step", domain=((-1, 1), (0, 1)))
+    except pas.MissingLibraryError as error:
+        assert "pip install 'pas[step]'" in str(error)
+    else:
+        assert (tmp_path / "neck.step").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["belnd", PROBLEM], "there is no command 'belnd'; is 'blend' meant?"),
+        (["blend", PROBLEM, "--tolerence=3"], "--tolerence=3; is '--tolerance' meant?"),
+        (["blend", "corner.pas.json"], "is a project, solved already"),
+        (["solve", "corner.pas.json"], "is a project, solved already"),
+        (["parametric", "corner.pas.json"], "is a project, solved already"),
+        (["blend", PARAMETRIC], "a parametric blend; `pas parametric` takes it"),
+        (["parametric", PROBLEM], "an implicit blend; `pas blend` and `pas solve` take it"),
+        (["mesh", PROBLEM, "-o", "a.stl"], "is a problem file"),
+        (["render", PROBLEM, "-o", "a.png"], "is a problem file"),
+        (["convert", PROBLEM, "a.stl"], "is a problem file"),
+        (["blend", PROBLEM, "-o", "/proc/new"], "nothing can be written to the folder /proc"),
+        (["blend", PROBLEM, "-o", "corner.stl"], "corner.stl is not a folder"),
+        (["mesh", "MADE", "-o", "o.3mf"], "a blend's solid can, see `pas convert`"),
+        (["mesh", "MADE", "-o", "/proc/o.stl"], "nothing can be written to the folder /proc"),
+        (["render", "MADE", "-o", "/proc/o.png"], "nothing can be written to the folder /proc"),
+        (["convert", "MADE", "/proc/o.stl"], "nothing can be written to the folder /proc"),
+    ],
+)
+def test_a_command_is_answered_with_a_sentence(arguments, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    made = str(blend().save(tmp_path / "made.pas.json"))
+    try:
+        code = main([made if a == "MADE" else a for a in arguments])
+    except SystemExit as end:  # argparse's own
+        code = end.code
+    assert code == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert said in last
+    assert [p.name for p in tmp_path.iterdir()] == ["made.pas.json"]
+
+
+def test_ctrl_c_ends_with_130(tmp_path):
+    """The signal comes while the command runs; nothing is left."""
+    import signal
+
+    code = "import sys; from pas.cli import main; print('up', flush=True); sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "blend", str(ROOT / "examples/corners/three_pipes.toml"), "-o", "out"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "up\n"
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60)[1]
+    assert process.returncode == INTERRUPTED == 130
+    assert "pas: interrupted; nothing was left half-written" in error
+    assert list(tmp_path.iterdir()) == []
