@@ -28,7 +28,7 @@ import numpy as np
 
 from pas.exchange.files import replacing, target
 from pas.exchange.meshes import binary_stl
-from pas.exchange.threemf import UNITS, write_3mf
+from pas.exchange.threemf import UNITS, require_library, write_3mf
 from pas.mesh.field import Floats, Integers
 from pas.solid.assembly import COLORS, Assembly
 from pas.solid.mesh import SolidMesh
@@ -61,7 +61,10 @@ def write_solid(
     for another shape, `MissingLibraryError` where a package for the format is absent, and what
     `Solid.mesh` raises.
     """
-    write = _WRITERS[check_solid_suffix(path)]
+    suffix = check_solid_suffix(path)
+    if suffix == ".3mf":
+        require_library()
+    write = _WRITERS[suffix]
     if unit not in UNITS:
         raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     with replacing(path) as temporary:

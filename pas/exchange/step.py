@@ -57,8 +57,8 @@ def write_step(
 
     A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
     `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
-    within that distance are joined to shells, and a shell that is closed becomes a solid.  `unit` is micrometer, millimeter, centimeter, meter,
-    inch or foot.
+    within that distance are joined to shells, and a shell that is closed becomes a solid.  `unit` is micrometer,
+    millimeter, centimeter, meter, inch or foot.
 
     Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
     exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch

@@ -21,18 +21,28 @@ from typing import Any
 import numpy as np
 
 
+def require_library() -> None:
+    """Raise `MissingLibraryError` without pytetwild."""
+    from pas.errors import MissingLibraryError
+
+    try:
+        import pytetwild  # noqa: F401
+    except ImportError:
+        raise MissingLibraryError(
+            "tetrahedra need pytetwild: pip install pytetwild (on a Mac there are ready packages for macOS 15 on Apple "
+            "silicon; elsewhere it is built, with a compiler and CMake)"
+        ) from None
+
+
 def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> tuple[Any, Any]:
     """Points (N, 3) and tetrahedra (M, 4), of any orientation, in a closed mesh of about unit size.
 
     `options` are those of `pytetwild.tetrahedralize`.  Raises `GeometryError`, and `MissingLibraryError`
     without pytetwild.
     """
-    from pas.errors import GeometryError, MissingLibraryError
+    from pas.errors import GeometryError
 
-    try:
-        import pytetwild  # noqa: F401
-    except ImportError:
-        raise MissingLibraryError("tetrahedra need pytetwild: pip install pytetwild") from None
+    require_library()
     with tempfile.TemporaryDirectory(prefix="pas-") as name:
         folder = Path(name)
         np.save(folder / "points.npy", np.ascontiguousarray(points, dtype=np.float64))

@@ -29,14 +29,23 @@ DIGITS = 9
 """Of coordinates after the point (lib3mf's six would round a part of a few units visibly)."""
 
 
+def require_library() -> Any:
+    """The module lib3mf; raises `MissingLibraryError` without it."""
+    try:
+        import lib3mf
+    except ImportError:
+        raise MissingLibraryError(
+            "3MF files need lib3mf: pip install lib3mf (there are no ready packages for Linux on Arm; .stl, .obj, .ply, "
+            ".glb and .vtp need nothing more)"
+        ) from None
+    return lib3mf
+
+
 def write_3mf(
     parts: Sequence[tuple[str, tuple[int, int, int], Floats, Integers]], path: Path, unit: str = "millimeter"
 ) -> None:
     """Write parts (name, colour, points (N, 3), triangles (T, 3)); raises `MissingLibraryError`."""
-    try:
-        import lib3mf
-    except ImportError:
-        raise MissingLibraryError("3MF files need lib3mf: pip install lib3mf") from None
+    lib3mf = require_library()
     wrapper = lib3mf.get_wrapper()
     model = wrapper.CreateModel()
     model.SetUnit(getattr(lib3mf.ModelUnit, UNITS[unit]))

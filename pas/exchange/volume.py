@@ -20,7 +20,7 @@ import numpy as np
 
 from pas.errors import GeometryError
 from pas.exchange.solids import Piece, pieces
-from pas.exchange.tetwild import tetrahedralize
+from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.volume_files import check_volume_suffix, write_volume
 from pas.mesh.field import Floats, Integers, is_closed_manifold
 from pas.solid.assembly import Assembly
@@ -137,6 +137,7 @@ def volume_mesh(
             raise ValueError(f"{name} must be a positive number, not {value}")
     if not 0 < volume_tolerance < 1:
         raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
+    require_library()
     parts = pieces(shape, "solid", tolerance)
     for part in parts:
         _require_fillable(part, edge_length)
