@@ -35,7 +35,7 @@ def require_library() -> Any:
         import lib3mf
     except ImportError:
         raise MissingLibraryError(
-            "3MF files need lib3mf: pip install lib3mf (there are no ready packages for Linux on Arm; .stl, .obj, .ply, "
+            "3MF files need lib3mf: pip install lib3mf (Linux on Arm has no ready packages; .stl, .obj, .ply, "
             ".glb and .vtp need nothing more)"
         ) from None
     return lib3mf
