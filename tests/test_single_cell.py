@@ -216,12 +216,17 @@ def test_numerators_of_a_hundred_digits():
         assert pas.solutions(contacts, 1, 3, pas.SingleCell(), method=method).dimension == 2
 
 
-def test_a_face_that_is_elsewhere_is_refused_or_undecided():
+def test_clips_inside_the_region_are_examined_there():
     with pytest.raises(pas.GeometryError, match="not closed inside its face"):
         pas.solutions(COAXIAL, 1, partition=pas.SingleCell((-1, -1, -1), (1, 1, 1)))
     wide = pas.SingleCell((-3, -3, -3), (3, 3, 3))
     space = pas.solutions(COAXIAL, 1, 3, wide)
-    verdicts = space.member([1, 0]).certify().verdicts
-    assert verdicts[0].status is pas.Status.UNDECIDED
+    first, second, _, enclosed = space.member([1, 0]).certify().verdicts
+    assert first.proved
+    assert "closed inside the region" in first.reason
+    assert second.status is pas.Status.REFUTED  # 4 x y^2 + 4 x z^2 + .. has the pipe inside out at x = -1
+    assert "alpha" in second.reason
+    assert np.hypot(*second.witness[1:]) == pytest.approx(2)
+    assert enclosed.status is pas.Status.UNDECIDED
     with pytest.raises(ValueError, match="no side of the region lies in the clip plane of contact 1"):
         space.fit()

@@ -86,3 +86,12 @@ def rounded(values: Sequence[fmpq]) -> Floats:
     if largest == 0:
         return np.zeros(len(values))
     return np.array([int(q.p) / int(q.q) for q in (v / largest for v in values)])
+
+
+def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]], degree: int | None = None) -> Floats:
+    """The rounded B-coefficients of one polynomial on simplices of one dimension, (N, m).
+
+    As of degree `degree`, by default the polynomial's own.
+    """
+    degree = max(int(polynomial.total_degree()), 0) if degree is None else degree
+    return np.array([rounded(b_form(on_simplex(polynomial, s), degree, len(s) - 1)) for s in simplices])

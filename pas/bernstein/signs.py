@@ -1,11 +1,12 @@
 """Rigorous sign proofs by Bernstein branch and bound.
 
-The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, without `zero`).
-A polynomial lies between its smallest and largest B-coefficient, and equals them at the
-vertices.  So a simplex is settled when all coefficients of `zero` have one sign or those of
-`value` are positive; the claim is refuted when those of `value` are negative and `zero` changes
-sign between two vertices (then it vanishes in between); any other simplex is halved at its
-longest edge.
+The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, without `zero`; or
+where several polynomials vanish at once).  A polynomial lies between its smallest and largest
+B-coefficient, and equals them at the vertices.  So a simplex is settled when all coefficients of
+one `zero` have one sign or those of `value` are positive; the claim is refuted when those of
+`value` are negative and `zero` changes sign between two vertices (then it vanishes in between);
+any other simplex is halved at its longest edge.  Several polynomials may change their signs
+without a common zero: with them a claim is proved or left undecided.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
 2^-53).  One halving is a product with rows of at most n+1 nonzero nonnegative weights of sum 1,
@@ -16,6 +17,7 @@ enlarge the errors before it.  After m halvings every coefficient is within
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -26,6 +28,9 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.subdivision import edges, halving
 
 UNIT_ROUNDOFF = 2.0**-53
+
+ROOT_BISECTIONS = 54
+"""Enough for a root on an edge to the last digit."""
 
 
 class Status(Enum):
@@ -56,14 +61,14 @@ class SignResult:
 class _Simplices:
     """A batch: B-coefficients (N, m), corner points (N, d+1, 3), numbers of origin (N,)."""
 
-    zero: Floats | None
+    zeros: tuple[Floats, ...]
     value: Floats
     corners: Floats
     source: NDArray[np.intp]
 
     def select(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> _Simplices:
-        zero = None if self.zero is None else self.zero[chosen]
-        return _Simplices(zero, self.value[chosen], self.corners[chosen], self.source[chosen])
+        zeros = tuple(zero[chosen] for zero in self.zeros)
+        return _Simplices(zeros, self.value[chosen], self.corners[chosen], self.source[chosen])
 
     def __len__(self) -> int:
         return len(self.value)
@@ -97,18 +102,20 @@ class Limits:
 
 
 def prove_positive(
-    value: Floats, corners: Floats, where_zero: Floats | None = None, limits: Limits | None = None
+    value: Floats, corners: Floats, where_zero: Floats | Sequence[Floats] | None = None, limits: Limits | None = None
 ) -> SignResult:
-    """Prove that `value > 0` on simplices, or only where another polynomial vanishes.
+    """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
-    `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  UNDECIDED where
-    the limits are reached first.
+    `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  Nothing is claimed of no
+    simplices, which is proved.  UNDECIDED where the limits are reached first.
     """
     limits = limits or Limits()
-    batch = _Simplices(where_zero, value, corners, np.arange(len(value)))
-    vertices = corners.shape[1]
-    degrees = [_degree(c.shape[1], vertices) for c in (value, where_zero) if c is not None]
+    zeros = (where_zero,) if isinstance(where_zero, np.ndarray) else tuple(where_zero or ())
+    if not len(value):
+        return SignResult(Status.PROVED, np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.intp), 0)
+    batch = _Simplices(zeros, value, corners, np.arange(len(value)))
+    degrees = [_degree(c.shape[1], corners.shape[1]) for c in (value, *zeros)]
     found, examined, halved = _Findings(), 0, 0
     while len(batch):
         examined += len(batch)
@@ -116,7 +123,7 @@ def prove_positive(
         batch = batch.select(~_settled(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
-            found.add(_witness_points(batch.select(witnesses)), batch.source[witnesses])
+            found.add(_witness_points(batch.select(witnesses), refined=not limits.exhaustive), batch.source[witnesses])
         batch = batch.select(~witnesses)
         if not len(batch) or halved == limits.halvings or len(batch) > limits.largest_batch:
             break
@@ -130,36 +137,71 @@ def prove_positive(
     return SignResult(status, points, centres, np.concatenate([sources, batch.source]), examined)
 
 
+def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
+    """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
+    nowhere = np.full((len(corners), 1), -1.0)
+    return prove_positive(nowhere, corners, zeros, limits)
+
+
 def _degree(size: int, vertices: int) -> int:
     return next(n for n in range(size) if len(homogeneous_exponents(n, vertices)) == size)
 
 
 def _settled(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     settled = batch.value.min(axis=1) > bound
-    if batch.zero is not None:
-        settled |= (batch.zero.min(axis=1) > bound) | (batch.zero.max(axis=1) < -bound)
+    for zero in batch.zeros:
+        settled |= (zero.min(axis=1) > bound) | (zero.max(axis=1) < -bound)
     return settled
 
 
 def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
-    if batch.zero is None:
+    if not batch.zeros:
         return _at_vertices(batch.value, batch.corners.shape[1]).min(axis=1) < -bound
-    at_vertices = _at_vertices(batch.zero, batch.corners.shape[1])
+    if len(batch.zeros) > 1:
+        return np.zeros(len(batch), dtype=bool)
+    at_vertices = _at_vertices(batch.zeros[0], batch.corners.shape[1])
     changes = (at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound)
     return changes & (batch.value.max(axis=1) < -bound)
 
 
-def _witness_points(batch: _Simplices) -> Floats:
-    """A point of each violating simplex: its worst vertex, or one near the zero set."""
+def _witness_points(batch: _Simplices, *, refined: bool) -> Floats:
+    """A point of each violating simplex: its worst vertex, or one on the zero set (near it, if not `refined`)."""
     vertices = batch.corners.shape[1]
     rows = np.arange(len(batch))
-    if batch.zero is None:
+    if not batch.zeros:
         return batch.corners[rows, _at_vertices(batch.value, vertices).argmin(axis=1)]
-    values = _at_vertices(batch.zero, vertices)
+    values = _at_vertices(batch.zeros[0], vertices)
     low, high = values.argmin(axis=1), values.argmax(axis=1)
-    below, above = values[rows, low][:, None], values[rows, high][:, None]
+    below, above = values[rows, low], values[rows, high]
     share = below / np.where(below == above, 1.0, below - above)
-    return batch.corners[rows, low] * (1 - share) + batch.corners[rows, high] * share
+    if refined:
+        share = _root(_along_edge(batch.zeros[0], vertices, low, high), share)
+    return batch.corners[rows, low] * (1 - share)[:, None] + batch.corners[rows, high] * share[:, None]
+
+
+def _along_edge(coefficients: Floats, vertices: int, low: NDArray[np.intp], high: NDArray[np.intp]) -> Floats:
+    """The B-coefficients (N, n+1) on the edge from vertex `low` to vertex `high` of each simplex."""
+    degree = _degree(coefficients.shape[1], vertices)
+    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, vertices))}
+    unit = np.eye(vertices, dtype=int)
+    columns = [
+        [where[tuple((degree - i) * unit[a] + i * unit[b])] for i in range(degree + 1)]
+        for a, b in zip(low, high, strict=True)
+    ]
+    return coefficients[np.arange(len(coefficients))[:, None], np.array(columns)]
+
+
+def _root(edge: Floats, start: Floats) -> Floats:
+    """Where B-forms (N, n+1) on [0, 1] that rise from below to above zero vanish, by bisection from `start`."""
+    low, high, share = np.zeros(len(edge)), np.ones(len(edge)), start
+    for _ in range(ROOT_BISECTIONS):
+        values = edge
+        while values.shape[1] > 1:
+            values = values[:, :-1] * (1 - share)[:, None] + values[:, 1:] * share[:, None]
+        below = values[:, 0] < 0
+        low, high = np.where(below, share, low), np.where(below, high, share)
+        share = (low + high) / 2
+    return share
 
 
 def _at_vertices(coefficients: Floats, vertices: int) -> Floats:
@@ -182,12 +224,13 @@ def _halve(batch: _Simplices, degrees: list[int]) -> _Simplices:
             corners = part.corners.copy()
             corners[:, moved] = middle
             value = part.value @ halving(degrees[0], vertices, int(edge))[side].T
-            zero = part.zero
-            if zero is not None:
-                zero = zero @ halving(degrees[1], vertices, int(edge))[side].T
-            halves.append(_Simplices(zero, value, corners, part.source))
+            zeros = tuple(
+                zero @ halving(degree, vertices, int(edge))[side].T
+                for zero, degree in zip(part.zeros, degrees[1:], strict=True)
+            )
+            halves.append(_Simplices(zeros, value, corners, part.source))
     return _Simplices(
-        None if batch.zero is None else np.concatenate([h.zero for h in halves if h.zero is not None]),
+        tuple(map(np.concatenate, zip(*(h.zeros for h in halves), strict=True))),
         np.concatenate([h.value for h in halves]),
         np.concatenate([h.corners for h in halves]),
         np.concatenate([h.source for h in halves]),

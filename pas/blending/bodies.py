@@ -18,7 +18,6 @@ from pas.errors import GeometryError
 from pas.solid.pieces import Pieces, region
 from pas.solid.solid import Solid, patch, union
 from pas.solid.tree import Atom, combined
-from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
 
 
@@ -30,30 +29,41 @@ def body(surface: PiecewiseSurface, length: Any = None, names: Sequence[str] | N
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, "blend"), region(surface.partition)))
     reach = _length(length, surface)
-    caps = [_cap(contact, number, reach) for number, contact in enumerate(surface.contacts)]
+    planes = [_plane(surface, number) for number in range(len(surface.contacts))]
+    caps = [_cap(plane, reach) for plane in planes]
     ends = [
-        patch(name, contact.surface, contact.clip, -cap).cap(cap, f"{name} end")
-        for name, contact, cap in zip(titles, surface.contacts, caps, strict=True)
+        patch(name, contact.surface, plane, -cap).cap(cap, f"{name} end")
+        for name, contact, plane, cap in zip(titles, surface.contacts, planes, caps, strict=True)
         if reach > 0
     ]
     solid = union([inner, *ends])
-    for name, contact in zip(titles, surface.contacts, strict=True):
+    for name, contact, plane in zip(titles, surface.contacts, planes, strict=True):
         if reach > 0:
-            solid = solid.joined("blend", name, (contact.surface, contact.clip), surface.order)
+            solid = solid.joined("blend", name, (contact.surface, plane), surface.order)
         else:
-            solid = solid.cap(contact.clip, f"{name} end")
+            solid = solid.cap(plane, f"{name} end")
     return solid
 
 
-def _cap(contact: Contact, number: int, length: fmpq) -> Polynomial:
-    """The plane at a distance of `length` beyond the clip, rounded to a double where that is irrational."""
-    if contact.clip.degree != 1:
-        raise GeometryError(
-            f"neighbour {number + 1} ends in {contact.clip} = 0, which is no plane, so it has no flat cap; "
-            "compose the solid with pas.solid.patch instead"
-        )
-    size = rational(float(np.linalg.norm(contact.clip.dense(1)[1:])))
-    return contact.clip - Polynomial(length * size)
+def _plane(surface: PiecewiseSurface, number: int) -> Polynomial:
+    """The plane of the region's side in which a neighbour begins, positive on the neighbour's side."""
+    join, clip = surface.joins[number], surface.contacts[number].clip
+    if len(join.planes) == 1 and join.confined:
+        plane = join.planes[0]
+        if clip.degree == 1:
+            return clip if plane.cofactor.raw.leading_coefficient() > 0 else -clip
+        return surface.partition.frame.globalise(plane.plane)
+    what = "is no plane" if clip.degree != 1 else "is no side of the region"
+    raise GeometryError(
+        f"neighbour {number + 1} ends in {clip} = 0, which {what}, so it has no flat cap there; "
+        "compose the solid with pas.solid.patch instead"
+    )
+
+
+def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
+    """The plane at a distance of `length` beyond another, rounded to a double where that is irrational."""
+    size = rational(float(np.linalg.norm(plane.dense(1)[1:])))
+    return plane - Polynomial(length * size)
 
 
 def _length(length: Any, surface: PiecewiseSurface) -> fmpq:

@@ -12,18 +12,22 @@ from typing import Any
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.real_points import count_real_points, has_real_curve
+from pas.bernstein.signs import Status
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact, Pipe, as_contact
-from pas.surface.joins import joins
-from pas.surface.proofs import check_join
+from pas.surface.contact_proofs import check_join, clip_sided
+from pas.surface.joins import Join, joins
 
 Placed = tuple[Partition, tuple[Contact, ...]]
 
 
 def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
-    """The partition for the given pipes or contacts, and the contacts turned towards its centre.
+    """The partition for the given pipes or contacts, and the contacts with their clips turned.
+
+    A clip is turned so that it is negative on the region's side of its faces; one without a face, so
+    that it is negative at the centre.
 
     Without a partition three perpendicular pipes or contacts get the six-tetrahedra corner.
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
@@ -43,10 +47,9 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
         raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
     if partition is None:
         partition = six_tetrahedra(contacts, pipes)
-    turned = tuple(_turned(contact, partition) for contact in contacts)
-    for number, join in enumerate(joins(partition, turned), start=1):
+    turned = tuple(map(_turned, joins(partition, contacts)))
+    for number, (join, pipe) in enumerate(zip(joins(partition, turned), pipes, strict=True), start=1):
         if join.faces:
-            pipe = pipes[number - 1]
             if pipe is not None:
                 check_circle(number, pipe, join)
             check_join(number, join)
@@ -57,11 +60,14 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
     return partition, turned
 
 
-def _turned(contact: Contact, partition: Partition) -> Contact:
-    """The contact with its clip negative at the partition's centre, if it has one."""
-    if partition.center is None or contact.clip.at(partition.center) <= 0:
-        return contact
-    return Contact(contact.surface, -contact.clip)
+def _turned(join: Join) -> Contact:
+    """The contact with its clip negative on the region's side of its faces, or else at the centre."""
+    contact, center = join.contact, join.partition.center
+    if join.faces:
+        wrong = clip_sided(join).status is Status.REFUTED
+    else:
+        wrong = center is not None and contact.clip.at(center) > 0
+    return Contact(contact.surface, -contact.clip) if wrong else contact
 
 
 def _check_curve(number: int, contact: Contact) -> None:

@@ -73,11 +73,15 @@ class Fairing:
         zero = [Polynomial(0)] * len(self.partition.pieces)
         empty = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree)
         for number, join in enumerate(empty.joins, start=1):
-            if not join.faces:
+            if not join.confined:
+                what = (
+                    f"the clip of contact {number} passes through the region"
+                    if join.faces
+                    else f"no side of the region lies in the clip plane of contact {number}"
+                )
                 raise ValueError(
-                    f"no side of the region lies in the clip plane of contact {number}, so the surface can be neither "
-                    "guarded nor proved there: fit with prove=False, guard=False and another normalisation than "
-                    "pas.MeanAlpha(), or give the region such a side"
+                    f"{what}, so the surface can be neither guarded nor proved there: fit with prove=False, "
+                    "guard=False and another normalisation than pas.MeanAlpha(), or give the region such a side"
                 )
         return Guard(self.basis, empty)
 

@@ -91,9 +91,10 @@ class Certificate(Verdicts):
     """All verdicts about one surface.
 
     `contacts`: one for each contact: exact GC^k, alpha > 0 on its curve, the curve closed and
-    regular inside its clip face.  `faces`: one for each interior face: exact C^k.  `one_sheet`:
-    every ray from the centre meets the surface at most once, transversally.  `enclosed`: the
-    surface leaves the region through the contact curves only.
+    regular inside its clip face (or inside the region, where the clip is none of its faces).
+    `faces`: one for each interior face: exact C^k.  `one_sheet`: every ray from the centre meets
+    the surface at most once, transversally.  `enclosed`: the surface leaves the region through the
+    contact curves only.
     """
 
     contacts: tuple[Verdict, ...]

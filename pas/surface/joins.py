@@ -1,7 +1,9 @@
 """Where contacts sit on a partition: the clip faces and the curves in them.
 
-A `Join` is one contact together with the outer faces that lie in its clip plane and the cells
-the pieces behind them, which carry the contact.
+A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes
+identically, and the pieces behind them, which carry the contact.  A clip vanishes on a face iff
+the face's plane divides it; what is left of the clip, its cofactor, says on which side the clip
+is negative and where else it may cut the surface.
 """
 
 from __future__ import annotations
@@ -17,12 +19,34 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
+from pas.bernstein.forms import rounded_forms
+from pas.bernstein.signs import SignResult, Status, prove_apart
 from pas.errors import GeometryError
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Indices, OuterFace, Partition
 from pas.surface.contact import Contact
 
 CURVE_LATTICE = 24
 """Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""
+
+
+@dataclass(frozen=True)
+class ClipPlane:
+    """The clip faces in one plane, `plane > 0` outside the region, where `clip = plane * cofactor`."""
+
+    plane: Polynomial
+    faces: tuple[OuterFace, ...]
+    cofactor: Polynomial
+
+    @property
+    def simple(self) -> bool:
+        """Whether the clip changes its sign at the plane, not having it for a factor twice."""
+        return not _divides(self.plane, self.cofactor)
+
+    def rim(self, partition: Partition) -> list[tuple[Vector, Vector]]:
+        """The edges that bound the union of the faces."""
+        owners = Counter(edge for face in self.faces for edge in combinations(face.vertices, 2))
+        a = partition.vertices
+        return [(a[i], a[j]) for (i, j), times in owners.items() if times == 1]
 
 
 @dataclass(frozen=True)
@@ -40,11 +64,67 @@ class Join:
             return (0,)
         return tuple(dict.fromkeys(face.piece for face in self.faces))
 
+    @cached_property
+    def planes(self) -> tuple[ClipPlane, ...]:
+        """The planes of the clip faces, each with its faces."""
+        clip = self.contact.clip.raw
+        planes = dict.fromkeys(face.plane for face in self.faces)
+        return tuple(
+            ClipPlane(
+                plane,
+                tuple(face for face in self.faces if face.plane == plane),
+                Polynomial.from_raw(divmod(clip, plane.raw)[0]),
+            )
+            for plane in planes
+        )
+
     def rim(self) -> list[tuple[Vector, Vector]]:
-        """The edges that bound the union of the clip faces."""
-        owners = Counter(edge for face in self.faces for edge in combinations(face.vertices, 2))
-        a = self.partition.vertices
-        return [(a[i], a[j]) for (i, j), times in owners.items() if times == 1]
+        """The edges that bound the clip faces, in each of their planes."""
+        return [edge for plane in self.planes for edge in plane.rim(self.partition)]
+
+    @cached_property
+    def rest(self) -> Polynomial:
+        """The clip without the planes of its clip faces: what may cut the surface elsewhere."""
+        rest = self.contact.clip.raw
+        for plane in self.planes:
+            quotient, remainder = divmod(rest, plane.plane.raw)
+            rest = quotient if remainder.is_zero() else rest
+        return Polynomial.from_raw(rest)
+
+    @cached_property
+    def elsewhere(self) -> SignResult:
+        """The proof that in the region the contact's curve is in the clip faces only.
+
+        Not proved where the clip has no face, as a curved one, or has another factor or a plane
+        that passes through the region and meets the surface there.
+        """
+        where = [(self.rest, self.partition.cells)] if self.rest.degree > 0 else []
+        where += [(plane.plane, cells) for plane in self.planes if (cells := self._cut_by(plane))]
+        results = (self._apart(polynomial, cells) for polynomial, cells in where)
+        nothing = prove_apart((), np.empty((0, 4, 3)))
+        return next((result for result in results if result.status is not Status.PROVED), nothing)
+
+    @property
+    def confined(self) -> bool:
+        """Whether the contact has clip faces and its curve is proved to be in them alone."""
+        return bool(self.faces) and self.elsewhere.status is Status.PROVED
+
+    def _apart(self, polynomial: Polynomial, simplices: Sequence[Indices]) -> SignResult:
+        """The proof that a polynomial and the surface have no common zero on simplices."""
+        exact = [self.partition.corners(s) for s in simplices]
+        zeros = [rounded_forms(p.raw, exact) for p in (self.contact.surface, polynomial)]
+        return prove_apart(zeros, self.partition.points[np.array(simplices).reshape(len(simplices), -1)])
+
+    def _cut_by(self, plane: ClipPlane) -> tuple[Indices, ...]:
+        """The cells that a clip plane meets elsewhere than in a clip face (none in a convex region)."""
+        signs = [plane.plane.raw(*v) for v in self.partition.vertices]
+        known = [set(face.vertices) for face in plane.faces]
+        return tuple(
+            cell
+            for cell in self.partition.cells
+            if any(signs[v] > 0 for v in cell)
+            or not any({v for v in cell if signs[v] == 0} <= vertices for vertices in known)
+        )
 
     def curve(self) -> Floats:
         """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
@@ -80,22 +160,28 @@ def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]
     """The place of each contact on the partition.
 
     A single piece carries every contact, wherever its clip lies; in any other partition a contact
-    needs a face: raises `GeometryError` for a clip in whose plane no outer face lies.
+    needs a face: raises `GeometryError` for a clip that vanishes on no outer face.
     """
     result = []
     for number, contact in enumerate(contacts, start=1):
+        clip = contact.clip
         faces = tuple(
             face
             for face in partition.outer_faces
-            if all(contact.clip.at(p) == 0 for p in partition.corners(face.vertices))
+            if all(clip.raw(*p) == 0 for p in partition.corners(face.vertices))
+            and (clip.degree == 1 or _divides(face.plane, clip))
         )
         if not faces and len(partition.pieces) > 1:
+            what = "lies in its clip plane" if clip.degree == 1 else "is a face of its clip"
             raise GeometryError(
-                f"contact {number}: no outer face of the partition ({partition.name}) lies in "
-                f"its clip plane {contact.clip} = 0"
+                f"contact {number}: no outer face of the partition ({partition.name}) {what} {clip} = 0"
             )
         result.append(Join(contact, faces, partition))
     return tuple(result)
+
+
+def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
+    return bool(divmod(polynomial.raw, plane.raw)[1].is_zero())
 
 
 def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:

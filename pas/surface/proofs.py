@@ -1,7 +1,8 @@
 """The proofs of what a piecewise surface promises.
 
 Contacts and faces: exact division, remainder identically zero (Garrity and Warren 1991), and
-`alpha > 0` on each contact curve, so that the surface is regular there and on the right side.
+`alpha > 0` on each contact curve, so that the surface is regular there and on the right side (see
+`pas.surface.contact_proofs`).
 
 One sheet: with the guide field u(x) = x - O from the centre O, `grad f . u > 0` wherever `f = 0`
 in each cell.  Since rays from O do not change cells, f changes sign at most once along each, and
@@ -12,6 +13,10 @@ Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alph
 alone.  Together the two say that the surface is a graph over the sphere of directions less one
 disc a contact: for c contacts its Euler characteristic is 2 - c.
 
+A contact whose clip passes through the region, as a curved one, leaves the surface in use on one
+side of the clip only.  One sheet is then still proved of all of the zero set in the region, and
+refuted only at a point that is in use; that what is in use is enclosed is never proved.
+
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see
 `pas.bernstein.signs`).  What is not promised: anything outside the region.
 """
@@ -19,25 +24,36 @@ All inequalities are proved by Bernstein branch and bound with rounding accounte
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq_mpoly
 
 from pas.algebra.monomials import Floats
-from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, to_floats
+from pas.algebra.rational import Vector, to_floats, vector
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
-from pas.errors import GeometryError
-from pas.surface.certificate import Certificate, Point, Verdict
-from pas.surface.joins import Join
+from pas.surface.certificate import Certificate, Verdict
+from pas.surface.contact_proofs import check_join, contact_verdict, from_signs, global_point
+from pas.surface.meetings import alpha_signs, meetings
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
+__all__ = [
+    "Violations",
+    "certify",
+    "check_join",
+    "contact_verdict",
+    "enclosed_verdict",
+    "face_verdict",
+    "sheet_signs",
+    "sheet_verdict",
+    "violations",
+    "wall_signs",
+]
 
 SEARCH_CELLS = Limits(halvings=24, largest_batch=3000, exhaustive=True)
 SEARCH_FACES = Limits(halvings=16, largest_batch=1500, exhaustive=True)
@@ -70,34 +86,6 @@ def certify(surface: PiecewiseSurface) -> Certificate:
     )
 
 
-def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
-    """Exact GC^k with one contact, alpha > 0 on its curve, the curve regular and in its face."""
-    join, k = surface.joins[number], surface.order
-    claim = f"contact {number + 1} GC^{k}"
-    achieved = min(_contact_order(surface.patches[piece], join, k) for piece in join.pieces)
-    curve = join.curve()
-    point = _global_point(surface, curve[0]) if len(curve) else None
-    if achieved < k:
-        met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-        return Verdict(Status.REFUTED, claim, f"the patch {met}: f is not in <f_i, h_i^{k + 1}>", point)
-    if not join.faces:
-        reason = f"in <f, h^{k + 1}> exactly; alpha is not examined, since no face of the region lies in the clip plane"
-        return Verdict(Status.UNDECIDED, claim, reason)
-    inside = _curve_in_face(join)
-    if inside.status is not Status.PROVED:
-        return _from_signs(surface, claim, "the curve is not closed inside its clip face", inside)
-    if join.inside_point() is None:
-        return Verdict(Status.UNDECIDED, claim, "no point inside the contact was found on its clip face")
-    regular = _curve_regular(join)
-    if regular.status is not Status.PROVED:
-        return _from_signs(surface, claim, "the clip is tangent to the surface on the curve", regular)
-    positive = _alpha_positive(surface, join, on_curve=True)
-    if positive.status is not Status.PROVED:
-        return _from_signs(surface, claim, "alpha is not positive on the curve", positive)
-    reason = f"in <f, h^{k + 1}> exactly, alpha > 0 on the curve"
-    return Verdict(Status.PROVED, claim, reason, measure=positive.simplices + regular.simplices)
-
-
 def face_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
     """Exact C^k across one interior face."""
     face, k = surface.local.interior_faces[number], surface.order
@@ -111,7 +99,7 @@ def face_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
             point = _nonzero_point(jump, surface.local.corners(face.vertices))
             reached = "not continuous" if power == 0 else f"C^{power - 1} only"
             reason = f"{reached}: pi^{power + 1} does not divide the difference"
-            return Verdict(Status.REFUTED, claim, reason, _global_point(surface, np.array(point)))
+            return Verdict(Status.REFUTED, claim, reason, global_point(surface, np.array(point)))
         difference, power = quotient, power + 1
     return Verdict(Status.PROVED, claim, f"pi^{k + 1} divides the difference exactly")
 
@@ -122,14 +110,16 @@ def sheet_verdict(surface: PiecewiseSurface) -> Verdict:
     if surface.partition.center is None or not surface.partition.cells:
         return Verdict(Status.UNDECIDED, claim, "the partition has no centre to look from")
     if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
-        return Verdict(
-            Status.REFUTED, claim, "the centre is not inside the surface", _global_point(surface, np.zeros(3))
-        )
+        if _unused(surface, np.zeros(3)):
+            return Verdict(Status.UNDECIDED, claim, "the centre is beyond a contact's clip")
+        point = global_point(surface, np.zeros(3))
+        return Verdict(Status.REFUTED, claim, "the centre is not inside the surface", point)
     result = sheet_signs(surface)
     if result.status is Status.PROVED:
         reason = f"grad f . u > 0 wherever f = 0, u from the centre; {result.simplices} tetrahedra"
         return Verdict(Status.PROVED, claim, reason, measure=result.simplices)
-    return _from_signs(surface, claim, "a ray from the centre meets the surface more than once or tangentially", result)
+    reason = "a ray from the centre meets the surface more than once or tangentially"
+    return from_signs(surface, claim, reason, _where_used(surface, result))
 
 
 def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
@@ -137,18 +127,23 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     claim = "enclosed"
     if not surface.partition.cells:
         return Verdict(Status.UNDECIDED, claim, "there is no region")
-    walls = wall_signs(surface)
-    if walls.status is not Status.PROVED:
-        return _from_signs(surface, claim, "the surface reaches an outer wall", walls)
+    walls = _where_used(surface, wall_signs(surface))
+    if walls.status is Status.REFUTED:
+        return from_signs(surface, claim, "the inside of the surface reaches an outer wall", walls)
+    for number, join in enumerate(surface.joins, start=1):
+        if not join.confined:
+            where = "passes through the region" if join.faces else "has no face of the region"
+            reason = f"the clip of contact {number} {where}, so that the surface is used in a part of it only"
+            return Verdict(Status.UNDECIDED, claim, reason)
+    if walls.status is Status.UNDECIDED:
+        return from_signs(surface, claim, "", walls)
     examined = walls.simplices
     for number, join in enumerate(surface.joins, start=1):
-        if not join.faces:
-            return Verdict(Status.UNDECIDED, claim, f"no face of the region lies in the clip plane of contact {number}")
-        if any(_contact_order(surface.patches[piece], join, 0) < 0 for piece in join.pieces):
+        if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
             return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
-        result = _alpha_positive(surface, join, on_curve=False)
+        result = alpha_signs(surface, join, on_curve=False)
         if result.status is not Status.PROVED:
-            return _from_signs(surface, claim, f"the surface meets clip face {number} off the contact curve", result)
+            return from_signs(surface, claim, f"alpha is not positive on the clip face of contact {number}", result)
         examined += result.simplices
     reason = f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles"
     return Verdict(Status.PROVED, claim, reason, measure=examined)
@@ -166,7 +161,7 @@ def violations(surface: PiecewiseSurface, *, deep: bool = False) -> Violations:
     piece_of = surface.partition.piece_of
     contacts: list[tuple[int, Floats]] = []
     for number, join in enumerate(surface.joins):
-        result = _alpha_positive(surface, join, on_curve=False, limits=faces)
+        result = alpha_signs(surface, join, on_curve=False, limits=faces)
         contacts += [(number, points) for _, points in _by_source(result)]
     return Violations(
         [(int(piece_of[cell]), points) for cell, points in _by_source(sheet)],
@@ -199,95 +194,22 @@ def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignR
     return prove_positive(np.array(forms), corners, limits=limits)
 
 
-def alpha_on_face(patch: Polynomial, contact: Polynomial, corners: Sequence[Vector]) -> fmpq_mpoly | None:
-    """`alpha` on a clip face, where `patch = alpha * contact`, in barycentric coordinates.
-
-    None where the contact does not divide the patch on the face.
-    """
-    quotient, remainder = divmod(on_simplex(patch.raw, corners), on_simplex(contact.raw, corners))
-    return quotient if remainder.is_zero() else None
+def _unused(surface: PiecewiseSurface, point: Floats) -> bool:
+    """Whether a local point (3,) is beyond a clip that passes through the region."""
+    exact = vector(point.tolist())
+    return any(join.contact.clip.raw(*exact) > 0 for join in surface.joins if not join.confined)
 
 
-def _alpha_positive(
-    surface: PiecewiseSurface, join: Join, *, on_curve: bool, limits: Limits | None = None
-) -> SignResult:
-    values, zeros, corners = [], [], []
-    contact = join.contact.surface
-    for face in join.faces:
-        exact = join.partition.corners(face.vertices)
-        alpha = alpha_on_face(surface.patches[face.piece], contact, exact)
-        if alpha is None:
-            raise ValueError("alpha is defined where the contact is met only")
-        values.append(rounded(b_form(alpha, surface.degree, 2)))
-        zeros.append(rounded(b_form(on_simplex(contact.raw, exact), contact.degree, 2)))
-        corners.append(join.partition.points[list(face.vertices)])
-    where_zero = np.array(zeros) if on_curve else None
-    return prove_positive(np.array(values), np.array(corners), where_zero, limits)
-
-
-def check_join(number: int, join: Join) -> None:
-    """That contact `number` can be met at all: its curve is closed, regular and in its face.
-
-    Raises `GeometryError` with the place where it fails.
-    """
-    inside = _curve_in_face(join)
-    if inside.status is not Status.PROVED:
-        turned = all(join.contact.surface.raw(*a) < 0 for a, _ in join.rim())
-        hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
-        raise GeometryError(
-            f"contact {number}: its curve is not closed inside its face of the partition; the surface "
-            f"{join.contact.surface} must be positive on the face's edges, and is not at {_place(inside)}{hint}"
-        )
-    if join.inside_point() is None:
-        raise GeometryError(
-            f"contact {number}: the surface {join.contact.surface} is nowhere negative on its clip face, so "
-            "there is no curve to meet (a surface must be negative inside; is its sign turned round?)"
-        )
-    regular = _curve_regular(join)
-    if regular.status is not Status.PROVED:
-        raise GeometryError(
-            f"contact {number}: its clip does not cut its surface transversally at {_place(regular)}; "
-            "the two must cross at an angle along the whole curve"
-        )
-
-
-def _place(result: SignResult) -> str:
-    points = result.counterexamples if len(result.counterexamples) else result.undecided
-    return "({:.6g}, {:.6g}, {:.6g})".format(*points[0])
-
-
-def _curve_in_face(join: Join) -> SignResult:
-    """`f_i > 0` on the rim of the clip faces: the curve is closed inside them."""
-    surface = join.contact.surface
-    rim = join.rim()
-    forms = [rounded(b_form(on_simplex(surface.raw, edge), surface.degree, 1)) for edge in rim]
-    corners = np.array([[to_floats(p) for p in edge] for edge in rim])
-    return prove_positive(np.array(forms), corners)
-
-
-def _curve_regular(join: Join) -> SignResult:
-    """`|grad f_i x grad h_i|^2 > 0` where `f_i = 0` on the clip faces."""
-    f, h = join.contact.surface, join.contact.clip
-    df, dh = ([p.diff(i).raw for i in range(3)] for p in (f, h))
-    cross = [df[(i + 1) % 3] * dh[(i + 2) % 3] - df[(i + 2) % 3] * dh[(i + 1) % 3] for i in range(3)]
-    square = sum((c * c for c in cross), GENERATORS[0] * 0)
-    degree = max(int(square.total_degree()), 0)
-    values, zeros = [], []
-    for face in join.faces:
-        exact = join.partition.corners(face.vertices)
-        values.append(rounded(b_form(on_simplex(square, exact), degree, 2)))
-        zeros.append(rounded(b_form(on_simplex(f.raw, exact), f.degree, 2)))
-    corners = np.array([join.partition.points[list(face.vertices)] for face in join.faces])
-    return prove_positive(np.array(values), corners, np.array(zeros))
-
-
-def _contact_order(patch: Polynomial, join: Join, highest: int) -> int:
-    """The largest j <= `highest` with the patch in `<f_i, h_i^(j+1)>`; -1 for none."""
-    f, h = join.contact.surface.raw, join.contact.clip.raw
-    for j in range(highest, -1, -1):
-        if NormalForm([f, h ** (j + 1)]).reduce(patch.raw).is_zero():
-            return j
-    return -1
+def _where_used(surface: PiecewiseSurface, result: SignResult) -> SignResult:
+    """A refutation by those counterexamples alone that are in use; without any, no decision."""
+    if result.status is not Status.REFUTED:
+        return result
+    used = np.array([not _unused(surface, point) for point in result.counterexamples])
+    if not used.any():
+        points = np.concatenate([result.counterexamples, result.undecided])
+        return replace(result, status=Status.UNDECIDED, counterexamples=points[:0], undecided=points)
+    kept = np.append(used, np.full(len(result.undecided), True))
+    return replace(result, counterexamples=result.counterexamples[used], sources=result.sources[kept])
 
 
 def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:
@@ -306,23 +228,6 @@ def _nonzero_point(restricted: fmpq_mpoly, corners: Sequence[Vector]) -> tuple[f
     return tuple(((1 - u - v) * a + u * b + v * c).tolist())
 
 
-def _from_signs(surface: PiecewiseSurface, claim: str, reason: str, result: SignResult) -> Verdict:
-    if result.status is Status.REFUTED:
-        point = _global_point(surface, result.counterexamples[0])
-        return Verdict(Status.REFUTED, claim, reason, point, result.simplices)
-    left = len(result.undecided)
-    if left == 0:
-        return Verdict(Status.UNDECIDED, claim, reason, measure=result.simplices)
-    point = _global_point(surface, result.undecided[0])
-    text = f"{left} simplices undecided, one around ({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g})"
-    return Verdict(Status.UNDECIDED, claim, text, measure=result.simplices)
-
-
 def _by_source(result: SignResult) -> list[tuple[int, Floats]]:
     points = np.concatenate([result.counterexamples, result.undecided])
     return [(int(s), points[result.sources == s]) for s in np.unique(result.sources)]
-
-
-def _global_point(surface: PiecewiseSurface, local: Floats) -> Point:
-    x, y, z = surface.partition.frame.global_points(local).tolist()
-    return x, y, z
