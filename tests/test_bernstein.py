@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from pas import Polynomial, Status
 from pas.algebra.monomials import count, evaluate, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
-from pas.bernstein.forms import b_form, on_simplex, rounded
+from pas.bernstein.forms import b_form, on_simplex, rounded, rounded_forms
 from pas.bernstein.gram import gram
-from pas.bernstein.signs import Limits, prove_positive
+from pas.bernstein.signs import Limits, prove_apart, prove_positive
 from pas.bernstein.subdivision import edges, halving
 
 TETRAHEDRON = [vector(v) for v in ((0, 0, 0), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
@@ -107,15 +107,12 @@ def test_rounding_keeps_signs_and_errs_by_half_an_ulp(values):
         assert largest == 0 or abs(Fraction(float(r)) - v / largest) <= Fraction(1, 2**53)
 
 
-def signs(p: str, zero: str | None = None):
-    """Branch and bound on one tetrahedron."""
-    forms = []
-    for text in (p, zero):
-        if text is not None:
-            q = Polynomial(text)
-            forms.append(rounded(b_form(on_simplex(q.raw, CUBE), max(q.degree, 0), 3))[None])
+def signs(p: str | None, *zeros: str | None):
+    """Branch and bound on one tetrahedron: for p > 0 where the others vanish, or for no common zero of theirs."""
+    value, *forms = (text and rounded_forms(Polynomial(text).raw, [CUBE]) for text in (p, *zeros))
     corners = np.array([[to_floats(v) for v in CUBE]])
-    return prove_positive(forms[0], corners, forms[1] if zero is not None else None)
+    known = [form for form in forms if form is not None]
+    return prove_apart(known, corners) if value is None else prove_positive(value, corners, known)
 
 
 CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))]
@@ -135,6 +132,8 @@ CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))
         ("z + 49/50", "x^2 + y^2 + z^2 - 1", Status.REFUTED),
         ("-1", "x^2 + y^2 + z^2 + 1/100", Status.PROVED),
         ("0", "x - 1", Status.UNDECIDED),
+        ("3/2 - x", "x^3 - 1", Status.PROVED),
+        ("1/2 - x", "x^3 - 1", Status.REFUTED),
     ],
 )
 def test_verdicts(value, zero, status):
@@ -144,9 +143,32 @@ def test_verdicts(value, zero, status):
         point = result.counterexamples[0]
         assert Polynomial(value)(point) < 1e-9
         if zero is not None:
-            assert abs(Polynomial(zero)(point)) < 0.5
+            assert abs(Polynomial(zero)(point)) < 1e-12
     if status is Status.UNDECIDED:
         assert len(result.undecided)
+
+
+@pytest.mark.parametrize(
+    ("value", "zeros", "status"),
+    [
+        ("z + 1/2", ("x^2 + y^2 + z^2 - 1", "z - 1/2"), Status.PROVED),
+        ("x + 9/10", ("x^2 + y^2 + z^2 - 1", "z - 1/2"), Status.PROVED),  # not so where one of them vanishes
+        ("x + 4/5", ("x^2 + y^2 + z^2 - 1", "z - 1/2"), Status.UNDECIDED),  # wrong, but signs do not tell
+        (None, ("x^2 + y^2 + z^2 - 1", "z - 11/10"), Status.PROVED),
+        (None, ("x^2 + y^2 + z^2 - 1", "z - 1/2"), Status.UNDECIDED),
+        (None, ("x^2 + y^2 + z^2 - 1", "x - y", "z - 1/2"), Status.UNDECIDED),
+        (None, ("x^2 + y^2 + z^2 - 1", "x - y", "z - x - 2"), Status.PROVED),
+        (None, ("x + 3",), Status.PROVED),
+        (None, ("x + 1",), Status.REFUTED),
+    ],
+)
+def test_common_zeros(value, zeros, status):
+    assert signs(value, *zeros).status is status
+
+
+def test_nothing_is_claimed_of_no_simplices():
+    for result in (prove_positive(np.array([]), np.array([])), prove_apart((), np.empty((0, 4, 3)))):
+        assert (result.status, result.simplices) == (Status.PROVED, 0)
 
 
 def test_rounding_is_accounted_for():

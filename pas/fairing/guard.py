@@ -190,11 +190,12 @@ def _lattice_weights(subdivisions: int, vertices: int) -> Floats:
 
 
 def _on_triangle(points: Floats, corners: Floats) -> Floats:
-    """Those of coplanar `points` that lie in a triangle, up to rounding."""
-    edges = (corners[1:] - corners[0]).T
-    b = np.linalg.lstsq(edges, (points - corners[0]).T, rcond=None)[0].T
-    inside = (b.min(axis=1, initial=0.0) >= -1e-9) & (b.sum(axis=1) <= 1 + 1e-9)
-    return points[inside]
+    """Those of `points` that lie in a triangle, up to rounding."""
+    edges, offsets = (corners[1:] - corners[0]).T, (points - corners[0]).T
+    b = np.linalg.lstsq(edges, offsets, rcond=None)[0]
+    coplanar = np.abs(edges @ b - offsets).max(axis=0, initial=0.0) <= 1e-9
+    inside = (b.min(axis=0, initial=0.0) >= -1e-9) & (b.sum(axis=0) <= 1 + 1e-9)
+    return points[inside & coplanar]
 
 
 def _lengths(vectors: Floats) -> Floats:

@@ -9,8 +9,9 @@ Rules, in the order in which they are tried, for `h = plane * cofactor` in each 
 - the patch is a member of `<f, plane^(k+1)>` at every point of the curve in the face (see
   `pas.surface.expansion`); refuted only with a real point of the curve where it is not;
 - f > 0 on the rim of the clip faces, and f < 0 somewhere inside: the curve is there and closed;
+- the plane divides the clip once, and the cofactor is positive on the curve, so that h < 0 just
+  inside the region;
 - grad f x grad h does not vanish on the curve: it is regular, and cut out transversally;
-- the cofactor is positive on the curve, so that h < 0 just inside the region;
 - alpha > 0 on the curve;
 - the curve does not come into the region elsewhere: there the surface would be in use on one side
   of it only, and the claim is refuted or left undecided (see `pas.surface.free_curves`).
@@ -62,7 +63,7 @@ def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
     case = Case(surface, surface.joins[number], f"contact {number + 1} GC^{surface.order}")
     if not case.join.faces:
         return _free(case)
-    for rule in (_met, _closed, _simple, _regular, _sided):
+    for rule in (_met, _closed, _simple, _sided, _regular):
         verdict = rule(case)
         if verdict is not None:
             return verdict
@@ -107,14 +108,14 @@ def _simple(case: Case) -> Verdict | None:
     return case.verdict(Status.UNDECIDED, "the clip's gradient vanishes on its face, which is a multiple factor of it")
 
 
-def _regular(case: Case) -> Verdict | None:
-    """The clip cuts the surface transversally along the curve."""
-    return case.failure(curve_regular(case.join), "the clip is tangent to the surface on the curve")
-
-
 def _sided(case: Case) -> Verdict | None:
     """The clip is negative on the region's side of its faces, all along the curve."""
     return case.failure(clip_sided(case.join), "the clip is positive on the region's side of its face")
+
+
+def _regular(case: Case) -> Verdict | None:
+    """The clip cuts the surface transversally along the curve."""
+    return case.failure(curve_regular(case.join), "the clip is tangent to the surface on the curve")
 
 
 def _free(case: Case) -> Verdict:
@@ -166,17 +167,17 @@ def check_join(number: int, join: Join) -> None:
             f"contact {number}: the plane of its clip face is a multiple factor of its clip {contact.clip}; "
             "give it once"
         )
-    regular = curve_regular(join)
-    if regular.status is not Status.PROVED:
-        raise GeometryError(
-            f"contact {number}: its clip does not cut its surface transversally at {_place(regular)}; "
-            "the two must cross at an angle along the whole curve"
-        )
     sided = clip_sided(join)
     if sided.status is not Status.PROVED:
         raise GeometryError(
             f"contact {number}: its clip {contact.clip} is not negative on the region's side of its face "
             f"at {_place(sided)}; it must be so along the whole curve, and in each of its faces"
+        )
+    regular = curve_regular(join)
+    if regular.status is not Status.PROVED:
+        raise GeometryError(
+            f"contact {number}: its clip does not cut its surface transversally at {_place(regular)}; "
+            "the two must cross at an angle along the whole curve"
         )
     if len(join.partition.pieces) > 1 and not join.confined:
         raise GeometryError(
@@ -192,8 +193,8 @@ def from_signs(surface: PiecewiseSurface, claim: str, reason: str, result: SignR
         return Verdict(Status.REFUTED, claim, reason, point, result.simplices)
     left = len(result.undecided)
     point = global_point(surface, result.undecided[0])
-    text = f"{left} simplices undecided, one around ({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g})"
-    return Verdict(Status.UNDECIDED, claim, text, measure=result.simplices)
+    place = f"{left} simplices undecided, one around ({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g})"
+    return Verdict(Status.UNDECIDED, claim, f"open whether {reason}: {place}", measure=result.simplices)
 
 
 def global_point(surface: PiecewiseSurface, local: Floats) -> Point:

@@ -127,16 +127,16 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     claim = "enclosed"
     if not surface.partition.cells:
         return Verdict(Status.UNDECIDED, claim, "there is no region")
-    walls = _where_used(surface, wall_signs(surface))
+    walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
     if walls.status is Status.REFUTED:
-        return from_signs(surface, claim, "the inside of the surface reaches an outer wall", walls)
+        return from_signs(surface, claim, reached, walls)
     for number, join in enumerate(surface.joins, start=1):
         if not join.confined:
             where = "passes through the region" if join.faces else "has no face of the region"
             reason = f"the clip of contact {number} {where}, so that the surface is used in a part of it only"
             return Verdict(Status.UNDECIDED, claim, reason)
     if walls.status is Status.UNDECIDED:
-        return from_signs(surface, claim, "", walls)
+        return from_signs(surface, claim, reached, walls)
     examined = walls.simplices
     for number, join in enumerate(surface.joins, start=1):
         if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
