@@ -140,10 +140,12 @@ def test_verdicts(value, zero, status):
     result = signs(value, zero)
     assert result.status is status
     if status is Status.REFUTED:
-        point = result.counterexamples[0]
-        assert Polynomial(value)(point) < 1e-9
+        point = [Fraction(c) for c in result.witness.tolist()]
+        assert Polynomial(value).at(point) < 0
         if zero is not None:
-            assert abs(Polynomial(zero)(point)) < 1e-12
+            assert abs(Polynomial(zero).at(point)) < 1e-14
+    else:
+        assert result.witness is None
     if status is Status.UNDECIDED:
         assert len(result.undecided)
 

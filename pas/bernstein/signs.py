@@ -29,8 +29,8 @@ from pas.bernstein.subdivision import edges, halving
 
 UNIT_ROUNDOFF = 2.0**-53
 
-ROOT_BISECTIONS = 54
-"""Enough for a root on an edge to the last digit."""
+BISECTIONS = 53
+"""Of an edge on which a witness is sought: as many as a double has binary digits."""
 
 
 class Status(Enum):
@@ -43,11 +43,12 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class SignResult:
-    """The outcome: `counterexamples` (m, 3) violate the claim (beyond doubt where REFUTED).
+    """The outcome: `counterexamples` (m, 3), each in or at a corner of a simplex that violates the claim.
 
     `undecided` (m, 3) are the centres of simplices left open, `sources` the numbers of the given
     simplices that the counterexamples, then the undecided ones, lie in; `simplices` counts all
-    that were examined.
+    that were examined.  Where REFUTED, `witness` (3,) is a point at which the claim fails: to
+    rounding, `zero` vanishes there, and `value` is negative.
     """
 
     status: Status
@@ -55,6 +56,7 @@ class SignResult:
     undecided: Floats
     sources: NDArray[np.intp]
     simplices: int
+    witness: Floats | None = None
 
 
 @dataclass
@@ -116,14 +118,16 @@ def prove_positive(
         return SignResult(Status.PROVED, np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.intp), 0)
     batch = _Simplices(zeros, value, corners, np.arange(len(value)))
     degrees = [_degree(c.shape[1], corners.shape[1]) for c in (value, *zeros)]
-    found, examined, halved = _Findings(), 0, 0
+    found, examined, halved, witness = _Findings(), 0, 0, None
     while len(batch):
         examined += len(batch)
         bound = 2 * (1 + halved * (max(degrees) + 2)) * UNIT_ROUNDOFF
         batch = batch.select(~_settled(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
-            found.add(_witness_points(batch.select(witnesses), refined=not limits.exhaustive), batch.source[witnesses])
+            if witness is None:
+                witness = _witness(batch, int(witnesses.argmax()))
+            found.add(_near_witnesses(batch.select(witnesses)), batch.source[witnesses])
         batch = batch.select(~witnesses)
         if not len(batch) or halved == limits.halvings or len(batch) > limits.largest_batch:
             break
@@ -134,7 +138,7 @@ def prove_positive(
     points, sources = found.all()
     status = Status.REFUTED if len(points) else Status.UNDECIDED if len(batch) else Status.PROVED
     centres = batch.corners.mean(axis=1)
-    return SignResult(status, points, centres, np.concatenate([sources, batch.source]), examined)
+    return SignResult(status, points, centres, np.concatenate([sources, batch.source]), examined, witness)
 
 
 def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
@@ -164,44 +168,39 @@ def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     return changes & (batch.value.max(axis=1) < -bound)
 
 
-def _witness_points(batch: _Simplices, *, refined: bool) -> Floats:
-    """A point of each violating simplex: its worst vertex, or one on the zero set (near it, if not `refined`)."""
+def _near_witnesses(batch: _Simplices) -> Floats:
+    """A point of each violating simplex: its worst vertex, or one near the zero set."""
     vertices = batch.corners.shape[1]
     rows = np.arange(len(batch))
     if not batch.zeros:
         return batch.corners[rows, _at_vertices(batch.value, vertices).argmin(axis=1)]
     values = _at_vertices(batch.zeros[0], vertices)
     low, high = values.argmin(axis=1), values.argmax(axis=1)
-    below, above = values[rows, low], values[rows, high]
+    below, above = values[rows, low][:, None], values[rows, high][:, None]
     share = below / np.where(below == above, 1.0, below - above)
-    if refined:
-        share = _root(_along_edge(batch.zeros[0], vertices, low, high), share)
-    return batch.corners[rows, low] * (1 - share)[:, None] + batch.corners[rows, high] * share[:, None]
+    return batch.corners[rows, low] * (1 - share) + batch.corners[rows, high] * share
 
 
-def _along_edge(coefficients: Floats, vertices: int, low: NDArray[np.intp], high: NDArray[np.intp]) -> Floats:
-    """The B-coefficients (N, n+1) on the edge from vertex `low` to vertex `high` of each simplex."""
-    degree = _degree(coefficients.shape[1], vertices)
-    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, vertices))}
-    unit = np.eye(vertices, dtype=int)
-    columns = [
-        [where[tuple((degree - i) * unit[a] + i * unit[b])] for i in range(degree + 1)]
-        for a, b in zip(low, high, strict=True)
-    ]
-    return coefficients[np.arange(len(coefficients))[:, None], np.array(columns)]
-
-
-def _root(edge: Floats, start: Floats) -> Floats:
-    """Where B-forms (N, n+1) on [0, 1] that rise from below to above zero vanish, by bisection from `start`."""
-    low, high, share = np.zeros(len(edge)), np.ones(len(edge)), start
-    for _ in range(ROOT_BISECTIONS):
-        values = edge
-        while values.shape[1] > 1:
-            values = values[:, :-1] * (1 - share)[:, None] + values[:, 1:] * share[:, None]
-        below = values[:, 0] < 0
-        low, high = np.where(below, share, low), np.where(below, high, share)
-        share = (low + high) / 2
-    return share
+def _witness(batch: _Simplices, row: int) -> Floats:
+    """Where one simplex violates the claim: its worst vertex, or the zero between two vertices."""
+    vertices, corners = batch.corners.shape[1], batch.corners[row]
+    if not batch.zeros:
+        return corners[_at_vertices(batch.value[[row]], vertices)[0].argmin()]
+    values = _at_vertices(batch.zeros[0][[row]], vertices)[0]
+    low, high = int(values.argmin()), int(values.argmax())
+    degree = _degree(batch.zeros[0].shape[1], vertices)
+    # the B-form on the edge from low to high: of all other vertices the index is 0
+    pairs = zip(homogeneous_exponents(degree, vertices), batch.zeros[0][row], strict=True)
+    edge = np.array([c for _, c in sorted((a[high], c) for a, c in pairs if a[low] + a[high] == degree)])
+    near, far = halving(degree, 2, 0)
+    share = 0.0
+    for step in range(1, BISECTIONS + 1):
+        first = near @ edge
+        if first[-1] < 0:
+            edge, share = far @ edge, share + 2.0**-step
+        else:
+            edge = first
+    return corners[low] * (1 - share) + corners[high] * share
 
 
 def _at_vertices(coefficients: Floats, vertices: int) -> Floats:

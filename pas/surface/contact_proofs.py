@@ -188,8 +188,8 @@ def check_join(number: int, join: Join) -> None:
 
 def from_signs(surface: PiecewiseSurface, claim: str, reason: str, result: SignResult) -> Verdict:
     """The verdict that a proof came to; `reason` says what is wrong where it is refuted."""
-    if result.status is Status.REFUTED:
-        point = global_point(surface, result.counterexamples[0])
+    if result.witness is not None:
+        point = global_point(surface, result.witness)
         return Verdict(Status.REFUTED, claim, reason, point, result.simplices)
     left = len(result.undecided)
     point = global_point(surface, result.undecided[0])
@@ -204,5 +204,5 @@ def global_point(surface: PiecewiseSurface, local: Floats) -> Point:
 
 
 def _place(result: SignResult) -> str:
-    points = result.counterexamples if len(result.counterexamples) else result.undecided
-    return "({:.6g}, {:.6g}, {:.6g})".format(*points[0])
+    point = result.undecided[0] if result.witness is None else result.witness
+    return "({:.6g}, {:.6g}, {:.6g})".format(*point)

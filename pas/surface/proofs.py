@@ -201,15 +201,11 @@ def _unused(surface: PiecewiseSurface, point: Floats) -> bool:
 
 
 def _where_used(surface: PiecewiseSurface, result: SignResult) -> SignResult:
-    """A refutation by those counterexamples alone that are in use; without any, no decision."""
-    if result.status is not Status.REFUTED:
+    """The result, no decision where the witness that refutes is not in use."""
+    if result.witness is None or not _unused(surface, result.witness):
         return result
-    used = np.array([not _unused(surface, point) for point in result.counterexamples])
-    if not used.any():
-        points = np.concatenate([result.counterexamples, result.undecided])
-        return replace(result, status=Status.UNDECIDED, counterexamples=points[:0], undecided=points)
-    kept = np.append(used, np.full(len(result.undecided), True))
-    return replace(result, counterexamples=result.counterexamples[used], sources=result.sources[kept])
+    points = np.concatenate([result.counterexamples, result.undecided])
+    return replace(result, status=Status.UNDECIDED, counterexamples=points[:0], undecided=points, witness=None)
 
 
 def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:
