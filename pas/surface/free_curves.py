@@ -178,9 +178,19 @@ class Curve:
             points = points[np.argsort(-values)][: np.count_nonzero(values > 0)]
         for point in points[:MOST_TRIED]:
             for half in HALF_SIDES:
-                enclosure = self._enclosure(point, half)
+                enclosure = self.enclosure(point, half)
                 if enclosure is not None:
                     yield enclosure
+
+    def enclosure(self, point: Floats, half: float) -> Enclosure | None:
+        """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
+        a common zero of f and d."""
+        along_f, along_d, _ = _dual(_scaled(self.f).gradient(point[None]), _scaled(self.d).gradient(point[None]))
+        p, u, w = (vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
+        a, b, c, e = (_moved(p, u, s, w, t) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+        f, d = self.f.raw, self.d.raw
+        met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
+        return Enclosure(point, (a, b, c, e)) if met and self._holds((a, b, c, e)) else None
 
     @property
     def points(self) -> Floats:
@@ -202,15 +212,6 @@ class Curve:
         vertices = corners.shape[1]
         weights = np.array(homogeneous_exponents(START_LATTICE, vertices)) / START_LATTICE
         return np.unique((weights @ corners).reshape(-1, 3), axis=0)
-
-    def _enclosure(self, point: Floats, half: float) -> Enclosure | None:
-        """A parallelogram around a point with a common zero of f and d in it, all in the region."""
-        along_f, along_d, _ = _dual(_scaled(self.f).gradient(point[None]), _scaled(self.d).gradient(point[None]))
-        p, u, w = (vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
-        a, b, c, e = (_moved(p, u, s, w, t) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
-        f, d = self.f.raw, self.d.raw
-        met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
-        return Enclosure(point, (a, b, c, e)) if met and self._holds((a, b, c, e)) else None
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the hull of some points is proved to be in the region.

@@ -179,6 +179,22 @@ def bad_alpha(rng: random.Random, order: int) -> Case:
     return Case("bad alpha", ((f, T),), order, g, REFUTED, below(alpha, f, T))
 
 
+def touching_alpha(rng: random.Random, order: int) -> Case:
+    """alpha is nowhere negative on the curve, but has a zero there, or nearly."""
+    f = ellipse(rng, Fraction(0), Fraction(0)) + T * linear(rng, 1)
+    alpha = (Polynomial("y") - number(rng, -0.1, 0.1)) ** 2 - rng.choice((0, Fraction(1, 10 ** rng.randint(18, 40))))
+    g = f * alpha + T ** (order + 1) * linear(rng, 2)
+    return Case("touching alpha", ((f, T),), order, g, NEVER_PROVED, near(f, T), NEVER_PROVED)
+
+
+def alpha_inside(rng: random.Random, order: int) -> Case:
+    """alpha is positive on the curve and negative somewhere inside it: the surface meets the face there."""
+    f = ellipse(rng, Fraction(0), Fraction(0)) + T * linear(rng, 1)
+    alpha = Polynomial("x^2 + y^2 + z^2") - 1 - Fraction(rng.randint(1, 6), 100) ** 2
+    g = f * alpha + T ** (order + 1) * linear(rng, 2)
+    return Case("alpha inside", ((f, T),), order, g, PROVED, None, NEVER_PROVED)
+
+
 def turned_surface(rng: random.Random, order: int) -> Case:
     """The contact's surface has its sign turned round; the patch follows it or does not."""
     f = ellipse(rng) + T * linear(rng, 1)
@@ -266,9 +282,13 @@ def round_an_edge(rng: random.Random, order: int) -> Case:
 
 
 def elsewhere(rng: random.Random, order: int) -> Case:
-    """The contact's surface has a second curve in the clip's plane, outside the face, that is not met."""
+    """The contact's surface has a second curve in the clip's plane, beside or round the face, that is not met."""
     inner = ellipse(rng) + T * linear(rng, 1)
-    outer = ellipse(rng, number(rng, 2, 4), number(rng, -3, 3)) + T * linear(rng, 1)
+    beside, round_it = (
+        ellipse(rng, number(rng, 2, 4), number(rng, -3, 3)),
+        number(rng, 2.5, 6) - Polynomial("y^2 + z^2"),
+    )
+    outer = rng.choice((beside, round_it)) + T * linear(rng, 1)
     f = inner * outer + T ** (order + 1) * linear(rng, 1)
     g = inner * positive(rng) + T ** (order + 1) * linear(rng, 1)
     return Case("elsewhere", ((f, T),), order, g, PROVED)
@@ -360,10 +380,10 @@ def plane_inside(rng: random.Random, order: int) -> Case:
     """A clip plane through the middle of the region."""
     f = ellipse(rng, Fraction(0), Fraction(0))
     h = Polynomial("x") + Polynomial("y") * number(rng, -0.5, 0.5) - number(rng, -0.3, 0.3)
-    alpha = rng.choice((positive(rng), -positive(rng), Polynomial("y") + number(rng, -0.05, 0.05)))
-    good = alpha.at((0, 0, 0)) > 0 and alpha.degree != 1
+    crossing = Polynomial("y") + number(rng, -0.05, 0.05)
+    kinds = ((positive(rng), PROVED), (-positive(rng), REFUTED), (crossing, REFUTED), (crossing**2, NEVER_PROVED))
+    alpha, allowed = rng.choice(kinds)
     g = f * alpha + h ** (order + 1) * linear(rng, 0.2)
-    allowed = PROVED if good else REFUTED
     return Case("plane inside", ((f, h),), order, g, allowed, below(alpha, f, h), NEVER_PROVED)
 
 
@@ -423,7 +443,7 @@ def six_way(rng: random.Random, order: int) -> Case:
 
 
 FAMILIES = (
-    *(plain, lower_order, partly_lower, bad_alpha, turned_surface, open_curve),
+    *(plain, lower_order, partly_lower, bad_alpha, touching_alpha, alpha_inside, turned_surface, open_curve),
     *(harmless_factor, reversed_clip, crossing_factor, inner_plane, inner_ball, multiple, two_sides, round_an_edge),
     *(elsewhere, elsewhere_lower, ovals, both, one_of_two, one_of_two_lower),
     *(bulge, sphere_clip, plane_inside, grazing, bent, six_way),
