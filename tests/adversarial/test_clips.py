@@ -6,7 +6,8 @@ import random
 
 import numpy as np
 import pytest
-from clip_cases import BENT, FAMILIES, Case, moved
+from clip_cases import Case, moved
+from clip_families import BENT, FAMILIES
 from conftest import EQUAL, solved
 
 import pas
@@ -14,8 +15,8 @@ from pas import Polynomial, Status
 from pas.algebra.rational import to_floats
 from pas.blending.bodies import body
 from pas.blending.place import place
-from pas.surface.free_curves import Curve
 from pas.surface.proofs import contact_verdict, enclosed_verdict
+from pas.surface.space_curve import Curve
 
 BOX = pas.SingleCell((-1, -1, -1), (1, 1, 1))
 PIPE = "y^2 + z^2 - 1/4"
