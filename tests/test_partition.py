@@ -100,3 +100,52 @@ def test_partitions_that_cannot_be(change, words):
     v, cells, center = change(*octahedron())
     with pytest.raises(pas.GeometryError, match=words):
         pas.Partition(v, cells, center)
+
+
+def spiral(turns):
+    """Cells around the z-axis, a quarter turn each, as many whole turns as are asked for."""
+    n = 4 * turns
+    ring = [((1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0))[i % 4] for i in range(n)]
+    cells = [(0, pole, 3 + i, 3 + (i + 1) % n) for i in range(n) for pole in (1, 2)]
+    return [vector(p) for p in ((0, 0, 0), (0, 0, 1), (0, 0, -1), *ring)], cells
+
+
+def test_cells_that_go_round_the_centre_twice():
+    v, cells = spiral(1)
+    assert len(pas.Partition(v, cells, v[0]).interior_faces) == 12
+    for turns in (2, 3):
+        v, cells = spiral(turns)
+        with pytest.raises(pas.GeometryError, match="exactly once"):
+            pas.Partition(v, cells, v[0])
+
+
+@pytest.mark.parametrize("size", ["2", "1/7", "1e-17", "1e-120", "1e-400", "1e200", "1e400"])
+def test_cells_inside_others_are_noticed_at_any_size(size):
+    """Two octahedra, one in the other or crossing: what is smaller counts as much."""
+    v, cells = octahedron()
+    other = [vector([Fraction(size) * to_fraction(c) for c in p]) for p in v]
+    assert len(pas.Partition(other, cells, other[0]).local.outer_faces) == 8
+    with pytest.raises(pas.GeometryError, match="exactly once"):
+        pas.Partition([*v, *other], [*cells, *(tuple(i + len(v) for i in c) for c in cells)], v[0])
+
+
+@pytest.mark.parametrize("place", ["1/3", "1e-30"])
+def test_a_centre_just_inside_is_seen_once(place):
+    """Right behind a face, which then fills half of the view; floating point would lose it."""
+    v, cells = octahedron()
+    near = pas.SingleCell((0, 0, 0), (1, 1, 1), (place, place, "1/2"))
+    assert near.local.center == vector((0, 0, 0))
+    far = [vector([to_fraction(c) + (10**9 if i == 2 else 0) for i, c in enumerate(p)]) for p in v]
+    assert pas.Partition(far, cells, far[0]).frame.scale == 1
+
+
+def test_frames_of_any_size():
+    for exponent in (-2000, -1074, -1, 0, 1, 1023, 2000):
+        size = Fraction(2) ** exponent
+        assert to_fraction(pas.SingleCell((0, 0, 0), (2 * size, 2 * size, 2 * size)).frame.scale) == size
+        assert to_fraction(pas.Partition(*mesh_of_size(size)).frame.scale) == size / 2
+
+
+def mesh_of_size(size):
+    """One tetrahedron without a centre."""
+    return [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)], [(0, 1, 2, 3)]

@@ -80,6 +80,12 @@ def to_floats(values: Sequence[fmpq]) -> tuple[float, ...]:
     return tuple(to_float(value) for value in values)
 
 
+def binary_exponent(value: fmpq) -> int:
+    """The whole number e with `2^e <= value < 2^(e+1)`, exact; the value must be positive."""
+    e = int(value.p).bit_length() - int(value.q).bit_length()
+    return e if value >= fmpq(2) ** e else e - 1
+
+
 def dot(left: Sequence[fmpq], right: Sequence[fmpq]) -> fmpq:
     """Exact scalar product."""
     return sum((a * b for a, b in zip(left, right, strict=True)), fmpq(0))

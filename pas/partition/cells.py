@@ -14,8 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
-from math import floor, log2
+from itertools import combinations, count
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats, vector
+from pas.algebra.rational import Vector, binary_exponent, cross, dot, plain, to_float, to_floats, vector
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 
@@ -109,10 +108,20 @@ class Partition:
             raise GeometryError("an interior face of the partition does not pass through its centre")
         if any(face.plane.at(center) >= 0 for face in self.outer_faces):
             raise GeometryError("the centre of the partition is not inside the region")
-        rays = self.points - np.array(to_floats(center))
-        total = sum(_solid_angle(*rays[list(face.vertices)]) for face in self.outer_faces)
-        if abs(total / (4 * np.pi) - 1) > 1e-6:
+        if self._times_seen(center) != 1:
             raise GeometryError("the cells of the partition do not surround its centre exactly once")
+
+    def _times_seen(self, center: Vector) -> int:
+        """How many outer faces a ray from the centre goes through, exact.
+
+        Every face through the centre has a cell on either side, so the number is the same for all
+        rays that avoid the edges: one is counted.  Of the directions a + t b + t^2 c from the centre
+        to a face no more than two lie in a plane with an edge, so one that avoids them is found.
+        """
+        faces = [tuple(_minus(p, center) for p in self.corners(face.vertices)) for face in self.outer_faces]
+        directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in count(2))
+        depths = next(filter(all, ([_least_weight(way, face) for face in faces] for way in directions)))
+        return sum(depth > 0 for depth in depths)
 
     @cached_property
     def frame(self) -> Frame:
@@ -235,7 +244,7 @@ class Partition:
 def _middle(points: Sequence[Vector]) -> Vector:
     """The middle of the bounding box, rounded to few binary digits: any origin nearby will do."""
     ends = [(min(column), max(column)) for column in zip(*points, strict=True)]
-    step = fmpq(2) ** floor(log2(max(to_float(high - low) for low, high in ends)) - 4)
+    step = fmpq(2) ** (binary_exponent(max(high - low for low, high in ends)) - 4)
     x, y, z = (fmpq(round(to_float((low + high) / (2 * step)))) * step for low, high in ends)
     return x, y, z
 
@@ -258,9 +267,12 @@ def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
     return dot(_minus(b, a), cross(_minus(c, a), _minus(d, a))) / 6
 
 
-def _solid_angle(a: Floats, b: Floats, c: Floats) -> float:
-    """The solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983)."""
-    la, lb, lc = (float(np.linalg.norm(v)) for v in (a, b, c))
-    triple = abs(float(a @ np.cross(b, c)))
-    below = la * lb * lc + float(a @ b) * lc + float(b @ c) * la + float(c @ a) * lb
-    return 2 * float(np.arctan2(triple, below))
+def _least_weight(direction: Sequence[fmpq], triangle: Sequence[Vector]) -> fmpq:
+    """The least of three weights, up to positive factors, with which the corners give a direction.
+
+    Positive where a ray from the origin goes through the triangle, zero where it meets its rim.
+    """
+    a, b, c = triangle
+    towards = dot(a, cross(b, c))
+    weights = (dot(direction, cross(b, c)), dot(a, cross(direction, c)), dot(a, cross(b, direction)))
+    return min(w * towards for w in weights)

@@ -7,7 +7,6 @@ corner a kilometre from the origin would lose its digits in powers of large coor
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, to_float, to_floats
+from pas.algebra.rational import Vector, binary_exponent, dot, to_float, to_floats
 
 
 @dataclass(frozen=True)
@@ -29,9 +28,8 @@ class Frame:
     @classmethod
     def around(cls, origin: Vector, points: Sequence[Vector]) -> Frame:
         """The frame at `origin` in which the furthest of `points` is at a distance of 1 to 2."""
-        reach = max(to_float(dot(d, d)) for d in (tuple(a - b for a, b in zip(p, origin, strict=True)) for p in points))
-        exponent = math.floor(math.log2(reach) / 2)
-        return cls(origin, fmpq(2) ** exponent if exponent >= 0 else 1 / fmpq(2) ** -exponent)
+        offsets = (tuple(a - b for a, b in zip(p, origin, strict=True)) for p in points)
+        return cls(origin, fmpq(2) ** (binary_exponent(max(dot(d, d) for d in offsets)) // 2))
 
     def localise(self, polynomial: Polynomial) -> Polynomial:
         """The same function in local coordinates, exact."""
