@@ -16,7 +16,7 @@ from pas.algebra.monomials import count, evaluate, exponents, homogeneous_expone
 from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex, rounded, rounded_forms
 from pas.bernstein.gram import gram
-from pas.bernstein.signs import Limits, prove_apart, prove_positive
+from pas.bernstein.signs import Limits, prove_apart, prove_positive, rounding_bound
 from pas.bernstein.subdivision import edges, halving
 
 TETRAHEDRON = [vector(v) for v in ((0, 0, 0), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
@@ -179,3 +179,87 @@ def test_rounding_is_accounted_for():
         value = np.full((1, 4), sign * 2.0**-53)
         result = prove_positive(value, np.eye(4)[None, :, :3], limits=Limits(halvings=3))
         assert result.status is Status.UNDECIDED
+
+
+SEGMENT = [vector(v) for v in ((0, 0, 0), (1, 0, 0))]
+
+
+@pytest.mark.parametrize("degree", [2, 4, 8])
+def test_a_double_root_is_neither_proved_nor_refuted(degree):
+    """(x - p)^2 times a positive factor: rounding alone makes its coefficients positive in half of the cases."""
+    x = Polynomial("x")
+    for p in range(3, 60, 4):
+        f = (x - Fraction(p, 61)) ** 2
+        for i in range(degree // 2 - 1):
+            f = f * ((x - Fraction(7 * i + p, 50)) ** 2 + Fraction(1, 9))
+        form = rounded(b_form(on_simplex(f.raw, SEGMENT), degree, 1))
+        assert prove_positive(form[None], np.eye(3)[None, :2]).status is Status.UNDECIDED
+
+
+@pytest.mark.parametrize(("degree", "vertices"), [(5, 2), (12, 2), (8, 3), (12, 4)])
+def test_rounding_errors_stay_within_their_bound(degree, vertices):
+    """Constants are what halving should leave alone; rounding makes some of them drift, the same way each time.
+
+    Without the growth with the number of halvings the bound would be wrong.
+    """
+    rng = np.random.default_rng(3)
+    constants = 1 - rng.integers(0, 2**20, (4000, 1)) * 2.0**-53
+    forms = np.repeat(constants, len(homogeneous_exponents(degree, vertices)), axis=1)
+    errors = []
+    for halvings in range(1, 49):
+        forms = forms @ halving(degree, vertices, halvings % len(edges(vertices)))[halvings % 2].T
+        errors.append(np.abs(forms - constants).max())
+        assert errors[-1] <= rounding_bound(degree, halvings) / 2
+    if (degree, vertices) == (12, 2):
+        assert max(errors) > rounding_bound(degree, 0)
+
+
+@pytest.mark.parametrize(
+    ("value", "zero"),
+    [
+        (-1, "-(x - 1/3)^2"),  # touches 0 from below inside,
+        (-1, "-x^2"),  # at a corner,
+        (-1, "(2*x - 1)^2"),  # from above at a point that halving reaches
+        (0, "x - 1/3"),
+        ("x - 1/3", "(x - 1/3)^2"),
+    ],
+)
+def test_a_zero_that_may_be_there_is_not_passed_over(value, zero):
+    """Where `zero` vanishes without changing its sign: the value is not positive there."""
+    forms = [rounded(b_form(on_simplex(Polynomial(p).raw, SEGMENT), 2, 1))[None] for p in (value, zero)]
+    assert prove_positive(forms[0], np.eye(3)[None, :2], forms[1]).status is Status.UNDECIDED
+
+
+def test_what_the_limits_leave_open_is_not_proved():
+    """x^2 + 1/1000 is positive, which takes some halvings."""
+    form = rounded(b_form(on_simplex(Polynomial("(x - 1/3)^2 + 1/1000").raw, SEGMENT), 2, 1))[None]
+    corners = np.eye(3)[None, :2]
+    assert prove_positive(form, corners).status is Status.PROVED
+    for limits in (Limits(halvings=0), Limits(halvings=2), Limits(largest_batch=0)):
+        result = prove_positive(form, corners, limits=limits)
+        assert result.status is Status.UNDECIDED
+        assert len(result.undecided) == len(result.sources) > 0
+
+
+@pytest.mark.parametrize("cell", range(5))
+def test_every_simplex_counts(cell):
+    """One of five is negative, or open: the verdict is about it, and its number is told."""
+    corners = np.array([np.eye(3)[:2] + i for i in range(5)])
+    for bad, status in ((-1.0, Status.REFUTED), (0.0, Status.UNDECIDED)):
+        value = np.ones((5, 3))
+        value[cell] = bad
+        result = prove_positive(value, corners, limits=Limits(halvings=2))
+        assert result.status is status
+        assert set(result.sources) == {cell}
+        if result.witness is not None:
+            assert np.abs(result.witness - corners[cell].mean(axis=0)).max() <= 0.5
+
+
+@pytest.mark.parametrize("root", ["1/3", "2/3", "1/1000", "999/1000"])
+def test_every_half_counts(root):
+    """A value that is negative next to one point only: each child of each halving is looked at."""
+    f = Polynomial(f"(x - {root})^2 - 1/10^10")
+    form = rounded(b_form(on_simplex(f.raw, SEGMENT), 2, 1))[None]
+    result = prove_positive(form, np.array([[[0.0, 0, 0], [1, 0, 0]]]))
+    assert result.status is Status.REFUTED
+    assert f.at([Fraction(c) for c in result.witness.tolist()]) < 0

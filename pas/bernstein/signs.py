@@ -121,7 +121,7 @@ def prove_positive(
     found, examined, halved, witness = _Findings(), 0, 0, None
     while len(batch):
         examined += len(batch)
-        bound = 2 * (1 + halved * (max(degrees) + 2)) * UNIT_ROUNDOFF
+        bound = rounding_bound(max(degrees), halved)
         batch = batch.select(~_settled(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
@@ -145,6 +145,11 @@ def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None 
     """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
     nowhere = np.full((len(corners), 1), -1.0)
     return prove_positive(nowhere, corners, zeros, limits)
+
+
+def rounding_bound(degree: int, halvings: int) -> float:
+    """Twice the most by which a coefficient can be off after some halvings (see above)."""
+    return 2 * (1 + halvings * (degree + 2)) * UNIT_ROUNDOFF
 
 
 def _degree(size: int, vertices: int) -> int:

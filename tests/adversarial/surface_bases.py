@@ -128,7 +128,7 @@ def base(random: Random, highest_degree: int = 12) -> Known:
     kinds += [lambda: sides(random.choice(list(SINGLE)), random.choice((6, 12)))]
     while True:
         known = random.choice(kinds)()
-        if known.surface.degree <= highest_degree:
+        if known.surface.degree <= highest_degree and known.sheet is Truth.HOLDS:
             return known
 
 
