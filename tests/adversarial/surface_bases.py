@@ -17,8 +17,8 @@ from math import floor, sqrt
 from random import Random
 
 import numpy as np
+from adversarial.exact_checks import Point, exact
 from conftest import AXES, EQUAL, UNEQUAL, solved
-from exact_checks import Point, exact
 from scipy.spatial import ConvexHull
 
 import pas

@@ -12,11 +12,11 @@ from fractions import Fraction
 from math import prod
 from random import Random
 
-from exact_checks import Point, along_plane, exact, meets, order_across
-from surface_bases import Known, Truth, base, quadric, sound, with_contacts, with_faces, with_polynomials
-from surface_disguises import extreme
-from surface_factors import SIZES, ball_factor, cubed, plane_factor, point_factor, positive_factor, turned
-from surface_places import circle_point, distance2, in_hull, mean, walls
+from adversarial.exact_checks import Point, along_plane, exact, meets, order_across
+from adversarial.surface_bases import Known, Truth, base, quadric, sound, with_contacts, with_faces, with_polynomials
+from adversarial.surface_disguises import extreme
+from adversarial.surface_factors import SIZES, ball_factor, cubed, plane_factor, point_factor, positive_factor, turned
+from adversarial.surface_places import circle_point, distance2, in_hull, mean, walls
 
 import pas
 from pas import Contact, Partition, PiecewiseSurface, Polynomial

@@ -9,8 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 from random import Random
 
-from exact_checks import Point, exact
-from surface_bases import Known, with_patches
+from adversarial.exact_checks import Point, exact
+from adversarial.surface_bases import Known, with_patches
 
 from pas import Contact, Partition, PiecewiseSurface, Polynomial
 

@@ -11,9 +11,9 @@ from fractions import Fraction
 from random import Random
 
 import numpy as np
-from exact_checks import Point, exact
-from surface_bases import Known, Truth, base, with_patches
-from surface_places import away, distance2, holds, length, outer_vertices, size, some_place
+from adversarial.exact_checks import Point, exact
+from adversarial.surface_bases import Known, Truth, base, with_patches
+from adversarial.surface_places import away, distance2, holds, length, outer_vertices, size, some_place
 
 from pas import Polynomial
 

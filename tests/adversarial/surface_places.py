@@ -7,8 +7,8 @@ from fractions import Fraction
 from math import isqrt
 from random import Random
 
-from exact_checks import Point, exact
-from surface_bases import Known
+from adversarial.exact_checks import Point, exact
+from adversarial.surface_bases import Known
 
 from pas import Contact, Partition, Polynomial
 

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from random import Random
 
 import pytest
-from exact_checks import exact, meets_ray_once, witness_flaws
-from surface_bases import Known, Truth
-from surface_breaks import BREAKS
-from surface_disguises import disguised
-from surface_places import in_hull
+from adversarial.exact_checks import exact, meets_ray_once, witness_flaws
+from adversarial.surface_bases import Known, Truth
+from adversarial.surface_breaks import BREAKS
+from adversarial.surface_disguises import disguised
+from adversarial.surface_places import in_hull
 
 from pas import Certificate, Status, Verdict
 
