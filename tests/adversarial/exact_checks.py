@@ -142,7 +142,7 @@ class _View:
         if not self.on(contact.clip, points[0]):
             return False
         faces = self.clip_faces(number)
-        if "not closed" in verdict.reason:
+        if "edges" in verdict.reason:
             return any(contact.surface.at(p) <= 0 for p in points)
         if not self.on(contact.surface, points[0]) or not any(self.in_triangle(f.vertices, points[0]) for f in faces):
             return False
