@@ -4,13 +4,14 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl demo teapot test test-all lint examples bench clean
+.PHONY: help setup opengl demo teapot test test-all mutants lint examples bench clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
 	@echo "make teapot    the teapot: proofs, meshes and pictures, in out/teapot/"
 	@echo "make test      the tests that CI runs"
 	@echo "make test-all  these and the slow ones"
+	@echo "make mutants   break each rule of the proofs and see a test fail"
 	@echo "make lint      style and types"
 	@echo "make examples  all examples with their pictures"
 	@echo "make bench     benchmarks"
@@ -44,6 +45,9 @@ test: setup
 
 test-all: setup
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
+
+mutants: setup
+	$(BIN)/python tests/mutants/run.py
 
 lint: setup
 	$(BIN)/ruff check pas tests examples benchmarks
