@@ -45,6 +45,11 @@ class Finding:
     reason: str
     witness: tuple[Point, ...] = ()
 
+    @property
+    def proved(self) -> bool:
+        """Whether the claim holds beyond doubt."""
+        return self.status == PROVED
+
     def __str__(self) -> str:
         where = ("", "; at ", "; between ")[len(self.witness)]
         points = " and ".join(f"({x}, {y}, {z})" for x, y, z, _ in self.witness)
@@ -89,8 +94,9 @@ def _region(surface: Surface) -> Finding:
     if centre is None or not surface.cells:
         return Finding(claim, UNDECIDED, "there is no centre to look from")
     times = _coverings(centre, [surface.corners(triangle) for triangle, _ in surface.outer])
-    reason = f"the cells surround the centre {times} times"
-    return Finding(claim, PROVED, reason) if times == 1 else Finding(claim, REFUTED, reason, (centre,))
+    if times != 1:
+        return Finding(claim, REFUTED, f"the cells surround the centre {times} times", (centre,))
+    return Finding(claim, PROVED, "the cells surround the centre once")
 
 
 def _coverings(centre: Point, triangles: list[list[Point]]) -> int:
@@ -126,6 +132,11 @@ def _contact(surface: Surface, number: int) -> Finding:
         return Finding(claim, REFUTED, reason, witness)
     if positive([Part(c, f0) for c, f0, *_ in looks])[0] != REFUTED:
         return Finding(claim, UNDECIDED, "no point of its clip face is known to be on or inside it")
+    owners = {cell for _, cell in faces}
+    others = [surface.corners(c) for number, c in enumerate(surface.cells) if number not in owners]
+    inside = [Part(c, on_simplex(f * f, c), on_simplex(h, c)) for c in others]
+    if positive(inside, SIDE_BUDGET)[0] != PROVED:
+        return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
     edges = Counter(edge for triangle, _ in faces for edge in combinations(triangle, 2))
     rim = [surface.corners(edge) for edge, times in edges.items() if times == 1]
     steps = {
@@ -133,29 +144,29 @@ def _contact(surface: Surface, number: int) -> Finding:
         "its clip cuts it at an angle": [Part(c, _slope(f0), f0) for c, f0, *_ in looks],
         "it is met, with alpha > 0 on its curve": [Part(c, alpha[0], f0) for c, f0, alpha, _, _ in looks],
     }
-    for reason, parts in steps.items():
-        status, witness = positive(parts)
-        if status != PROVED:
+    for condition, parts in steps.items():
+        found = _shown(claim, condition, parts)
+        if not found.proved:
             break
-    return Finding(claim, status, f"by whether {reason}", witness)
+    return found
 
 
 def _quotient(surface: Surface, number: int, face: Face) -> tuple[list[fmpq_mpoly], fmpq_mpoly, fmpq_mpoly]:
     """The patch divided by a contact's surface, as series across a clip face.
 
-    w alpha_0, w^2 alpha_1, ... as far as u = f_0 / w divides, w > 0 on the face; u; and what u does not divide, or 0.
+    w alpha_0, w^2 alpha_1, ... as far as u = f_0 / w divides, w > 0 on the face; u; and what is left, or 0.
     """
     f, g = surface.series(surface.contacts[number][0], face), surface.series(surface.patch(face[1]), face)
     for w in _denominators(f[0], surface.corners(face[0])):
         u, rest, alpha = divmod(f[0], w)[0], ZERO, list[fmpq_mpoly]()
         for j, value in enumerate(g):
-            rest = w**j * value - sum((a * f[j - i] * w ** (j - 1 - i) for i, a in enumerate(alpha)), ZERO)
-            quotient, remainder = divmod(rest, u)
-            if not remainder.is_zero():
+            known = sum((a * f[j - i] * w ** (j - 1 - i) for i, a in enumerate(alpha)), ZERO)
+            quotient, rest = divmod(w**j * value - known, u)
+            if not rest.is_zero():
                 break
             alpha.append(quotient)
         else:
-            return alpha, u, ZERO
+            break
     return alpha, u, rest
 
 
@@ -192,15 +203,14 @@ def _one_sheet(surface: Surface, region: Finding) -> Finding:
         return Finding(claim, UNDECIDED, "there is no centre to look from")
     if any(patch(*centre) >= 0 for patch in surface.patches):
         return Finding(claim, REFUTED, "the centre is not inside", (centre,))
-    if region.status != PROVED:
+    if not region.proved:
         return Finding(claim, UNDECIDED, "the cells were not shown to surround the centre once")
     parts, (*axes, one) = [], RING.gens()
     for number, cell in enumerate(surface.cells):
         g, corners = surface.patch(number), surface.corners(cell)
         radial = sum(((x - centre[i] * one) * g.derivative(i) for i, x in enumerate(axes)), ZERO)
         parts.append(Part(corners, on_simplex(radial, corners), on_simplex(g, corners)))
-    status, witness = positive(parts)
-    return Finding(claim, status, "by whether grad g . (x - centre) > 0 where g = 0", witness)
+    return _shown(claim, "grad g . (x - centre) > 0 where g = 0", parts)
 
 
 def _enclosed(surface: Surface) -> Finding:
@@ -216,8 +226,14 @@ def _enclosed(surface: Surface) -> Finding:
             if not remainder.is_zero():
                 return Finding(claim, UNDECIDED, f"contact {number + 1} is not met on its clip face")
         parts.append(Part(surface.corners(face[0]), rest))
+    return _shown(claim, "g > 0 on the walls, alpha > 0 on the clip faces", parts)
+
+
+def _shown(claim: str, condition: str, parts: list[Part]) -> Finding:
     status, witness = positive(parts)
-    return Finding(claim, status, "by whether g > 0 on the walls, alpha > 0 on the clip faces", witness)
+    return Finding(
+        claim, status, {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open: "}[status] + condition, witness
+    )
 
 
 def _det(*points: Point) -> fmpq:
