@@ -132,11 +132,6 @@ def _contact(surface: Surface, number: int) -> Finding:
         return Finding(claim, REFUTED, reason, witness)
     if positive([Part(c, f0) for c, f0, *_ in looks])[0] != REFUTED:
         return Finding(claim, UNDECIDED, "no point of its clip face is known to be on or inside it")
-    owners = {cell for _, cell in faces}
-    others = [surface.corners(c) for number, c in enumerate(surface.cells) if number not in owners]
-    inside = [Part(c, on_simplex(f * f, c), on_simplex(h, c)) for c in others]
-    if positive(inside, SIDE_BUDGET)[0] != PROVED:
-        return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
     edges = Counter(edge for triangle, _ in faces for edge in combinations(triangle, 2))
     rim = [surface.corners(edge) for edge, times in edges.items() if times == 1]
     steps = {
@@ -147,7 +142,12 @@ def _contact(surface: Surface, number: int) -> Finding:
     for condition, parts in steps.items():
         found = _shown(claim, condition, parts)
         if not found.proved:
-            break
+            return found
+    owners = {cell for _, cell in faces}
+    others = [surface.corners(c) for number, c in enumerate(surface.cells) if number not in owners]
+    inside = [Part(c, on_simplex(f * f, c), on_simplex(h, c)) for c in others]
+    if positive(inside, SIDE_BUDGET)[0] != PROVED:
+        return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
     return found
 
 
