@@ -469,6 +469,16 @@ def test_a_curve_that_leaves_its_clip_face(tmp_path):
     assert finding.witness[0][:1] == (1,)
 
 
+def test_a_cone_that_leaves_through_the_walls(tmp_path):
+    """It is met on its clip face, and on no other face is it asked for."""
+    cell = pas.SingleCell((-1, -1, -1), (1, 1, 1))
+    contact = pas.Contact("y^2 + z^2 - (3/2 - x)^2", "x - 1")
+    polynomial = contact.surface * pas.Polynomial("2 - x") + pas.Polynomial("(x - 1)^2/9")
+    first, second = both(pas.PiecewiseSurface.from_polynomials(cell, [contact], 1, [polynomial]), tmp_path)
+    assert first["contact 1 GC^1"] == second["contact 1 GC^1"] == "proved"
+    assert first["enclosed"] == second["enclosed"] == "refuted"
+
+
 def test_two_contacts_in_one_clip_plane(tmp_path):
     """Each is the way out of the other: alpha of one changes its sign within the other, and nothing is wrong."""
     cell = pas.SingleCell((-1, -1, -1), (1, 1, 1))
