@@ -15,7 +15,8 @@ import pas
 
 ROOMS = [
     *("_version", "errors", "limits", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "parametric", "generatrix", "fairing", "solid", "exchange", "blending", "render", "teapot", "cli"),
+    *("surface", "parametric", "generatrix", "fairing", "solid", "exchange", "independent"),
+    *("blending", "render", "teapot", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 

@@ -76,11 +76,12 @@ KILLED = ("positive", "return 1", "return 2", "::test_positive")
 
 
 def test_a_mutant_that_never_ends_is_killed_where_the_list_says_so(tree, capsys):
-    loop = ("loop", "if x > 0:", "while x > 0:\\n        continue\\n    if x > 0:", "::test_positive")
-    assert main([*tree(loop, more="hangs = true\n"), "--seconds", "3"]) == 0
-    assert "1 of 1 killed" in capsys.readouterr().out
-    assert main([*tree(loop), "--seconds", "3"]) == 1
-    assert "signs: loop: hangs" in capsys.readouterr().out
+    loop = ("if x > 0:", "while x > 0:\\n        continue\\n    if x > 0:", "::test_positive")
+    options = tree(("unannounced", *loop), ("announced", *loop), more="hangs = true\n")
+    assert main([*options, "--seconds", "3"]) == 1
+    printed = capsys.readouterr().out
+    assert "1 of 2 killed" in printed
+    assert "signs: unannounced: hangs" in printed
 
 
 def test_only_killed_mutants_count(tree, capsys):
@@ -93,8 +94,6 @@ def test_only_killed_mutants_count(tree, capsys):
     assert "1 of 4 killed" in printed
     for said in ("signs: zero: SURVIVED", "signs: not tested: SURVIVED", "signs: import: tests cannot be run"):
         assert said in printed
-    assert main([*options, "--only", "positive"]) == 0
-    assert "1 of 1 killed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -119,6 +118,11 @@ def test_failing_tests_kill_nothing(tree, capsys):
         file.write("\n\ndef sign(x):\n    return 0\n")
     assert main(options) == 1
     assert "without any mutation" in capsys.readouterr().out
+
+
+def test_a_pattern_chooses(tree, capsys):
+    assert main([*tree(KILLED, ("zero", "else 0", "else 1", "")), "--only", "positive"]) == 0
+    assert "1 of 1 killed" in capsys.readouterr().out
 
 
 def test_the_makefile_runs_them():

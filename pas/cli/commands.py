@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pas.cli import parametric
 from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, problem_file, progress, project_file
@@ -92,16 +93,39 @@ def run_check(options: argparse.Namespace) -> int:
     from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
+    from pas.surface.certificate import Certificate
 
+    if options.independent:
+        return _check_independently(options)
     thing = load(project_file(options.project), edited=options.edited)
+    if options.json and not isinstance(thing, Blend):
+        raise ValueError(f"--json is for blends by patches, and {options.project} holds another thing")
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.check(thing)
     start = time.perf_counter()
     certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
-    print(certificate)
-    verdict = "all proved" if certificate.proved else "not all proved"
-    print(f"\n{verdict}, in {time.perf_counter() - start:.2f} s")
-    return DONE if certificate.proved else FAILED
+    records = [v.to_record() for v in certificate.verdicts] if isinstance(certificate, Certificate) else []
+    return _tell(str(certificate), records, certificate.proved, start, as_json=options.json)
+
+
+def _check_independently(options: argparse.Namespace) -> int:
+    from pas.independent.checker import check_independently
+
+    start = time.perf_counter()
+    findings = check_independently(project_file(options.project), edited=options.edited)
+    records = [finding.to_record() for finding in findings]
+    proved = all(finding.proved for finding in findings)
+    return _tell("\n".join(map(str, findings)), records, proved, start, as_json=options.json)
+
+
+def _tell(text: str, records: list[dict[str, Any]], proved: bool, start: float, *, as_json: bool) -> int:
+    """Print verdicts, as text or JSON; returns the exit code."""
+    seconds = time.perf_counter() - start
+    if as_json:
+        print(json.dumps({"proved": proved, "seconds": round(seconds, 3), "verdicts": records}, indent=1))
+    else:
+        print(f"{text}\n\n{'all proved' if proved else 'not all proved'}, in {seconds:.2f} s")
+    return DONE if proved else FAILED
 
 
 def run_mesh(options: argparse.Namespace) -> int:

@@ -150,6 +150,10 @@ def _check_parser(added: Commands) -> None:
     parser.add_argument(
         "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
     )
+    parser.add_argument(
+        "--independent", action="store_true", help="prove a blend by the second checker, in exact arithmetic alone"
+    )
+    parser.add_argument("--json", action="store_true", help="print the verdicts on a blend as JSON")
     parser.set_defaults(command="check", run=commands.run_check)
 
 
