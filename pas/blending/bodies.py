@@ -13,7 +13,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational
+from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
 from pas.solid.pieces import Pieces, region
 from pas.solid.solid import Solid, patch, union
@@ -52,7 +52,7 @@ def _cap(contact: Contact, number: int, length: fmpq) -> Polynomial:
             f"neighbour {number + 1} ends in {contact.clip} = 0, which is no plane, so it has no flat cap; "
             "compose the solid with pas.solid.patch instead"
         )
-    size = rational(float(np.linalg.norm(contact.clip.dense(1)[1:])))
+    size = exact(float(np.linalg.norm(contact.clip.dense(1)[1:])))
     return contact.clip - Polynomial(length * size)
 
 

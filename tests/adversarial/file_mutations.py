@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import json
 import math
@@ -21,9 +22,47 @@ NUMBERS: tuple[Any, ...] = (
 )
 TEXTS: tuple[str, ...] = (
     *("", " ", "0", "1", "-1", "1/3", "-7/2", "1/0", "0/0", "1e99999999", "1e-99999999", "1e400", "1e-400", "0.1"),
-    *("nan", "inf", "-inf", "1/3/5", "1_0", "0x10", "١", "9" * 5000, "1/" + "7" * 5000, "x", "y", "t", "h", "s", "w"),
-    *(TOWER, f"x*{TOWER}", "x^1000000", "x^60*y^60*z^60", "(x+y+z+1)^60", "x^60", "t^60*h^60", "t^1000000", "2^-99999999"),
-    *("x^2 + y^2 - 1/9", "x - 1", "1 - x", "x*y", "x^2", "(x-1)*(2*x-1)", "z - x^2", "1/x", "x/0", "1/(t-t)", "sqrt(t)"),
+    *(
+        "nan",
+        "inf",
+        "-inf",
+        "1/3/5",
+        "1_0",
+        "0x10",
+        "\u0661",
+        "9" * 5000,
+        "1/" + "7" * 5000,
+        "x",
+        "y",
+        "t",
+        "h",
+        "s",
+        "w",
+    ),
+    *(
+        TOWER,
+        f"x*{TOWER}",
+        "x^1000000",
+        "x^60*y^60*z^60",
+        "(x+y+z+1)^60",
+        "x^60",
+        "t^60*h^60",
+        "t^1000000",
+        "2^-99999999",
+    ),
+    *(
+        "x^2 + y^2 - 1/9",
+        "x - 1",
+        "1 - x",
+        "x*y",
+        "x^2",
+        "(x-1)*(2*x-1)",
+        "z - x^2",
+        "1/x",
+        "x/0",
+        "1/(t-t)",
+        "sqrt(t)",
+    ),
     *("sin(t)", "cos(2*pi*s)", "log(0)", "exp(exp(exp(t)))", "exp(1000*t)", "x == y", "import os", "__import__('os')"),
     *("[" * 500, "(" * 500 + "x" + ")" * 500, "-" * 3000 + "x", "+".join(["x"] * 5000), "a" * 100_000, "**", "x y"),
     *("\0", "a\0b", "\ud800", "é", "\U0001f600", "../a", "/tmp/a", "a/b", ".", "..", "\n", "a\nb", "\x1b[31m"),
@@ -87,7 +126,11 @@ def _scribbled(base: Base, rng: random.Random) -> bytes:
         elif kind == 1:
             text = text[:place] + text[place + rng.randrange(1, 40) :]
         elif kind == 2:
-            text = text[:place] + rng.choice(('"', "{", "}", "[", "]", ",", "=", "\0", "1", "-", "e", "\n", "é")) + text[place:]
+            text = (
+                text[:place]
+                + rng.choice(('"', "{", "}", "[", "]", ",", "=", "\0", "1", "-", "e", "\n", "é"))
+                + text[place:]
+            )
         elif kind == 3:
             other = rng.randrange(len(text) + 1)
             text = text[:place] + text[other : other + rng.randrange(1, 200)] + text[place:]
@@ -95,7 +138,9 @@ def _scribbled(base: Base, rng: random.Random) -> bytes:
             text = text[:place] + rng.choice("[{") * rng.choice((50, 500, 20_000)) + text[place:]
         elif kind == 5:
             old = rng.choice(("1", '"1/3"', "0", "order", "[", ": ", "x"))
-            text = text.replace(old, rng.choice(("NaN", "nan", "1e999", "Infinity", '"', "-1", "true", "null", "[[")), 1)
+            text = text.replace(
+                old, rng.choice(("NaN", "nan", "1e999", "Infinity", '"', "-1", "true", "null", "[[")), 1
+            )
         else:
             lines = text.splitlines(keepends=True)
             lines.insert(rng.randrange(len(lines) + 1), rng.choice(lines or [""]))
@@ -134,10 +179,8 @@ def _changed_data(data: Any, rng: random.Random) -> Any:
         holder[name] = holder.pop(key) if rng.random() < 0.5 else copy.deepcopy(old)
     else:
         other, place = rng.choice(places)
-        try:
+        with contextlib.suppress(KeyError, IndexError):
             holder[key], other[place] = other[place], copy.deepcopy(old)
-        except (KeyError, IndexError):
-            pass
     return data
 
 
@@ -158,12 +201,16 @@ def _near(old: Any, rng: random.Random) -> Any:
     if isinstance(old, int):
         return rng.choice((old + 1, old - 1, -old, old * 2, old * 10**6, float(old), str(old), bool(old), old + 0.5))
     if isinstance(old, float):
-        return rng.choice((-old, old * 2, old * 1e-12, old * 1e12, old + 1, str(old), int(old) if math.isfinite(old) else 0))
+        return rng.choice(
+            (-old, old * 2, old * 1e-12, old * 1e12, old + 1, str(old), int(old) if math.isfinite(old) else 0)
+        )
     if isinstance(old, str):
         off = f"{old} + 1e-40", f"{old}/3", f"-({old})", f"{old}*1e40", f"({old})^3", f"{old}{old}", old[:-1], old[::-1]
         return rng.choice((*off, f"-{old}", old.upper(), [old], old + "\0"))
     if isinstance(old, list):
-        return rng.choice((old[:-1], old[::-1], old + old, old * 50, [old], [], old[0] if old else 0, dict(enumerate(old))))
+        return rng.choice(
+            (old[:-1], old[::-1], old + old, old * 50, [old], [], old[0] if old else 0, dict(enumerate(old)))
+        )
     if isinstance(old, dict):
         return rng.choice(({}, [old], list(old.values()), list(old), {**old, "extra": 1}))
     return _value(rng)
@@ -176,7 +223,9 @@ def _value(rng: random.Random) -> Any:
     if kind <= 7:
         return rng.choice(TEXTS)
     if kind == 8:
-        return rng.choice((True, False, None, [], {}, [[]], [None], {"a": 1}, [0, 0, 0], [1, 2], [[0, 0, 0]], ["1/3"] * 3))
+        return rng.choice(
+            (True, False, None, [], {}, [[]], [None], {"a": 1}, [0, 0, 0], [1, 2], [[0, 0, 0]], ["1/3"] * 3)
+        )
     nested: Any = rng.choice((1, "x", []))
     for _ in range(rng.choice((3, 30, 300))):
         nested = [nested] if rng.random() < 0.8 else {"a": nested}

@@ -70,7 +70,7 @@ class Worker:
     def _started(self) -> subprocess.Popen[bytes]:
         if self.process is None:
             script = Path(__file__).with_name("file_worker.py")
-            threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+            threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
             self.process = subprocess.Popen(
                 [sys.executable, str(script)],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=os.environ | threads,
@@ -146,7 +146,7 @@ def _python_words(err: str) -> str:
 
 def _written(reply: dict[str, Any], file: Path) -> str:
     """Files that are not whole, or are there after a refusal."""
-    others = [p for p in file.parent.iterdir() if p != file or reply["code"] == 2 and p.name.startswith(".")]
+    others = [p for p in file.parent.iterdir() if p != file or (reply["code"] == 2 and p.name.startswith("."))]
     for path in others:
         if path.suffix not in WRITTEN or path.name.startswith("."):
             return f"left behind: {path.name}"
