@@ -75,7 +75,7 @@ def read_parametric_problem(path: str | Path) -> ParametricProblem | GeneratrixP
     surfaces that cannot be blended; `FileNotFoundError`.
     """
     file, text, data = read_toml(path)
-    if data.get("method") in GENERATRIX_METHODS:
+    if data.get("method", "") in tuple(GENERATRIX_METHODS):
         return GeneratrixReader(file, text).problem(data)
     return _Reader(file, text).problem(data)
 

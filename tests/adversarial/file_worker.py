@@ -18,15 +18,20 @@ import traceback
 MEMORY = 3 << 30
 """Bytes of address space: a corner with its mesh takes about a third of it, most for libraries that are mapped."""
 
+PATIENCE = 10.0
+"""Seconds that a command is allowed, as by `--seconds`: it must end soon after, in a sentence of its own."""
+
 
 def run(arguments: list[str]) -> dict[str, object]:
     """One command, as the shell would run it."""
     from pas.cli import main
+    from pas.limits import limit
 
     out, err, start = io.StringIO(), io.StringIO(), time.perf_counter()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
-            code: int | None = main(arguments)
+            with limit(seconds=PATIENCE):
+                code: int | None = main(arguments)
         except BaseException:  # whatever escapes is what the test is about
             code = None
             traceback.print_exc()
