@@ -13,9 +13,10 @@ import math
 import operator
 from collections.abc import Sequence
 from math import comb
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpq_mpoly
+if TYPE_CHECKING:
+    from flint import fmpq, fmpq_mpoly
 
 MOST_DIGITS = 1000
 """Digits that an exponent or a power may make of a few characters: doubles need 325, and a corner whose radii have
@@ -44,6 +45,9 @@ HIGHEST_DEGREE = 12
 
 HIGHEST_SURFACE_DEGREE = 16
 """Of a piecewise surface from elsewhere: a corner is proved in 0.04 s at degree 4, 7 s at 16, 76 s at 24."""
+
+MOST_SURFACES = 32
+"""That a parametric blend meets: by Hermite interpolation of order 8 it is of degree 287 then."""
 
 HIGHEST_EXPONENT = 24
 """Of the weights of a parametric blend: that for contact of order 8 is 9 or 10, others only flatten the ends."""
