@@ -98,8 +98,11 @@ def run_check(options: argparse.Namespace) -> int:
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.check(thing)
     start = time.perf_counter()
-    certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
+    certificate = thing.certificate if isinstance(thing, Blend) else thing
     print(certificate)
+    if isinstance(thing, Blend) and thing.stored is not None:
+        differences = thing.certificate.differences(thing.stored)
+        print(*(f"\nas stored otherwise: {difference}" for difference in differences), sep="", end="")
     verdict = "all proved" if certificate.proved else "not all proved"
     print(f"\n{verdict}, in {time.perf_counter() - start:.2f} s")
     return DONE if certificate.proved else FAILED
