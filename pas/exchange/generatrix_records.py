@@ -31,7 +31,7 @@ from pas.exchange.schema import (
 from pas.generatrix.align import Alignment
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
 
@@ -94,6 +94,8 @@ def _read_function(record: dict[str, Any]) -> ShapeFunction:
     if "cosine" in record:
         low, high, start = map(float, record["cosine"])
         return ShapeFunction.cosine(low, high, start)
+    if not 0 < len(record["coefficients"]) <= MANY:
+        raise ValueError(f"a shape function must have 1 to {MANY} coefficients, not {len(record['coefficients'])}")
     constant = [ShapeFunction.constant(c).coefficients for c in record["coefficients"]]
     return ShapeFunction(tuple(c for (c,) in constant))
 
