@@ -107,7 +107,7 @@ def test_render(made, tmp_path, capsys, style):
     ("arguments", "code", "words"),
     [
         (["blend", "none.toml"], 2, "No such file or directory: none.toml"),
-        (["blend", PROBLEM, "--order", "-1"], 2, "order must be from 0 to 8"),
+        (["blend", PROBLEM, "--order", "-1"], 2, "order must be a whole number from 0 to 8"),
         (["blend", PROBLEM, "--degree", "2"], 1, "lowest degree with solutions is 3"),
         (["blend", PROBLEM, "--tolerance", "0"], 2, "tolerance must be a positive number"),
         (["blend", PROBLEM, "-o", PROBLEM], 2, "is not a folder"),

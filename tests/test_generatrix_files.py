@@ -406,3 +406,28 @@ def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
     runpy.run_path(str(FOLDER / "generatrix.py"), run_name="__main__")
     assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted([*CASES, "three_pipes"])
     assert capsys.readouterr().out.count(Status.REFUTED.value) == 1
+
+
+def test_how_curves_run_is_judged_anew(tmp_path):
+    """A file that says that the curves run the same way is not believed."""
+    tables = (
+        {"curve": ["s", "0", "0"], "tangent": ["0", "0", "1"]},
+        {"curve": ["1 - s", "0", "1"], "tangent": ["0", "0", "-1"]},
+    )
+    blend = pas.generatrix_blend(*map(pas.boundary_from, tables), align=False, unit=False)
+    assert blend.surface.is_exact and blend.certificate.sense.status is Status.REFUTED
+    path = pas.save_parametric(blend, tmp_path / "a.pas.json", blend.certificate)
+    record = json.loads(path.read_text())
+    record["content"]["alignment"].update(opposed=False, reason="they do")
+    record["content"]["verdicts"] = [v | {"status": "proved"} for v in record["content"]["verdicts"]]
+    record["sha256"] = checksum(record["content"])
+    path.write_text(json.dumps(record))
+    assert pas.load(path).certificate.sense.status is Status.REFUTED
+    assert main(["check", str(path)]) == 1
+
+
+def test_the_certificate_saved_is_that_of_the_blend(tmp_path):
+    first, second = (pas.read_parametric_problem(FOLDER / f"{n}.toml").blend() for n in ("quadrics", "obstacle"))
+    with pytest.raises(ValueError, match="certificate must be that of the blend"):
+        pas.save_parametric(first, tmp_path / "a.pas.json", second.certificate)
+    assert not list(tmp_path.iterdir())

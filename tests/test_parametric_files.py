@@ -273,3 +273,42 @@ def test_a_refuted_proof_is_an_exit_code(tmp_path, capsys):
     assert main(["parametric", str(problem(tmp_path, apex)), *arguments]) == 1
     assert "refuted; the normal vanishes" in capsys.readouterr().out
     assert main(["parametric", str(problem(tmp_path, "prove = false\n" + apex)), *arguments]) == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c.update(order=True), "content.order must be a whole number, not True"),
+        (lambda c: c.update(order=2001), "order must be a whole number from 0 to 8"),
+        (lambda c: c.update(options={"exponent": 10**6}), "no option of the method 'hermite'"),
+        (lambda c: c["components"][0][0].append([10**6, 0, "1"]), "must have exponents >= 0 of sum up to 200"),
+        (lambda c: c["components"][0][0].append(c["components"][0][0][0]), "stands twice"),
+        (lambda c: c["surfaces"][0].pop("components"), "must be a surface: a table with components or expressions"),
+        (lambda c: c["surfaces"].extend(c["surfaces"] * 20), "a blend meets from 2 to 32 surfaces"),
+        (lambda c: c.update(domain=[["0"], ["0", "1"]]), r"content.domain\[0\] must be a list of 2 entries, not of 1"),
+        (lambda c: c.update(verdicts=[{"claim": "all"}]), r"content.verdicts\[0\] has no 'status'"),
+    ],
+)
+def test_records_are_checked_with_the_place(tmp_path, change, words):
+    path = pas.save_parametric(BLENDS["hermite"], tmp_path / "a.pas.json")
+    record = json.loads(path.read_text())
+    change(record["content"])
+    record["sha256"] = checksum(record["content"])
+    path.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match=rf"^a\.pas\.json: the content cannot be understood: .*{words}"):
+        pas.load(path)
+
+
+def test_stored_verdicts_of_blends_are_not_believed(tmp_path):
+    """The components of a blend win over its method, and are proved anew whatever the file says of them."""
+    blend = BLENDS["on a domain"]
+    path = pas.save_parametric(blend, tmp_path / "a.pas.json", blend.certificate)
+    record = json.loads(path.read_text())
+    record["content"]["components"][2][0].append([0, 9, "1"])
+    record["sha256"] = checksum(record["content"])
+    path.write_text(json.dumps(record))
+    found = pas.load(path)
+    assert blend.certificate.proved and not found.certificate.proved
+    assert main(["check", str(path)]) == 1
+    with pytest.raises(ValueError, match="certificate must be that of the blend"):
+        pas.save_parametric(found, tmp_path / "b.pas.json", blend.certificate)

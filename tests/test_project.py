@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
+from pas import cli
 from pas.exchange import container
 
 
@@ -92,6 +94,108 @@ def test_edited_verdicts_are_not_believed(saved):
     with pytest.raises(pas.ProjectFileError, match="checksum"):
         pas.load(saved)
     assert pas.load(saved, edited=True).certificate.proved
+
+
+def rewritten(path, change):
+    """A project file with its content changed, under a right checksum."""
+    record = json.loads(path.read_text())
+    change(record["content"])
+    record["sha256"] = container.checksum(record["content"])
+    path.write_text(json.dumps(record))
+    return path
+
+
+def _other_patches(content):
+    content["surface"]["patches"][0][3][3] = "1/7"
+
+
+def _no_verdicts(content):
+    _other_patches(content)
+    content["certificate"]["contacts"] = content["certificate"]["faces"] = []
+
+
+def _extra_verdicts(content):
+    _other_patches(content)
+    content["certificate"]["faces"].append(content["certificate"]["one_sheet"] | {"claim": "all is well"})
+
+
+def _other_claims(content):
+    _other_patches(content)
+    for verdict in content["certificate"]["contacts"]:
+        verdict["claim"] = "the moon is round"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (_other_patches, "stored as proved"),
+        (_no_verdicts, "nothing is stored"),
+        (_extra_verdicts, "all is well: no claim; stored as proved"),
+        (_other_claims, "the moon is round: no claim; stored as proved"),
+    ],
+)
+def test_stored_verdicts_are_not_believed(saved, change, words, tmp_path, capsys):
+    assert all(v.proved for v in pas.load(saved).stored.verdicts)
+    blend = pas.load(rewritten(saved, change))
+    assert all(v.proved for v in blend.stored.verdicts)
+    assert not blend.certificate.proved
+    assert cli.main(["check", str(saved)]) == cli.FAILED
+    assert words in capsys.readouterr().out
+    again = json.loads(blend.save(tmp_path / "again.pas.json").read_text())["content"]["certificate"]
+    assert again == blend.surface.certify().to_record() != blend.stored.to_record()
+
+
+def test_stored_refutations_are_not_believed_either(saved, capsys):
+    def refuted(content):
+        content["certificate"]["one_sheet"]["status"] = "refuted"
+
+    blend = pas.load(rewritten(saved, refuted))
+    assert blend.certificate.proved
+    assert cli.main(["check", str(saved)]) == cli.DONE
+    assert "as stored otherwise: one sheet: proved; stored as refuted" in capsys.readouterr().out
+
+
+def test_a_blend_with_another_surface_has_its_own_verdicts():
+    blend = solved(UNEQUAL, 2)
+    assert blend.certificate.proved
+    worse = [p + 1 for p in blend.surface.patches]
+    other = pas.PiecewiseSurface(blend.surface.partition, blend.surface.contacts, 2, worse)
+    assert not replace(blend, surface=other).certificate.proved
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c["surface"].pop("patches"), r"content\.surface has no 'patches', which it needs"),
+        (lambda c: c["surface"].update(degre=3), r"content\.surface has an unknown key 'degre'; is 'degree' meant"),
+        (
+            lambda c: c["surface"]["patches"][0].append([0, 0]),
+            r"patches\[0\]\[\d+\] must be a list of 4 entries",
+        ),
+        (lambda c: c["surface"]["patches"][0][0].__setitem__(3, "1/0"), "must be an exact number such as"),
+        (lambda c: c["surface"]["patches"][0].append([0, 0, 201, "1"]), "must have exponents >= 0 of sum up to 200"),
+        (lambda c: c["surface"]["patches"][0].append([0, -1, 0, "1"]), "must have exponents >= 0"),
+        (lambda c: c["surface"]["patches"][0].append(c["surface"]["patches"][0][0]), "stands twice"),
+        (lambda c: c["surface"]["patches"].pop(), "a patch for each of the 6 pieces, not 5"),
+        (lambda c: c["surface"].update(degree=True), r"content\.surface\.degree must be a whole number, not True"),
+        (lambda c: c["surface"].update(degree=2001), "degree must be a whole number from 5 to 16"),
+        (lambda c: c["surface"]["partition"].update(kind="cube"), "kind must be one of six tetrahedra, single cell"),
+        (lambda c: c["solution"].update(energy="much"), r"content\.solution\.energy must be a number, not 'much'"),
+        (lambda c: c["solution"].update(basis=[[[["x"]]]]), r"basis\[0\]\[0\]\[0\] must be a list of 4 entries"),
+        (lambda c: c["certificate"]["one_sheet"].update(status="sure"), "status must be one of 'proved', "),
+        (lambda c: c["certificate"]["one_sheet"].update(witness=[1]), "witness must be a list of 3 entries"),
+        (lambda c: c["problem"]["energy"].update(lower=["0", "0", "0"]), "a box needs both lower and upper"),
+        (lambda c: c["problem"]["constraints"]["normalize"].update(kind="value-at"), "needs its point"),
+        (
+            lambda c: c["problem"]["constraints"].update(handles=[[[0, [1, 2]], "1"]]),
+            r"handles\[0\]\[0\]\[1\] must",
+        ),
+    ],
+)
+def test_records_are_checked_with_the_place(saved, change, words):
+    rewritten(saved, change)
+    with pytest.raises(pas.ProjectFileError, match=rf"^corner\.pas\.json: the content cannot be understood: .*{words}"):
+        pas.load(saved)
 
 
 @pytest.mark.parametrize(

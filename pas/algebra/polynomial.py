@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
 from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import rational, to_float, to_fraction
@@ -169,8 +170,12 @@ class Polynomial:
         return Polynomial.from_raw(self.raw * (1 / divisor))
 
     def __pow__(self, exponent: int) -> Polynomial:
-        if not isinstance(exponent, int) or exponent < 0:
-            raise ValueError(f"the exponent must be a whole number >= 0, not {exponent!r}")
+        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent < 0:
+            raise ValueError(f"the exponent must be a whole number >= 0, not {shown(exponent)}")
+        try:
+            check_power(self.raw, exponent)
+        except ValueError as error:
+            raise ValueError(f"a power with the exponent {shown(exponent)} is too large: {error}") from None
         return Polynomial.from_raw(self.raw**exponent)
 
     def __neg__(self) -> Polynomial:
@@ -188,7 +193,7 @@ class Polynomial:
         return hash(frozenset(self.coefficients().items()))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Polynomial, (self.coefficients(),)
+        return _rebuilt, (self.coefficients(),)
 
     def __str__(self) -> str:
         return str(self.raw)
@@ -203,6 +208,11 @@ class Polynomial:
             except TypeError:
                 return NotImplemented
         return Polynomial.from_raw(operation(self.raw, other.raw))
+
+
+def _rebuilt(terms: Mapping[tuple[int, int, int], Fraction]) -> Polynomial:
+    """A polynomial that there was before, of any degree."""
+    return Polynomial.from_raw(RING.from_dict({e: rational(c) for e, c in terms.items()}))
 
 
 def _read(expression: Any) -> fmpq_mpoly:
@@ -221,8 +231,10 @@ def _checked_terms(terms: Mapping[Any, Any]) -> dict[Exponents, fmpq]:
     checked: dict[Exponents, fmpq] = {}
     for key, value in terms.items():
         valid = isinstance(key, tuple) and len(key) == 3
-        if not valid or any(not isinstance(e, int) or e < 0 for e in key):
-            raise ValueError(f"exponents must be three whole numbers >= 0, such as (2, 0, 1), not {key!r}")
+        if not valid or any(not isinstance(e, int) or isinstance(e, bool) or e < 0 for e in key):
+            raise ValueError(f"exponents must be three whole numbers >= 0, such as (2, 0, 1), not {shown(key)}")
+        if sum(key) > MAXIMAL_DEGREE:
+            raise ValueError(f"the exponents {shown(key)} are of degree {shown(sum(key))}, above {MAXIMAL_DEGREE}")
         checked[key] = rational(value, f"the coefficient of {key}")
     return checked
 

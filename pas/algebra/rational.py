@@ -1,18 +1,31 @@
 """Exact numbers at the door: whatever the user writes becomes a `flint.fmpq` here.
 
 Accepted: `int`, `Fraction`, `str` ("1/3", "0.25", "1e-3", taken as the decimal written), sympy
-rationals, numpy integers and floats, and `float`, which is taken as the exact rational it is.
+rationals, numpy integers and floats, and `float`, which is taken as the shortest decimal that it
+prints as: 0.1 is 1/10.  Numbers that the program itself worked out in floating point are no such
+decimals; `exact` takes them as the binary fractions they are.
+
+How long a number may be is said in `pas.algebra.inputs`.
 """
 
 from __future__ import annotations
 
 import math
 import numbers
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 from flint import fmpq, fmpz
+
+from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, shown
+
+NUMBER = re.compile(
+    r"(?P<sign>[+-]?)(?=[.0-9])(?P<whole>[0-9]*)(?:/(?P<below>[0-9]+)|(?:\.(?P<decimals>[0-9]*))?"
+    r"(?:[eE](?P<exponent>[+-]?[0-9]+))?)"
+)
+"""A quotient of integers or a decimal."""
 
 Vector = tuple[fmpq, fmpq, fmpq]
 
@@ -31,33 +44,61 @@ def rational(value: Any, name: str = "number") -> fmpq:
         raise TypeError(f"{name} must be a number, not the truth value {value}")
     if isinstance(value, str):
         try:
-            return _from_fraction(Fraction(value.strip()))
+            return written(value)
         except ZeroDivisionError:
-            raise ValueError(f"{name} divides by zero: {value!r}") from None
-        except ValueError:
-            raise ValueError(f"{name} is not a rational number: {value!r}; write it as 3, '1/3' or '0.25'") from None
+            raise ValueError(f"{name} divides by zero: {shown(value)}") from None
+        except ValueError as error:
+            raise ValueError(f"{name} {error}") from None
     if isinstance(value, numbers.Rational):
         return fmpq(int(value.numerator), int(value.denominator))
     if isinstance(value, numbers.Real):
-        number = float(value)
-        if not math.isfinite(number):
-            raise ValueError(f"{name} must be finite, not {number}")
-        return _from_fraction(Fraction(number))
+        if not math.isfinite(value):
+            raise ValueError(f"{name} must be finite, not {float(value)}")
+        return written(str(value))
     if getattr(value, "is_Rational", False):  # sympy, not imported here
         return fmpq(int(value.p), int(value.q))
     if getattr(value, "is_Float", False):
         return rational(float(value), name)
     if hasattr(value, "is_Number") or hasattr(value, "free_symbols"):
-        raise ValueError(f"{name} must be a rational number, not {value}")
-    raise TypeError(f"{name} must be a number or a string such as '1/3', not {value!r}")
+        raise ValueError(f"{name} must be a rational number, not {shown(value)}")
+    raise TypeError(f"{name} must be a number or a string such as '1/3', not {shown(value)}")
+
+
+def written(text: str) -> fmpq:
+    """The number that a text such as "1/3" or "1.5e-3" stands for.
+
+    Raises `ValueError`, to be continued after a name ("is not a rational number: ..."), and `ZeroDivisionError`.
+    """
+    plain_text = text.strip().replace("_", "")
+    if len(plain_text) > LONGEST_NUMBER:
+        raise ValueError(f"is written with {len(plain_text)} characters; a number may have {LONGEST_NUMBER}")
+    found = NUMBER.fullmatch(plain_text)
+    if not found or not any(found[part] for part in ("whole", "decimals")):
+        raise ValueError(f"is not a rational number: {shown(text)}; write it as 3, '1/3' or '0.25'")
+    whole, below, decimals, exponent = (found[part] or "" for part in ("whole", "below", "decimals", "exponent"))
+    shift = int(exponent[:9] or 0)
+    if len(exponent) > 9 or abs(shift) > MOST_DIGITS:
+        raise ValueError(f"has an exponent beyond {MOST_DIGITS}: {shown(text)}")
+    number = fmpq(fmpz(whole + decimals)) * fmpq(10) ** (shift - len(decimals))
+    return (-number if found["sign"] == "-" else number) / fmpz(below or "1")
+
+
+def exact(value: float) -> fmpq:
+    """The binary fraction that a double is; for numbers worked out, not for those that somebody wrote.
+
+    Raises `ValueError` for one that is not finite.
+    """
+    if not math.isfinite(value):
+        raise ValueError(f"a number worked out is not finite: {value}")
+    return fmpq(*float(value).as_integer_ratio())
 
 
 def vector(value: Any, name: str = "vector") -> Vector:
     """Three exact rationals from any sequence of three numbers."""
     if isinstance(value, str) or not hasattr(value, "__len__"):
-        raise TypeError(f"{name} must be three numbers, not {value!r}")
+        raise TypeError(f"{name} must be three numbers, not {shown(value)}")
     if len(value) != 3:
-        raise ValueError(f"{name} must be three numbers, not {len(value)}: {value!r}")
+        raise ValueError(f"{name} must be three numbers, not {len(value)}: {shown(value)}")
     x, y, z = (rational(entry, f"{name}[{i}]") for i, entry in enumerate(value))
     return x, y, z
 
@@ -100,8 +141,4 @@ def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
 
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
-    return str(to_fraction(value))
-
-
-def _from_fraction(value: Fraction) -> fmpq:
-    return fmpq(value.numerator, value.denominator)
+    return str(value)

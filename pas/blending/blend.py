@@ -17,8 +17,8 @@ from typing import Any
 
 from flint import fmpq_mat
 
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree, check_order
 from pas.algebra.rational import to_fraction
-from pas.blending.checks import HIGHEST_DEGREE, check_degree, check_order
 from pas.blending.place import place
 from pas.blending.solutions import solve
 from pas.blending.space import Member, SolutionSpace
@@ -100,6 +100,7 @@ class Blend:
     `space` and `coefficients` (exact, in `space.basis`) say how it was chosen, `dimension` out of
     how many, and `energy` is its thin-plate energy in the user's units.  `basis` is the space's
     where the user gave it.  `timings` maps stages to seconds, `attempts` lists the degrees tried.
+    `stored` are the verdicts in the file that it was loaded from: what somebody found once, and no proof.
     """
 
     surface: PiecewiseSurface
@@ -113,7 +114,7 @@ class Blend:
     basis: tuple[Member, ...] | None = None
     known_space: SolutionSpace | None = None
     choice: Choice | None = None
-    known_certificate: Certificate | None = None
+    stored: Certificate | None = None
 
     @cached_property
     def space(self) -> SolutionSpace:
@@ -124,12 +125,10 @@ class Blend:
         space = solve(s.partition, s.contacts, s.order, s.degree)
         return space if self.basis is None else space.restricted(self.basis)
 
-    @cached_property
+    @property
     def certificate(self) -> Certificate:
-        """The verdicts; proved when first asked for, where they have not been yet."""
-        if self.known_certificate is not None:
-            return self.known_certificate
-        return self.surface.certify()
+        """The verdicts on the surface, proved in this process, when first asked for."""
+        return self.surface.certificate
 
     def refit(self, **options: Any) -> Blend:
         """The same problem with other points, weights or normalisation, without new proofs.
@@ -298,8 +297,8 @@ def _fit(space: SolutionSpace, wishes: Wishes, attempts: Sequence[Attempt], stag
     if not wishes.prove:
         return _finish(space, choice, wishes, stages.seconds, history)
     with stages.stage("prove"):
-        certificate = choice.surface.certify()
-    result = _finish(space, choice, wishes, stages.seconds, history, certificate)
+        certificate = choice.surface.certificate
+    result = _finish(space, choice, wishes, stages.seconds, history)
     if not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
@@ -312,7 +311,6 @@ def _finish(
     wishes: Wishes,
     timings: dict[str, float],
     attempts: Sequence[Attempt],
-    certificate: Certificate | None = None,
 ) -> Blend:
     fairing = space.fairing(wishes.plate)
     coefficients: fmpq_mat = choice.working * fairing.basis.transform
@@ -328,7 +326,6 @@ def _finish(
         basis=space.given_basis,
         known_space=space,
         choice=choice,
-        known_certificate=certificate,
     )
 
 

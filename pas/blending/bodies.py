@@ -13,7 +13,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational
+from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
 from pas.solid.pieces import Pieces, region
 from pas.solid.solid import Solid, patch, union
@@ -62,7 +62,7 @@ def _plane(surface: PiecewiseSurface, number: int) -> Polynomial:
 
 def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
     """The plane at a distance of `length` beyond another, rounded to a double where that is irrational."""
-    size = rational(float(np.linalg.norm(plane.dense(1)[1:])))
+    size = exact(float(np.linalg.norm(plane.dense(1)[1:])))
     return plane - Polynomial(length * size)
 
 

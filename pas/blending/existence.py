@@ -20,6 +20,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
 from pas.algebra.monomials import exponents
 from pas.algebra.parametric import ParametricNullspace, independent, parametric_nullspaces
@@ -27,7 +28,6 @@ from pas.algebra.parse import parse_polynomial
 from pas.algebra.polynomial import VARIABLES
 from pas.algebra.rational import rational
 from pas.algebra.remainders import Remainders, Terms, membership_rows, power
-from pas.blending.checks import check_degree, check_order
 from pas.errors import GeometryError
 
 

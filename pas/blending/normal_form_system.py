@@ -23,11 +23,11 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.monomials import count, exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
-from pas.blending.checks import check_degree, check_order
 from pas.limits import checkpoint
 from pas.surface.contact import Contact, as_contact
 

@@ -9,13 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from pas._version import __version__
+from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational import plain, rational, to_fraction
 from pas.blending.blend import Attempt, Blend
-from pas.errors import PasError, ProjectFileError
-from pas.exchange.container import check_name, read, write
+from pas.errors import ProjectFileError
+from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.parametric_records import GENERATRIX, PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
 from pas.exchange.records import (
+    CERTIFICATE,
+    CONSTRAINTS,
+    ENERGY,
+    POLYNOMIAL,
+    SURFACE,
     constraints_record,
     energy_record,
     polynomial_record,
@@ -25,6 +31,7 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf, check
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
 from pas.generatrix.blend import GeneratrixBlend
 from pas.parametric.blends import ParametricBlend
@@ -34,6 +41,27 @@ from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
 
 BLEND = "blend"
+
+SOLUTION = Table(
+    {
+        "dimension": WHOLE,
+        "basis": Maybe(List(List(POLYNOMIAL))),
+        "coefficients": List(NUMBER),
+        "energy": REAL,
+        "attempts": List(Row((WHOLE, WHOLE, TEXT))),
+        "seconds": TableOf(REAL),
+    }
+)
+CONTENT = Table(
+    {
+        "surface": SURFACE,
+        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}),
+        "solution": SOLUTION,
+        "certificate": CERTIFICATE,
+    },
+    {"kind": TEXT},
+)
+"""What a project file of a blend holds; those of the first versions have no kind."""
 
 
 def save(blend: Blend, path: str | Path) -> Path:
@@ -49,7 +77,7 @@ def save(blend: Blend, path: str | Path) -> Path:
         "solution": {
             "dimension": blend.dimension,
             "basis": None if blend.basis is None else [[polynomial_record(p) for p in m] for m in blend.basis],
-            "coefficients": [str(c) for c in blend.coefficients],
+            "coefficients": [plain(rational(c)) for c in blend.coefficients],
             "energy": blend.energy,
             "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
             "seconds": blend.timings,
@@ -64,9 +92,9 @@ def load(
 ) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend | GeneratrixBlend:
     """Read a project file back: whatever it holds, exactly as it was written.
 
-    A blend has the verdicts as they were written; everything else is proved anew when asked for.
-    With `edited`, a file whose checksum does not match is read all the same, without its
-    verdicts: they are proved anew when asked for.
+    No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
+    blend has those of its file as `stored`.  With `edited`, a file whose checksum does not match is read
+    all the same.
 
     Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
     """
@@ -77,29 +105,27 @@ def load(
     if kind in (PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX):
         return parametric_from_content(content, name)
     if kind != BLEND:
-        raise ProjectFileError(f"{name}: holds a thing of kind {kind!r}, which this program does not know; update pas")
-    try:
-        return _from_content(content, with_verdicts=not edited)
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, PasError) as error:
         raise ProjectFileError(
-            f"{name}: the content cannot be understood ({type(error).__name__}: {error}); "
-            "write it again with `pas blend`"
-        ) from None
+            f"{name}: holds a thing of kind {shown(kind)}, which this program does not know; update pas"
+        )
+    with understood(name):
+        check(content, CONTENT, "content")
+        return _from_content(content)
 
 
-def _from_content(content: dict[str, Any], *, with_verdicts: bool) -> Blend:
+def _from_content(content: dict[str, Any]) -> Blend:
     solution = content["solution"]
     return Blend(
         surface=read_surface(content["surface"]),
         basis=_read_basis(solution["basis"]),
-        dimension=int(solution["dimension"]),
+        dimension=solution["dimension"],
         coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
         energy=float(solution["energy"]),
-        timings={str(k): float(v) for k, v in solution["seconds"].items()},
+        timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
         attempts=tuple(Attempt(*a) for a in solution["attempts"]),
         constraints=read_constraints(content["problem"]["constraints"]),
         plate=read_energy(content["problem"]["energy"]),
-        known_certificate=Certificate.from_record(content["certificate"]) if with_verdicts else None,
+        stored=Certificate.from_record(content["certificate"]),
     )
 
 

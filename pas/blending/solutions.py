@@ -7,8 +7,8 @@ from typing import Any
 
 from flint import fmpq_mat
 
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree, check_order
 from pas.algebra.monomials import count
-from pas.blending.checks import HIGHEST_DEGREE, check_degree, check_order
 from pas.blending.conditions import Conditions
 from pas.blending.multipliers import consistency
 from pas.blending.net import Net

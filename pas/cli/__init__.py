@@ -7,6 +7,7 @@ got wrong, 130 interrupted.  Errors go to stderr as one sentence; `--debug` show
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 import traceback
 from collections.abc import Sequence
@@ -18,9 +19,15 @@ from pas.cli.common import WRONG as WRONG
 from pas.cli.parser import parser
 from pas.errors import InputError, PasError
 
+LONGEST = 600
+"""Characters of an error that are printed."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # names may have letters that a terminal lacks
+            stream.reconfigure(errors="backslashreplace")
     reader = parser()
     options = reader.parse_args(arguments)
     if options.command is None:
@@ -41,5 +48,11 @@ def _fail(options: argparse.Namespace, error: Exception, code: int) -> int:
     if options.debug:
         traceback.print_exc()
     text = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) and error.strerror else str(error)
-    print(f"pas: {' '.join(text.split())}", file=sys.stderr)
+    print(f"pas: {_one_line(text)}", file=sys.stderr)
     return code
+
+
+def _one_line(text: str) -> str:
+    """A sentence on one line; what it quotes (polynomials, say) may be long, and is cut in the middle then."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"

@@ -9,8 +9,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pas.algebra.inputs import check_tolerance
 from pas.cli import parametric
-from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, problem_file, progress, project_file
+from pas.cli.common import DONE, FAILED, output_folder, problem_file, progress, project_file
 from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def run_blend(options: argparse.Namespace) -> int:
 
     problem = read_problem(problem_file(options.problem))
     folder = output_folder(options.output)
-    tolerance = checked_tolerance(problem.tolerance if options.tolerance is None else options.tolerance)
+    tolerance = check_tolerance(problem.tolerance if options.tolerance is None else options.tolerance)
     result = blend(
         problem.contacts,
         problem.order if options.order is None else options.order,
@@ -103,9 +104,12 @@ def run_check(options: argparse.Namespace) -> int:
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.check(thing)
     start = time.perf_counter()
-    certificate = thing.surface.certify() if isinstance(thing, Blend) else thing
+    certificate = thing.certificate if isinstance(thing, Blend) else thing
+    text = str(certificate)
+    if isinstance(thing, Blend) and thing.stored is not None:
+        text += "".join(f"\nas stored otherwise: {d}" for d in thing.certificate.differences(thing.stored))
     records = [v.to_record() for v in certificate.verdicts] if isinstance(certificate, Certificate) else []
-    return _tell(str(certificate), records, certificate.proved, start, as_json=options.json)
+    return _tell(text, records, certificate.proved, start, as_json=options.json)
 
 
 def _check_independently(options: argparse.Namespace) -> int:
@@ -138,7 +142,7 @@ def run_mesh(options: argparse.Namespace) -> int:
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
 
-    tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
+    tolerance = None if options.tolerance is None else check_tolerance(options.tolerance)
     thing = load(project_file(options.project))
     if isinstance(thing, ParametricSurface | ParametricBlend | GeneratrixBlend):
         return parametric.mesh(thing, options.output, tolerance)
@@ -181,7 +185,7 @@ def run_convert(options: argparse.Namespace) -> int:
     from pas.solid.assembly import Assembly
     from pas.solid.solid import Solid
 
-    tolerance = None if options.tolerance is None else checked_tolerance(options.tolerance)
+    tolerance = None if options.tolerance is None else check_tolerance(options.tolerance)
     thing = load(project_file(options.project))
     if isinstance(thing, Blend):
         thing = thing.solid(options.length)
@@ -200,7 +204,7 @@ def run_teapot(options: argparse.Namespace) -> int:
     from pas.render.parts import Look, draw_parts
     from pas.teapot.pot import teapot
 
-    tolerance = checked_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    tolerance = check_tolerance(0.001 if options.tolerance is None else options.tolerance)
     folder = output_folder(options.output)
     start = time.perf_counter()
     pot = teapot(

@@ -42,13 +42,6 @@ def problem_file(name: str) -> str:
     return name
 
 
-def checked_tolerance(tolerance: float) -> float:
-    """A positive tolerance; raises `ValueError` for another."""
-    if not 0 < tolerance < float("inf"):
-        raise ValueError(f"the tolerance must be a positive number, not {tolerance}")
-    return tolerance
-
-
 def progress(stage: str, seconds: float) -> None:
     """Say on stderr how long a stage took."""
     print(f"{stage:<48} {seconds:7.2f} s", file=sys.stderr, flush=True)

@@ -9,7 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pas.cli.common import DONE, FAILED, checked_tolerance, output_folder, problem_file, progress
+from pas.algebra.inputs import check_tolerance
+from pas.cli.common import DONE, FAILED, output_folder, problem_file, progress
 from pas.errors import MissingLibraryError
 from pas.surface.certificate import Verdict
 
@@ -40,7 +41,7 @@ def run_parametric(options: argparse.Namespace) -> int:
         problem = _with_order(problem, options.order)
     folder = output_folder(options.output)
     tolerance = problem.tolerance if options.tolerance is None else options.tolerance
-    tolerance = None if tolerance is None else checked_tolerance(tolerance)
+    tolerance = None if tolerance is None else check_tolerance(tolerance)
     start = time.perf_counter()
     blend = _blend(problem)
     start = _passed("blend", start)

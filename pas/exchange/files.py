@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pas.errors import PasError
+
 LONGEST_NAME = 200
 """Bytes of a file's name: most systems take 255, of which the name while writing needs some more."""
 
@@ -22,6 +24,18 @@ def source(path: Any) -> Path:
     if any(len(os.fsencode(part)) > 255 for part in Path(path).parts):
         raise ValueError(f"the file name {_short(Path(path).name)} is too long")
     return Path(path)
+
+
+def read_text(file: Path, most: int, error: type[PasError]) -> str:
+    """The text of a file of at most `most` bytes; raises `error` for a longer one and for what is no text."""
+    with file.open("rb") as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        raise error(f"{file.name}: is larger than {most >> 20} MB, so it is no such file")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise error(f"{file.name}: not a text file in UTF-8") from None
 
 
 def target(path: Any, suffixes: Sequence[str], what: str, elsewhere: Mapping[str, str] | None = None) -> str:

@@ -13,12 +13,41 @@ from typing import Any
 
 from pas.algebra.rational import plain, rational
 from pas.exchange.boundaries import boundary_from
+from pas.exchange.schema import (
+    ANYTHING,
+    FLAG,
+    NUMBER,
+    REAL,
+    TEXT,
+    WHOLE,
+    Choice,
+    Kind,
+    List,
+    Maybe,
+    Shape,
+    Table,
+    TableOf,
+)
 from pas.generatrix.align import Alignment
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
+
+_FUNCTION = Choice(
+    (Table({"cosine": List(REAL, 3)}), Table({"coefficients": List(NUMBER)})),
+    "a shape function: a table with a cosine or coefficients",
+)
+_ALIGNMENT = {"reversed": FLAG, "shift": REAL, "distance": REAL, "opposed": FLAG, "reason": TEXT}
+GENERATRIX_DATA: dict[str, Shape] = {
+    "boundaries": List(Table({"table": TableOf(ANYTHING), "phase": REAL, "backwards": FLAG}), 2),
+    "signs": List(Kind("1 or -1", lambda value: WHOLE.fits(value) and value in (1, -1)), 2),
+    "unit": FLAG,
+    "shape": Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": Maybe(List(Choice((TEXT, WHOLE), "a formula"), 3))}),
+    "alignment": Table(_ALIGNMENT, {"by_length": FLAG}),
+}
+"""What a project file of a generatrix blend holds."""
 
 
 def generatrix_record(blend: GeneratrixBlend) -> dict[str, Any]:
@@ -37,7 +66,7 @@ def read_generatrix(content: dict[str, Any]) -> GeneratrixBlend:
     first, second = map(_read_boundary, content["boundaries"])
     record = content["shape"]
     shape = GeneratrixShape(**{n: _read_function(record[n]) for n in VALUES}, middle=record["middle"])
-    a, b = map(int, content["signs"])
+    a, b = content["signs"]
     return GeneratrixBlend.of_turned((first, second), (a, b), shape, Alignment(**content["alignment"]), content["unit"])
 
 
@@ -52,7 +81,7 @@ def _boundary_record(boundary: Boundary) -> dict[str, Any]:
 
 def _read_boundary(record: dict[str, Any]) -> Boundary:
     made = boundary_from(record["table"])
-    return replace(made, phase=float(record["phase"]), backwards=bool(record["backwards"]))
+    return replace(made, phase=float(record["phase"]), backwards=record["backwards"])
 
 
 def _function_record(function: ShapeFunction) -> dict[str, Any]:
@@ -65,6 +94,8 @@ def _read_function(record: dict[str, Any]) -> ShapeFunction:
     if "cosine" in record:
         low, high, start = map(float, record["cosine"])
         return ShapeFunction.cosine(low, high, start)
+    if not 0 < len(record["coefficients"]) <= MANY:
+        raise ValueError(f"a shape function must have 1 to {MANY} coefficients, not {len(record['coefficients'])}")
     constant = [ShapeFunction.constant(c).coefficients for c in record["coefficients"]]
     return ShapeFunction(tuple(c for (c,) in constant))
 

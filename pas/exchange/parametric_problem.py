@@ -33,6 +33,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import rational
 from pas.errors import PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS, GeneratrixProblem, GeneratrixReader
@@ -75,7 +76,7 @@ def read_parametric_problem(path: str | Path) -> ParametricProblem | GeneratrixP
     surfaces that cannot be blended; `FileNotFoundError`.
     """
     file, text, data = read_toml(path)
-    if data.get("method") in GENERATRIX_METHODS:
+    if data.get("method", "") in tuple(GENERATRIX_METHODS):
         return GeneratrixReader(file, text).problem(data)
     return _Reader(file, text).problem(data)
 
@@ -95,7 +96,7 @@ class _Reader(PictureReader):
         method = self.typed(data, "method", str, "hermite")
         if method not in METHODS:
             known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
-            raise self.error(f"method must be one of {known}, not {method!r}", "", 0, "method")
+            raise self.error(f"method must be one of {known}, not {shown(method)}", "", 0, "method")
         self.check(data, "", 0)
         options = {name: data[name] for name in OPTIONS if name in data}
         for name in options:
@@ -113,7 +114,7 @@ class _Reader(PictureReader):
         return ParametricProblem(
             name=self.name(data),
             data=blending,
-            order=self.typed(data, "order", int, None),
+            order=self.checked(data, "order", check_order, None),
             method=method,
             options=options,
             domain=self._domain(data, names, blending),
@@ -126,7 +127,8 @@ class _Reader(PictureReader):
     def _parameters(self, data: dict[str, Any]) -> tuple[str, str]:
         names = data.get("parameters", list(PARAMETERS))
         if not (isinstance(names, list) and len(names) == 2 and all(isinstance(n, str) for n in names)):
-            raise self.error(f'parameters must be two names such as ["t", "h"], not {names!r}', "", 0, "parameters")
+            wrong = f'parameters must be two names such as ["t", "h"], not {shown(names)}'
+            raise self.error(wrong, "", 0, "parameters")
         return names[0], names[1]
 
     def _surface(self, index: int, entry: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:

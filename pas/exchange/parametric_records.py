@@ -15,12 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from flint import fmpq, fmpq_mpoly
 
 from pas._version import __version__
-from pas.algebra.rational import plain, rational, to_fraction
-from pas.errors import PasError, ProjectFileError
-from pas.exchange.container import check_name, write
-from pas.exchange.generatrix_records import generatrix_record, read_generatrix
+from pas.algebra.inputs import HIGHEST_POWER, shown
+from pas.algebra.rational import plain, rational
+from pas.exchange.container import check_name, understood, write
+from pas.exchange.generatrix_records import GENERATRIX_DATA, generatrix_record, read_generatrix
+from pas.exchange.records import VERDICT
+from pas.exchange.schema import ANYTHING, NUMBER, TEXT, WHOLE, Choice, List, Maybe, Row, Table, TableOf, check
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.verdicts import GeneratrixCertificate
 from pas.parametric.blends import ParametricBlend
@@ -31,7 +34,37 @@ from pas.parametric.rational_function import RING, RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX = "parametric surface", "parametric blend", "generatrix blend"
-READ_ERRORS = (KeyError, TypeError, ValueError, IndexError, AttributeError, ZeroDivisionError, PasError)
+
+TERMS = List(Row((WHOLE, WHOLE, NUMBER)), words="a list of terms")
+COMPONENTS = List(Row((TERMS, TERMS)), 3)
+DOMAIN = List(Row((Maybe(NUMBER), Maybe(NUMBER))), 2)
+_PARAMETERS = List(TEXT, 2)
+SURFACE = Choice(
+    (
+        Table({"components": COMPONENTS, "parameters": _PARAMETERS, "domain": DOMAIN}),
+        Table({"expressions": List(TEXT, 3), "parameters": _PARAMETERS, "domain": DOMAIN}),
+    ),
+    "a surface: a table with components or expressions",
+)
+VERDICTS = Maybe(List(VERDICT))
+CONTENTS = {
+    PARAMETRIC_SURFACE: Table({"kind": TEXT, "surface": SURFACE}),
+    PARAMETRIC_BLEND: Table(
+        {
+            "kind": TEXT,
+            "surfaces": List(SURFACE),
+            "values": List(NUMBER),
+            "order": WHOLE,
+            "method": TEXT,
+            "options": TableOf(ANYTHING),
+            "domain": DOMAIN,
+            "components": Maybe(COMPONENTS),
+            "verdicts": VERDICTS,
+        }
+    ),
+    GENERATRIX: Table({"kind": TEXT, **GENERATRIX_DATA, "verdicts": VERDICTS}),
+}
+"""What project files of parametric surfaces and blends hold, by kind."""
 
 
 def save_parametric(
@@ -41,16 +74,17 @@ def save_parametric(
 ) -> Path:
     """Write a parametric surface or blend, or a blend by a generatrix, as a project file; returns the path.
 
-    `pas.load` reads it.  `certificate` goes with a blend for those who read the file; `pas check` proves anew.
+    `pas.load` reads it.  `certificate`, that of the blend, goes with it for those who read the file; no program
+    believes it, and `pas check` proves anew.
 
-    Raises `ValueError` unless the name ends in `.pas.json`, and for surfaces, boundaries and middle curves made of
-    callables; `TypeError` for other things.
+    Raises `ValueError` unless the name ends in `.pas.json`, for the certificate of another blend, and for surfaces,
+    boundaries and middle curves made of callables; `TypeError` for other things.
     """
     check_name(path)
     if isinstance(thing, ParametricBlend):
-        content = {"kind": PARAMETRIC_BLEND, **_blend_record(thing), "verdicts": _verdicts(certificate)}
+        content = {"kind": PARAMETRIC_BLEND, **_blend_record(thing), "verdicts": _verdicts(thing, certificate)}
     elif isinstance(thing, GeneratrixBlend):
-        content = {"kind": GENERATRIX, **generatrix_record(thing), "verdicts": _verdicts(certificate)}
+        content = {"kind": GENERATRIX, **generatrix_record(thing), "verdicts": _verdicts(thing, certificate)}
     elif isinstance(thing, ParametricSurface):
         content = {"kind": PARAMETRIC_SURFACE, "surface": surface_record(thing)}
     else:
@@ -62,18 +96,22 @@ def parametric_from_content(
     content: dict[str, Any], name: str
 ) -> ParametricSurface | ParametricBlend | GeneratrixBlend:
     """The surface or blend of a project file's content; raises `ProjectFileError`."""
-    try:
+    with understood(name):
+        check(content, CONTENTS[content["kind"]], "content")
         if content["kind"] == PARAMETRIC_SURFACE:
             return read_surface(content["surface"])
         return read_generatrix(content) if content["kind"] == GENERATRIX else _read_blend(content)
-    except READ_ERRORS as error:
-        raise ProjectFileError(
-            f"{name}: the content cannot be understood ({type(error).__name__}: {error}); write it again"
-        ) from None
 
 
-def _verdicts(certificate: ParametricCertificate | GeneratrixCertificate | None) -> list[dict[str, Any]] | None:
-    return None if certificate is None else [v.to_record() for v in certificate.verdicts]
+def _verdicts(
+    blend: ParametricBlend | GeneratrixBlend, certificate: ParametricCertificate | GeneratrixCertificate | None
+) -> list[dict[str, Any]] | None:
+    """The verdicts of a certificate, which must be that of the blend; on regularity it may be of another domain."""
+    if certificate is None:
+        return None
+    if type(certificate) is not type(blend.certificate) or certificate.contacts != blend.certificate.contacts:
+        raise ValueError("certificate must be that of the blend that is saved, and it is another's")
+    return [v.to_record() for v in certificate.verdicts]
 
 
 def surface_record(surface: ParametricSurface) -> dict[str, Any]:
@@ -88,9 +126,9 @@ def surface_record(surface: ParametricSurface) -> dict[str, Any]:
 
 def read_surface(record: dict[str, Any]) -> ParametricSurface:
     """The surface of `surface_record`."""
-    first, second = map(str, record["parameters"])
+    first, second = record["parameters"]
     if "expressions" in record:
-        a, b, c = map(str, record["expressions"])
+        a, b, c = record["expressions"]
         return ParametricSurface(a, b, c, (first, second), record["domain"])
     x, y, z = (_read_function(part, (first, second)) for part in record["components"])
     return ParametricSurface(x, y, z, (first, second), record["domain"])
@@ -137,12 +175,22 @@ def _read_blend(content: dict[str, Any]) -> ParametricBlend:
 def _function_record(function: RationalFunction) -> list[list[list[Any]]]:
     """Terms [i, j, "p/q"] of t^i h^j of the numerator and of the denominator."""
     parts = (function.numerator, function.denominator)
-    return [[[int(i), int(j), str(to_fraction(c))] for (i, j), c in part.to_dict().items()] for part in parts]
+    return [[[int(i), int(j), plain(c)] for (i, j), c in part.to_dict().items()] for part in parts]
 
 
 def _read_function(record: Any, names: tuple[str, str]) -> RationalFunction:
-    above, below = (RING.from_dict({(i, j): rational(c) for i, j, c in part}) for part in record)
+    above, below = map(_read_terms, record)
     return RationalFunction.quotient(above, below, names)
+
+
+def _read_terms(record: Any) -> fmpq_mpoly:
+    terms: dict[tuple[int, ...], fmpq] = {}
+    for i, j, coefficient in record:
+        if min(i, j) < 0 or i + j > HIGHEST_POWER or (i, j) in terms:
+            wrong = "stands twice" if (i, j) in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
+            raise ValueError(f"the term {shown([i, j, coefficient])} of a component {wrong}")
+        terms[i, j] = rational(coefficient, "a coefficient")
+    return RING.from_dict(terms)
 
 
 def _domain_record(surface: ParametricSurface) -> list[list[str | None]]:

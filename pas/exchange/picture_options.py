@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
+from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.rational import to_float, vector
 from pas.exchange.tables import TableReader
 
@@ -20,14 +20,14 @@ class PictureReader(TableReader):
         table = data.get("picture", {})
         self.check(table, "picture", 0)
         style = table.get("style", "zebra")
-        if style not in STYLES:
-            raise self.error(f"style must be one of {', '.join(STYLES)}, not {style!r}", "picture", 0, "style")
+        if not isinstance(style, str) or style not in STYLES:
+            raise self.error(f"style must be one of {', '.join(STYLES)}, not {shown(style)}", "picture", 0, "style")
         return str(style), self._view(table)
 
     def tolerance(self, data: dict[str, Any]) -> float | None:
         """That of the mesh, where given."""
-        tolerance = self.typed(data, "tolerance", (int, float, Fraction), None)
-        return None if tolerance is None else float(tolerance)
+        tolerance: float | None = self.checked(data, "tolerance", check_tolerance, None)
+        return tolerance
 
     def _view(self, table: dict[str, Any]) -> View | None:
         if "view" not in table:

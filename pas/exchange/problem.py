@@ -39,15 +39,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
 from pas.errors import PasError
-from pas.exchange.records import read_energy, read_normalization
+from pas.exchange.records import NORMALIZATIONS, read_energy, read_normalization
 from pas.exchange.tables import TableReader, read_toml
-from pas.fairing.constraints import Normalization
+from pas.fairing.constraints import Constraints, Normalization
 from pas.fairing.energy import ThinPlate
 from pas.partition.cells import Partition
 from pas.partition.single_cell import SingleCell
@@ -84,7 +84,9 @@ REQUIRED = {
     "normalize": {"kind"},
 }
 LISTS = {"pipes", "contacts"}
-NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
+
+DEFAULT_TOLERANCE = 1e-3
+"""Of the mesh, in the model's units."""
 
 
 @dataclass(frozen=True)
@@ -136,12 +138,12 @@ class _Reader(TableReader):
         return Problem(
             name=self.name(data),
             contacts=tuple(items),
-            order=self.typed(data, "order", int, None),
-            degree=self.typed(data, "degree", int, None),
-            tolerance=float(self.typed(data, "tolerance", (int, float, Fraction), Fraction(1, 1000))),
+            order=self.checked(data, "order", check_order, None),
+            degree=self.checked(data, "degree", check_degree, None),
+            tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
             partition=self._made("partition", data, self._partition),
             energy=self._made("energy", data, self._energy) or ThinPlate(),
-            points=self._made("points", data, dict) or {},
+            points=self._made("points", data, self._points) or {},
             normalize=self._made("normalize", data, self._normalization),
             basis=self._basis(data),
             prove=self.typed(data, "prove", bool, True),
@@ -165,14 +167,15 @@ class _Reader(TableReader):
         try:
             return make(data[table])
         except (ValueError, TypeError, PasError) as error:
-            raise self.error(f"[{table}]: {error}", table, 0) from None
+            key = next((k for k in data[table] if re.match(rf"{k}\b", str(error))), None)
+            raise self.error(f"[{table}]: {error}", table, 0, key) from None
 
     @staticmethod
     def _partition(table: dict[str, Any]) -> Partition:
         kind = table.get("kind", SixTetrahedra.name)
         wrong = {SixTetrahedra.name: ("lower", "upper"), SingleCell.name: ("legs",)}
-        if kind not in wrong:
-            raise ValueError(f"kind must be one of {', '.join(map(repr, wrong))}, not {kind!r}")
+        if not isinstance(kind, str) or kind not in wrong:
+            raise ValueError(f"kind must be one of {', '.join(map(repr, wrong))}, not {shown(kind)}")
         for key in wrong[kind]:
             if key in table:
                 raise ValueError(f"{key!r} does not belong to kind {kind!r}")
@@ -185,23 +188,27 @@ class _Reader(TableReader):
     @staticmethod
     def _energy(table: dict[str, Any]) -> ThinPlate:
         if table.get("kind", "thin-plate") != "thin-plate":
-            raise ValueError(f"kind must be 'thin-plate', not {table['kind']!r}")
-        if ("lower" in table) != ("upper" in table):
-            raise ValueError("a box needs both lower and upper")
+            raise ValueError(f"kind must be 'thin-plate', not {shown(table['kind'])}")
         return read_energy(table)
 
     @staticmethod
     def _normalization(table: dict[str, Any]) -> Normalization:
         if table["kind"] not in NORMALIZATIONS:
-            raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {table['kind']!r}")
-        if table["kind"] == "value-at" and "point" not in table:
-            raise ValueError("'value-at' needs a point")
+            raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(table['kind'])}")
         return read_normalization(table)
 
     def _basis(self, data: dict[str, Any]) -> tuple[tuple[Polynomial, ...], ...] | None:
         if "basis" not in data:
             return None
+        members = data["basis"]
+        if not isinstance(members, list) or not all(isinstance(member, list) for member in members):
+            raise self.error("basis must be a list of members, each a list of polynomials", "", 0, "basis")
         try:
-            return tuple(tuple(Polynomial(p) for p in member) for member in data["basis"])
+            return tuple(tuple(Polynomial(p) for p in member) for member in members)
         except (ValueError, TypeError) as error:
             raise self.error(f"basis: {error}", "", 0, "basis") from None
+
+    @staticmethod
+    def _points(table: dict[str, Any]) -> dict[str, Any]:
+        Constraints.of(**table)  # which finds what is wrong, while the line is known
+        return table

@@ -1,11 +1,16 @@
-"""JSON-ready records of exact objects, and back."""
+"""JSON-ready records of exact objects, and back; the shapes in capitals say what they look like."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, plain
+from flint import fmpq
+
+from pas.algebra.inputs import HIGHEST_POWER, shown
+from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.rational import Vector, plain, rational
+from pas.bernstein.signs import Status
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Choice, List, Maybe, Row, Table, one_of
 from pas.fairing.constraints import (
     Constraints,
     MeanAlpha,
@@ -21,15 +26,72 @@ from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
 
+POLYNOMIAL = List(Row((WHOLE, WHOLE, WHOLE, NUMBER)), words="a list of terms")
+EQUATION = Choice((TEXT, POLYNOMIAL), "a polynomial")
+POINT = List(NUMBER, 3, words="a point of three numbers")
+_PARTITION_DATA = {"legs": List(POINT, 3), "lower": POINT, "upper": POINT, "vertices": List(POINT)}
+PARTITION = Table(
+    {"kind": TEXT, "center": Maybe(POINT)},
+    {**_PARTITION_DATA, "cells": List(List(WHOLE, 4)), "pieces": List(List(WHOLE))},
+)
+SURFACE = Table(
+    {
+        "partition": PARTITION,
+        "contacts": List(Table({"surface": EQUATION, "clip": EQUATION})),
+        "order": WHOLE,
+        "degree": WHOLE,
+        "patches": List(POLYNOMIAL),
+    }
+)
+NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
+NORMALIZATION = Table({"kind": one_of(NORMALIZATIONS)}, {"point": POINT, "value": NUMBER})
+CONSTRAINTS = Table(
+    {
+        **{kind: List(POINT) for kind in ("inside", "outside", "through", "near")},
+        "near_weight": List(NUMBER),
+        "handles": List(Row((Row((WHOLE, List(WHOLE, 4))), NUMBER))),
+        "margin": Maybe(NUMBER),
+        "normalize": NORMALIZATION,
+    }
+)
+ENERGY = Table({"kind": one_of(("thin-plate",))}, {"weight": NUMBER, "piece": WHOLE, "lower": POINT, "upper": POINT})
+VERDICT = Table(
+    {
+        "claim": TEXT,
+        "status": one_of([status.value for status in Status]),
+        "reason": TEXT,
+        "witness": Maybe(List(REAL, 3)),
+        "measure": WHOLE,
+    }
+)
+CERTIFICATE = Table({"contacts": List(VERDICT), "faces": List(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT})
+
+LONGEST_EQUATION = 1000
+"""Characters up to which a contact is written as a formula, for people to read; longer ones as terms."""
+
 
 def polynomial_record(polynomial: Polynomial) -> list[list[Any]]:
     """Terms [i, j, k, "p/q"] of x^i y^j z^k."""
-    return [[*e, str(c)] for e, c in polynomial.coefficients().items()]
+    return [[*map(int, e), plain(c)] for e, c in polynomial.raw.to_dict().items()]
 
 
 def read_polynomial(record: Any) -> Polynomial:
-    """The polynomial of `polynomial_record`."""
-    return Polynomial({(i, j, k): c for i, j, k, c in record})
+    """The polynomial of `polynomial_record`, of any degree that can be evaluated, or of a formula."""
+    if isinstance(record, str):
+        return Polynomial(record)
+    terms: dict[tuple[int, ...], fmpq] = {}
+    for i, j, k, coefficient in record:
+        if min(i, j, k) < 0 or i + j + k > HIGHEST_POWER or (i, j, k) in terms:
+            wrong = "stands twice" if (i, j, k) in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
+            raise ValueError(f"the term {shown([i, j, k, coefficient])} of a polynomial {wrong}")
+        terms[i, j, k] = rational(coefficient, "a coefficient")
+    return Polynomial.from_raw(RING.from_dict(terms))
+
+
+def equation_record(polynomial: Polynomial) -> str | list[list[Any]]:
+    """A formula for people where it is short, else terms."""
+    text = str(polynomial)
+    return text if len(text) <= LONGEST_EQUATION else polynomial_record(polynomial)
 
 
 def point_record(point: Vector) -> list[str]:
@@ -55,6 +117,12 @@ def partition_record(partition: Partition) -> dict[str, Any]:
 
 def read_partition(record: dict[str, Any]) -> Partition:
     """The partition of `partition_record`."""
+    kinds = {SixTetrahedra.name: ("legs",), SingleCell.name: (), Partition.name: ("vertices", "cells", "pieces")}
+    if record["kind"] not in kinds:
+        raise ValueError(f"the partition's kind must be one of {', '.join(kinds)}, not {shown(record['kind'])}")
+    for key in kinds[record["kind"]]:
+        if key not in record:
+            raise ValueError(f"a partition of the kind {record['kind']!r} needs {key!r}")
     if record["kind"] == SixTetrahedra.name:
         return SixTetrahedra(record["center"], record["legs"])
     if record["kind"] == SingleCell.name:
@@ -66,7 +134,9 @@ def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
     """Everything that defines a surface, exact."""
     return {
         "partition": partition_record(surface.partition),
-        "contacts": [{"surface": str(c.surface), "clip": str(c.clip)} for c in surface.contacts],
+        "contacts": [
+            {"surface": equation_record(c.surface), "clip": equation_record(c.clip)} for c in surface.contacts
+        ],
         "order": surface.order,
         "degree": surface.degree,
         "patches": [polynomial_record(p) for p in surface.polynomials],
@@ -76,9 +146,10 @@ def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
 def read_surface(record: dict[str, Any]) -> PiecewiseSurface:
     """The surface of `surface_record`, exactly."""
     partition = read_partition(record["partition"])
-    contacts = [Contact(c["surface"], c["clip"]) for c in record["contacts"]]
-    patches = [partition.frame.localise(read_polynomial(p)) for p in record["patches"]]
-    return PiecewiseSurface(partition, contacts, record["order"], patches, record["degree"])
+    contacts = [Contact(read_polynomial(c["surface"]), read_polynomial(c["clip"])) for c in record["contacts"]]
+    return PiecewiseSurface.from_polynomials(
+        partition, contacts, record["order"], map(read_polynomial, record["patches"]), record["degree"]
+    )
 
 
 def constraints_record(constraints: Constraints) -> dict[str, Any]:
@@ -114,6 +185,8 @@ def read_normalization(record: dict[str, Any]) -> Normalization:
     """The normalisation of `normalization_record`."""
     kind = record["kind"]
     if kind == "value-at":
+        if "point" not in record:
+            raise ValueError("a normalisation by a value needs its point")
         return ValueAt(record["point"], record.get("value", -1))
     plain_kinds: dict[str, type[SumOfCoefficients] | type[UnitCoefficients]] = {
         "sum-of-coefficients": SumOfCoefficients,
@@ -138,6 +211,8 @@ def energy_record(energy: ThinPlate) -> dict[str, Any]:
 def read_energy(record: dict[str, Any]) -> ThinPlate:
     """The energy of `energy_record`."""
     weight = record.get("weight", 1)
+    if ("lower" in record) != ("upper" in record):
+        raise ValueError("a box needs both lower and upper")
     if "lower" not in record:
         return ThinPlate(weight=weight)
     return ThinPlate(Box(record["lower"], record["upper"]), record.get("piece", 0), weight)

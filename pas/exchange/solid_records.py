@@ -10,6 +10,8 @@ are kept where their class says how, by `to_record()` and a class method `from_r
 from __future__ import annotations
 
 import base64
+import math
+import re
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -20,9 +22,18 @@ import numpy as np
 from pas._version import __version__
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
-from pas.errors import PasError, ProjectFileError
-from pas.exchange.container import check_name, read, write
-from pas.exchange.records import partition_record, polynomial_record, read_partition, read_polynomial
+from pas.errors import ProjectFileError
+from pas.exchange.container import check_name, read, understood, write
+from pas.exchange.records import (
+    PARTITION,
+    POINT,
+    POLYNOMIAL,
+    partition_record,
+    polynomial_record,
+    read_partition,
+    read_polynomial,
+)
+from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
@@ -36,8 +47,44 @@ from pas.solid.tree import Atom, Function, Node, Tree, atoms
 SOLID, ASSEMBLY = "solid", "assembly"
 """Kinds of contents of a project file, beside blends."""
 
-HOME = "pas.solid."
-"""Where classes of functions are looked for without having been named."""
+TREE: Choice = Choice(
+    (
+        Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
+        Table({"union": List(Later(lambda: TREE))}),
+        Table({"intersection": List(Later(lambda: TREE))}),
+    ),
+    "a tree: a table with a function, a union or an intersection",
+)
+FUNCTION: Choice = Choice(
+    (
+        Table({"polynomial": POLYNOMIAL}),
+        Table({"moved": Later(lambda: FUNCTION), "matrix": List(POINT, 3), "shift": POINT}),
+        Table({"pieces": List(POLYNOMIAL), "partition": PARTITION}),
+        Table({"near": Later(lambda: RECORD), "faces": List(TEXT), "thickness": REAL, "tolerance": REAL}),
+        Table({"class": TEXT, "data": ANYTHING}),
+    ),
+    "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
+)
+RECORD: Table = Table(
+    {
+        "functions": List(FUNCTION),
+        "tree": TREE,
+        "joints": List(Table({"first": TEXT, "second": TEXT, "along": List(POLYNOMIAL, 2), "order": WHOLE})),
+        "special_points": List(List(REAL, 3)),
+    }
+)
+MESH = Table(dict.fromkeys(("points", "triangles", "faces", "normals"), TEXT) | {"names": List(TEXT)})
+_COMMON = {"name": TEXT, "color": TEXT}
+PART = Choice(
+    (Table({"solid": RECORD, **_COMMON}), Table({"mesh": MESH, **_COMMON})), "a part: a table with a solid or a mesh"
+)
+SOLID_CONTENT = Table({"kind": TEXT, "solid": RECORD})
+ASSEMBLY_CONTENT = Table({"kind": TEXT, "parts": List(PART)})
+"""What project files of solids and assemblies hold."""
+
+_TUBE = Table({"curve": List(TEXT, 3), "interval": List(NUMBER, 2), "radius": NUMBER})
+_DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
+"""The data of functions by class, where it is known."""
 
 Class = TypeVar("Class", bound=type)
 
@@ -87,15 +134,14 @@ def load_solid(path: str | Path, *, edited: bool = False) -> Solid | Assembly:
 
 def solid_from_content(content: dict[str, Any], name: str) -> Solid | Assembly:
     """The solid or assembly of a project file's content; `ProjectFileError`, with the file's name."""
-    try:
+    with understood(name):
+        check(content, SOLID_CONTENT if content["kind"] == SOLID else ASSEMBLY_CONTENT, "content")
         if content["kind"] == SOLID:
             return read_solid(content["solid"])
-        return assembly({str(p["name"]): (_read_shape(p), p["color"]) for p in content["parts"]})
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, PasError) as error:
-        raise ProjectFileError(
-            f"{name}: the content cannot be understood ({type(error).__name__}: {error}); "
-            "write it again with pas.save_solid"
-        ) from None
+        names = [p["name"] for p in content["parts"]]
+        if len(set(names)) < len(names):
+            raise ValueError("two parts have the same name")
+        return assembly({p["name"]: (_read_shape(p), p["color"]) for p in content["parts"]})
 
 
 def solid_record(solid: Solid) -> dict[str, Any]:
@@ -118,8 +164,7 @@ def read_solid(record: dict[str, Any]) -> Solid:
     """The solid of `solid_record`, exactly."""
     functions = [read_function(f) for f in record["functions"]]
     joints = [
-        Joint(str(j["first"]), str(j["second"]), [read_polynomial(p) for p in j["along"]], j["order"])
-        for j in record["joints"]
+        Joint(j["first"], j["second"], [read_polynomial(p) for p in j["along"]], j["order"]) for j in record["joints"]
     ]
     points = tuple((float(x), float(y), float(z)) for x, y, z in record["special_points"])
     return Solid(_read_tree(record["tree"], functions), tuple(joints), points)
@@ -135,9 +180,9 @@ def _tree_record(tree: Tree, numbers: dict[Function, int]) -> dict[str, Any]:
 def _read_tree(record: dict[str, Any], functions: list[Function]) -> Tree:
     if "function" in record:
         number = record["function"]
-        if not isinstance(number, int) or not 0 <= number < len(functions):
-            raise ValueError(f"there is no function number {number!r}")
-        return Atom(functions[number], str(record["face"]), bool(record.get("outside", False)))
+        if not 0 <= number < len(functions):
+            raise ValueError(f"there is no function number {number}; there are {len(functions)}")
+        return Atom(functions[number], record["face"], record.get("outside", False))
     union = "union" in record
     parts = tuple(_read_tree(part, functions) for part in record["union" if union else "intersection"])
     if not parts:
@@ -192,11 +237,11 @@ def read_function(record: dict[str, Any]) -> Function:
     if "pieces" in record:
         return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
     if "near" in record:
-        faces = [str(face) for face in record["faces"]]
-        return Near(read_solid(record["near"]), faces, float(record["thickness"]), float(record["tolerance"]))
+        return Near(read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"]))
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")
+    check(record["data"], _DATA.get(record["class"], ANYTHING), "data")
     return kind.from_record(record["data"])
 
 
@@ -209,7 +254,7 @@ def _class_named(name: str) -> type | None:
     if name in _named:
         return _named[name]
     module, _, title = name.rpartition(".")
-    if not module.startswith(HOME):
+    if not re.fullmatch(r"pas\.solid\.[a-z_]+", module):
         return None
     try:
         kind = getattr(import_module(module), title, None)
@@ -251,14 +296,25 @@ def _mesh_record(mesh: SolidMesh) -> dict[str, Any]:
     return record
 
 
+def _read_array(text: str, name: str) -> Any:
+    number, shape = _ARRAYS[name]
+    size = np.dtype(number).itemsize * -math.prod(shape)
+    try:
+        data = base64.b64decode(text, validate=True)
+    except ValueError:
+        raise ValueError(f"the mesh's {name} are not written in base 64") from None
+    if len(data) % size:
+        raise ValueError(f"the mesh's {name} have {len(data)} bytes, which is no multiple of {size}")
+    array = np.frombuffer(data, dtype=number).reshape(shape).copy()
+    if not np.isfinite(array).all():
+        raise ValueError(f"the mesh's {name} are not all finite")
+    return array
+
+
 def _read_mesh(record: dict[str, Any]) -> SolidMesh:
-    arrays = {
-        name: np.frombuffer(base64.b64decode(record[name], validate=True), dtype=number).reshape(shape).copy()
-        for name, (number, shape) in _ARRAYS.items()
-    }
-    points, triangles, faces, normals = (arrays[name] for name in _ARRAYS)
-    names = tuple(map(str, record["names"]))
-    if not len(triangles) == len(faces) == len(normals):
+    points, triangles, faces, normals = (_read_array(record[name], name) for name in _ARRAYS)
+    names = tuple(record["names"])
+    if not 0 < len(triangles) == len(faces) == len(normals):
         raise ValueError("the mesh's triangles, faces and normals are not equally many")
     for numbers, size in ((triangles, len(points)), (faces, len(names))):
         if numbers.min() < 0 or numbers.max() >= size:

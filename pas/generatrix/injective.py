@@ -19,7 +19,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational import exact, rational, to_fraction
 from pas.parametric.rational_function import RationalFunction, total
 from pas.parametric.regularity import positive_on_unit_square
 from pas.parametric.surface import ParametricSurface
@@ -47,8 +47,8 @@ def is_injective(surface: ParametricSurface, effort: int = 4_000) -> bool:
 
 def _short(vector: Floats) -> list[fmpq]:
     """A rational vector near, with short numbers."""
-    scale = rational(2.0 ** np.round(np.log2(np.abs(vector).max())))
-    return [rational(to_fraction(rational(float(x)) / scale).limit_denominator(SHORT)) * scale for x in vector]
+    scale = exact(2.0 ** np.round(np.log2(np.abs(vector).max())))
+    return [rational(to_fraction(exact(float(x)) / scale).limit_denominator(SHORT)) * scale for x in vector]
 
 
 def _product(vector: Sequence[fmpq], functions: Sequence[RationalFunction]) -> RationalFunction:

@@ -23,7 +23,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational, to_float
+from pas.algebra.rational import exact, to_float
 from pas.errors import GeometryError
 from pas.generatrix.exact import square_root
 from pas.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
@@ -111,7 +111,7 @@ def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
     roots = real_roots(determinant)
     ends = [-math.inf, *roots, math.inf]
     for low, high in pairwise(ends):
-        yield rational(_between(low, high))
+        yield exact(_between(low, high))
 
 
 def _determinant(a: fmpq_mat, b: fmpq_mat) -> fmpq_poly:
@@ -178,8 +178,8 @@ def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
     if len(squares) == 1:
         return [tuple(squares[0][1])]
     (d1, x), (d2, y) = squares
-    exact = square_root(abs(d2 / d1))
-    ratio = rational(to_float(abs(d2 / d1)) ** 0.5) if exact is None else exact
+    root = square_root(abs(d2 / d1))
+    ratio = exact(to_float(abs(d2 / d1)) ** 0.5) if root is None else root
     return [tuple(a + sign * ratio * b for a, b in zip(x, y, strict=True)) for sign in (1, -1)]
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, rational, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary, Bounds
 from pas.generatrix.exact import on_unit_interval
@@ -145,7 +145,7 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
     sums of their absolute values bound f and C' . grad f.  |C'| is at least the smaller half-axis, |grad f| the least
     of its samples less what it can change by around each.
     """
-    rows = [[rational(float(x)) for x in v] for v in (conic.origin, conic.first, conic.second)]
+    rows = [[exact(float(x)) for x in v] for v in (conic.origin, conic.first, conic.second)]
     lift = fmpq_mat([[*row, fmpq(int(i == 0))] for i, row in enumerate(rows)])
     form = lift * quadric.matrix * lift.transpose()
     first = [abs(2 * form[0, i]) for i in (1, 2)]

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.signs import Status
+from pas.generatrix.align import alignment
 from pas.generatrix.crossings import crossings
 from pas.generatrix.exact import exact_dot
 from pas.generatrix.injective import is_injective
@@ -147,12 +148,13 @@ def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdic
 
 def sense_verdict(blend: GeneratrixBlend) -> Verdict:
     """Whether the curves run the same way."""
-    found = blend.alignment
+    # judged anew of the curves as they run now, since a blend from a file brings its own alignment
+    found = alignment(*blend.boundaries, blend.frames.signs, turn=False)
     claim = "the two curves run the same way"
     if found.opposed:
         reason = f"{found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
         return Verdict(Status.REFUTED, claim, reason)
-    reason = found.reason + ("; the second was reversed" if found.reversed else "")
+    reason = found.reason + ("; the second was reversed" if blend.alignment.reversed else "")
     if blend.surface.is_exact:  # rounding is far below the margin by which directions are told apart
         return Verdict(Status.PROVED, claim, reason)
     return Verdict(Status.UNDECIDED, claim, f"measured: {reason}")

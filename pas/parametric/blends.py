@@ -14,15 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import checkpoint
 from pas.parametric.callables import Values
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.evaluation import hermite_values
-from pas.parametric.hermite import checked_order
 from pas.parametric.interpolation import exact_hermite
 from pas.parametric.meshing import ParametricMesh, mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
@@ -75,6 +76,11 @@ class ParametricBlend:
         within = self.surface if domain is None else self.surface.with_domain(domain)
         return ParametricCertificate(contacts, regularity(within, effort))
 
+    @cached_property
+    def certificate(self) -> ParametricCertificate:
+        """The verdicts of `prove()`, when first asked for, and kept."""
+        return self.prove()
+
     def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
@@ -90,7 +96,7 @@ def hermite_blend(data: BlendingData, order: int) -> ParametricBlend:
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
     only be evaluated.  Raises `TypeError` or `ValueError` for other data or a negative order.
     """
-    k = checked_order(order)
+    k = check_order(order)
     _require_data(data)
     names = data.surfaces[0].parameters
     source = (lambda: exact_hermite(data, k, names)) if data.is_exact else None
@@ -109,7 +115,7 @@ def weighted_blend(
     Raises `GeometryError` where a surface is not defined at the value of another (then the order of
     contact is lost there) or a weight has a pole between the values, `ValueError` for a bad balance.
     """
-    k = checked_order(order)
+    k = check_order(order)
     _require_data(data)
     weights = Weights(data.values, k, balance, normalized, exponent)
     for i in range(len(data.surfaces)):
@@ -127,7 +133,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
     They do iff all d^j P_i / dh^j, j <= order, are polynomials in t at h = s_i; then the Hermite blend is
     one.  Raises `ValueError` for surfaces that are not exact.
     """
-    k = checked_order(order)
+    k = check_order(order)
     _require_data(data)
     data.require_exact()
     for i, value in enumerate(data.values):

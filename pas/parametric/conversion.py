@@ -21,11 +21,12 @@ from typing import Any, Protocol
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.parametric.meshing import RELATIVE, checked_tolerance, extent, finite_domain
+from pas.parametric.meshing import RELATIVE, extent, finite_domain
 from pas.parametric.nets import ExactNet, Rectangle, Table, exact_net, halved, product, rectangle_of
 from pas.parametric.patches import ExactControl, Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
@@ -128,7 +129,7 @@ def fit_patch(surface: ParametricSurface | HasSurface, tolerance: Any = None, do
     whole = surface_of(surface)
     rectangle = finite_domain(whole, domain)
     bounded = whole.with_domain(rectangle)
-    aim = RELATIVE * extent(bounded) if tolerance is None else checked_tolerance(tolerance)
+    aim = RELATIVE * extent(bounded) if tolerance is None else check_tolerance(tolerance)
     spans = [_spans(bounded, axis, aim * SHARE) for axis in (0, 1)]
     while True:
         knots, points = _interpolated(bounded, spans)

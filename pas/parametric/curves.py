@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import check_derivative
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.parametric.callables import component
@@ -66,8 +67,7 @@ class SurfaceCurve:
 
     def derivative(self, s: Any, order: int = 1) -> Floats:
         """The derivative of the points of this order at `s` (...): shape (..., 3)."""
-        if not isinstance(order, int) or isinstance(order, bool) or order < 0:
-            raise ValueError(f"order must be a whole number >= 0, not {order!r}")
+        check_derivative(order, "order")
         array = np.asarray(s, dtype=float)
         self.surface(self.parameters(array))  # speaks up outside the domain
         line, _ = variables(array, np.zeros_like(array), (order, 0))

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.inputs import MOST_SURFACES
 from pas.algebra.rational import plain, to_float, to_fraction
 from pas.errors import GeometryError
 from pas.parametric.hermite import distinct
@@ -84,8 +85,8 @@ class BlendingData:
         for i, item in enumerate(items):
             if not isinstance(item, ParametricSurface):
                 raise TypeError(f"surfaces[{i}] must be a ParametricSurface, not {item!r}")
-        if len(items) < 2:
-            raise ValueError(f"a blend needs at least two surfaces, not {len(items)}")
+        if not 2 <= len(items) <= MOST_SURFACES:
+            raise ValueError(f"a blend meets from 2 to {MOST_SURFACES} surfaces, not {len(items)}")
         at = distinct(range(len(items)) if values is None else values)
         if len(at) != len(items):
             raise ValueError(f"there are {len(items)} surfaces but {len(at)} values; give one value for each")

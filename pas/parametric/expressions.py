@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping
-from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
+from flint import fmpq
 
+from pas.algebra.inputs import check_text, shown
+from pas.algebra.parse import literal, segment, syntax_tree
+from pas.algebra.rational import rational, to_float
 from pas.algebra.written import python_expression
 
 Names = tuple[str, str]
@@ -49,7 +52,7 @@ def as_text(expression: Any) -> str | None:
         return None
     import sympy
 
-    exact = {number: sympy.Rational(number) for number in expression.atoms(sympy.Float)}
+    exact = {number: sympy.Rational(str(rational(number))) for number in expression.atoms(sympy.Float)}
     return str(expression.xreplace(exact))
 
 
@@ -58,7 +61,7 @@ class Values(Protocol):
 
     names: Names
 
-    def number(self, literal: Fraction) -> Any: ...
+    def number(self, value: fmpq) -> Any: ...
     def name(self, name: str) -> Any: ...
     def combine(self, operator: ast.operator, left: Any, right: Any) -> Any: ...
     def power(self, base: Any, exponent: Any) -> Any: ...
@@ -79,29 +82,29 @@ class _Reader:
             raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
         known = [*filter(None, self.values.names), *CONSTANTS]
         try:
-            self.source = python_expression(self.text, known, FUNCTIONS)
-            return self.read(ast.parse(self.source, mode="eval").body)
-        except (RecursionError, MemoryError):
-            raise ValueError(f"cannot read the expression {self.text!r}: it is nested too deeply") from None
+            self.source = python_expression(check_text(self.text), known, FUNCTIONS)
+            return self.read(syntax_tree(self.source))
+        except RecursionError:
+            raise ValueError(f"cannot read the expression {shown(self.text)}: it is nested too deeply") from None
         except NotRationalError as error:
-            raise NotRationalError(f"{self.text!r} is not a rational function: {error}") from None
+            raise NotRationalError(f"{shown(self.text)} is not a rational function: {error}") from None
         except (ValueError, ZeroDivisionError) as error:
-            raise ValueError(f"cannot read the expression {self.text!r}: {error}") from None
+            raise ValueError(f"cannot read the expression {shown(self.text)}: {error}") from None
 
     def read(self, node: ast.expr) -> Any:
         if isinstance(node, ast.BinOp):
             return self._binary(node)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
             inner = self.read(node.operand)
-            zero = self.values.number(Fraction(0))
+            zero = self.values.number(fmpq(0))
             return inner if isinstance(node.op, ast.UAdd) else self.values.combine(ast.Sub(), zero, inner)
         if isinstance(node, ast.Name):
             return self.values.name(node.id)
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            return self.values.number(Fraction(self._segment(node).replace("_", "")))
+            return self.values.number(literal(self._segment(node)))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
             return self.values.call(node.func.id, self.read(node.args[0]))
-        raise ValueError(f"{self._segment(node)!r} is not arithmetic")
+        raise ValueError(f"{shown(self._segment(node))} is not arithmetic")
 
     def _binary(self, node: ast.BinOp) -> Any:
         left, right = self.read(node.left), self.read(node.right)
@@ -109,19 +112,19 @@ class _Reader:
             return self.values.power(left, right)
         if isinstance(node.op, ast.Add | ast.Sub | ast.Mult | ast.Div):
             return self.values.combine(node.op, left, right)
-        raise ValueError(f"{self._segment(node)!r} uses an operator other than + - * / ^")
+        raise ValueError(f"{shown(self._segment(node))} uses an operator other than + - * / ^")
 
     def _segment(self, node: ast.expr) -> str:
-        return ast.get_source_segment(self.source, node) or self.source
+        return segment(self.source.encode(), node)
 
 
 class _Numeric:
     def __init__(self, names: Names) -> None:
         self.names = names
 
-    def number(self, literal: Fraction) -> Formula:
-        value = float(literal)
-        return lambda t, h: value
+    def number(self, value: fmpq) -> Formula:
+        rounded = to_float(value)
+        return lambda t, h: rounded
 
     def name(self, name: str) -> Formula:
         if name in self.names:

@@ -16,6 +16,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.series import univariate
@@ -27,7 +28,7 @@ def hermite_basis(values: Sequence[Any], order: int) -> tuple[tuple[RationalFunc
     The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order.
     Raises `ValueError` for equal values or a negative order.
     """
-    at, k = distinct(values), checked_order(order)
+    at, k = distinct(values), check_order(order)
     return tuple(
         tuple(
             RationalFunction.from_lowest_terms(univariate(p * fmpq(1, factorial(j)), 1), ONE)
@@ -42,7 +43,7 @@ def hermite_determinant(values: Sequence[Any], order: int) -> Fraction:
 
     `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so the problem has one solution.
     """
-    at, k = distinct(values), checked_order(order)
+    at, k = distinct(values), check_order(order)
     differences = prod(((b - a) ** ((k + 1) ** 2) for a, b in combinations(at, 2)), start=fmpq(1))
     return to_fraction(differences * prod(factorial(j) ** len(at) for j in range(k + 1)))
 
@@ -97,10 +98,3 @@ def distinct(values: Sequence[Any]) -> tuple[fmpq, ...]:
         if a == b:
             raise ValueError(f"values[{i}] and values[{j}] are both {plain(a)}; give each surface its own value")
     return exact
-
-
-def checked_order(order: Any) -> int:
-    """The order of contact, a whole number >= 0."""
-    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
-        raise ValueError(f"order must be a whole number >= 0, not {order!r}")
-    return order

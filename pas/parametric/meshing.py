@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.limits import checkpoint
@@ -88,7 +89,7 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
     rectangle = finite_domain(surface, domain)
     bounded = surface.with_domain(rectangle)
     size = extent(bounded)
-    tolerance = RELATIVE * size if tolerance is None else checked_tolerance(tolerance)
+    tolerance = RELATIVE * size if tolerance is None else check_tolerance(tolerance, size)
     net = exact_net(bounded, rectangle_of(rectangle)).rounded if bounded.is_exact else None
     certified = net is not None and net[..., 0].size <= HIGHEST
     if net is not None and certified:
@@ -97,13 +98,6 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
         leaves, worst = _leaves(np.zeros((1, 1, 1, 4)), _measured(bounded), tolerance, bounded)
     points, triangles, normals, parameters = assemble(bounded, leaves, size)
     return ParametricMesh(points, triangles, normals, parameters, worst, certified)
-
-
-def checked_tolerance(tolerance: Any) -> float:
-    """A tolerance as a positive number; raises `ValueError` for anything else."""
-    if isinstance(tolerance, bool | str) or not 0 < float(tolerance) < math.inf:
-        raise ValueError(f"tolerance must be a positive number, not {tolerance!r}")
-    return float(tolerance)
 
 
 def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:

@@ -13,12 +13,13 @@ import ast
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
+from operator import add, mul, sub, truediv
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power
 from pas.algebra.locus import primitive
-from pas.algebra.parse import MAXIMAL_DEGREE
 from pas.algebra.rational import rational, to_fraction
 from pas.parametric.expressions import Names, NotRationalError, as_text, evaluate
 from pas.parametric.horner import Bundle
@@ -27,6 +28,7 @@ PARAMETERS: Names = ("t", "h")
 RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 ONE: fmpq_mpoly = RING.constant(1)
+OPERATIONS: Mapping[type, Any] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 
 
 class RationalFunction:
@@ -280,9 +282,8 @@ class _Exact:
         made = (RationalFunction.from_lowest_terms(g, ONE, names) for g in GENERATORS)
         self.names, self.variables = names, dict(zip(names, made, strict=True))
 
-    def number(self, literal: Fraction) -> RationalFunction:
-        value = RING.constant(fmpq(literal.numerator, literal.denominator))
-        return RationalFunction.from_lowest_terms(value, ONE, self.names)
+    def number(self, value: fmpq) -> RationalFunction:
+        return RationalFunction.from_lowest_terms(RING.constant(value), ONE, self.names)
 
     def name(self, name: str) -> RationalFunction:
         if name in self.variables:
@@ -290,15 +291,12 @@ class _Exact:
         raise NotRationalError(f"{name} is not rational")
 
     def combine(self, operator: ast.operator, left: RationalFunction, right: RationalFunction) -> RationalFunction:
-        if isinstance(operator, ast.Add):
-            return left + right
-        if isinstance(operator, ast.Sub):
-            return left - right
-        if isinstance(operator, ast.Mult):
-            return left * right
-        if right.is_zero:
+        if isinstance(operator, ast.Div) and right.is_zero:
             raise ValueError("it divides by zero")
-        return left / right
+        result = OPERATIONS[type(operator)](left, right)
+        if result.degree > MAXIMAL_DEGREE:
+            raise ValueError(f"it is of degree {result.degree}, above {MAXIMAL_DEGREE}")
+        return result
 
     def power(self, base: RationalFunction, exponent: RationalFunction) -> RationalFunction:
         if exponent.degree > 0:
@@ -308,6 +306,8 @@ class _Exact:
             raise NotRationalError(f"the exponent {value} is not a whole number")
         if abs(value) * max(base.degree, 1) > MAXIMAL_DEGREE:
             raise ValueError(f"a power is of degree or exponent above {MAXIMAL_DEGREE}")
+        for part in (base.numerator, base.denominator):
+            check_power(part, abs(int(value)), MAXIMAL_DEGREE)
         if value < 0 and base.is_zero:
             raise ValueError("it divides by zero")
         return base ** int(value)

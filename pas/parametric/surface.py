@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import check_derivative
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, plain, rational, to_float, vector
@@ -178,7 +179,7 @@ class ParametricSurface:
 
     def derivative(self, points: Any, first: int = 0, second: int = 0) -> Floats:
         """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
-        orders = _order(first, "first"), _order(second, "second")
+        orders = check_derivative(first, "first"), check_derivative(second, "second")
 
         def at(t: Floats, h: Floats) -> tuple[Any, ...]:
             parts = self.values(*variables(t, h, orders))
@@ -213,7 +214,7 @@ class ParametricSurface:
 
     def diff(self, first: int = 0, second: int = 0) -> ParametricSurface:
         """The exact partial derivative as a surface of its own."""
-        orders = _order(first, "first"), _order(second, "second")
+        orders = check_derivative(first, "first"), check_derivative(second, "second")
         x, y, z = (c.diff(*orders) for c in self.components)
         return ParametricSurface(x, y, z, self.parameters, self.domain)
 
@@ -376,9 +377,3 @@ def _end(end: Any, sign: int, name: str) -> float:
     if end is None or (isinstance(end, float) and math.isinf(end)):
         return sign * math.inf
     return to_float(rational(end, f"an end of the domain of {name}"))
-
-
-def _order(order: Any, name: str) -> int:
-    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
-        raise ValueError(f"{name} must be a whole number >= 0, not {order!r}")
-    return order

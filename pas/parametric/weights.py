@@ -24,9 +24,10 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, shown, whole
 from pas.algebra.rational import plain, rational, to_float
 from pas.parametric.data import real_roots
-from pas.parametric.hermite import checked_order, distinct
+from pas.parametric.hermite import distinct
 from pas.parametric.jets import power
 from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import univariate
@@ -64,17 +65,18 @@ class Weights:
         normalized: bool = False,
         exponent: int | None = None,
     ) -> None:
-        at, k = distinct(values), checked_order(order)
+        at, k = distinct(values), check_order(order)
         if len(at) < 2:
             raise ValueError("weights need at least two values")
+        if not isinstance(normalized, bool):
+            raise TypeError(f"normalized must be true or false, not {shown(normalized)}")
         if exponent is None:
             exponent = k + 1 if len(at) == 2 or k % 2 else k + 2
-        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent <= k:
-            raise ValueError(f"exponent must be a whole number >= {k + 1} for contact of order {k}, not {exponent!r}")
+        power = whole(exponent, "exponent", k + 1, HIGHEST_EXPONENT, f"for contact of order {k}")
         for name, value in (("values", at), ("balance", _balance(balance, len(at)))):
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "exponent", exponent)
-        object.__setattr__(self, "normalized", bool(normalized))
+        object.__setattr__(self, "exponent", power)
+        object.__setattr__(self, "normalized", normalized)
 
     @cached_property
     def functions(self) -> tuple[RationalFunction, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, cross, dot, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
@@ -42,8 +43,8 @@ class SixTetrahedra(Partition):
 
     def __init__(self, center: Any = (0, 0, 0), legs: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> None:
         origin = vector(center, "center")
-        if len(legs) != 3:
-            raise ValueError(f"legs must be three vectors, not {len(legs)}")
+        if isinstance(legs, str) or not hasattr(legs, "__len__") or len(legs) != 3:
+            raise ValueError(f"legs must be three vectors, not {shown(legs)}")
         self.legs = tuple(vector(leg, f"legs[{i}]") for i, leg in enumerate(legs))
         if dot(self.legs[0], cross(self.legs[1], self.legs[2])) == 0:
             raise GeometryError("the three legs of the corner lie in one plane")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational, to_float
+from pas.algebra.rational import exact, to_float
 from pas.errors import GeometryError
 from pas.mesh.remesh import grouped
 from pas.solid.pieces import polynomials_of
@@ -42,8 +42,8 @@ class SolidField:
         seams: Sequence[tuple[Polynomial, Polynomial]],
         special_points: Floats,
     ) -> None:
-        center = tuple(rational(float(c)) for c in np.round(box.mean(axis=0), 6))
-        scale = rational(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
+        center = tuple(exact(float(c)) for c in np.round(box.mean(axis=0), 6))
+        scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         extra: list[Function] = [f for pair in seams for f in pair]
         self.program = Program(tree, center, scale, tuple(extra))  # type: ignore[arg-type]
         self.box = self.program.local(box)

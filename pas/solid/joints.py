@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from pas.algebra.ideal import Ideal
+from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.real_points import count_real_points, has_real_curve, sign_sum
@@ -49,12 +50,10 @@ class Joint:
     def __init__(self, first: str, second: str, along: Any, order: int) -> None:
         if not isinstance(along, Sequence) or isinstance(along, str) or len(along) != 2:
             raise TypeError(f"along must be the two polynomials (g, h) of the joint's curve, not {along!r}")
-        if not isinstance(order, int) or isinstance(order, bool) or order < 0:
-            raise ValueError(f"order must be a whole number >= 0, not {order!r}")
         object.__setattr__(self, "first", first)
         object.__setattr__(self, "second", second)
         object.__setattr__(self, "along", (Polynomial(along[0]), Polynomial(along[1])))
-        object.__setattr__(self, "order", order)
+        object.__setattr__(self, "order", check_order(order))
 
     @property
     def claim(self) -> str:

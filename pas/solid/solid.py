@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -252,11 +253,10 @@ class Solid:
         return self._cache[wanted]
 
     def _tolerance(self, tolerance: float | None) -> float:
-        if tolerance is None:
-            return DEFAULT_TOLERANCE * float(np.ptp(self.box, axis=0).max())
-        if not 0 < tolerance < np.inf:
-            raise ValueError(f"tolerance must be a positive number, not {tolerance}")
-        return float(tolerance)
+        if tolerance is not None:
+            check_tolerance(tolerance)  # before the box, which takes a while
+        size = float(np.ptp(self.box, axis=0).max())
+        return DEFAULT_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     def volume(self, tolerance: float | None = None) -> float:
         """The volume, with an error of second order in the tolerance of the mesh that it is worked out on."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.algebra.inputs import whole
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float
 from pas.errors import GeometryError
@@ -196,7 +197,7 @@ class End(Distance):
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> End:
         """The end of `to_record`."""
-        return cls(Tube.from_record(record["tube"]), int(record["side"]))
+        return cls(Tube.from_record(record["tube"]), whole(record["side"], "side", 0, 1))
 
 
 def tube(curve: Sequence[Any], radius: Any, interval: Sequence[Any], face: str = "tube", ends: str = "flat") -> Solid:

@@ -13,6 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 from flint import fmpq
 
 from pas.algebra.ideal import Ideal
+from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, plain, rational, vector
 
@@ -112,10 +113,8 @@ def contact_ideal(contact: Any, order: int) -> Ideal:
 
     `contact` is a `Contact`, a `Pipe` or a pair (surface, clip).
     """
-    if not isinstance(order, int) or isinstance(order, bool) or order < 0:
-        raise ValueError(f"order must be a whole number >= 0, not {order!r}")
-    checked = as_contact(contact)
-    return Ideal(checked.surface, checked.clip ** (order + 1))
+    k, checked = check_order(order), as_contact(contact)
+    return Ideal(checked.surface, checked.clip ** (k + 1))
 
 
 def _equation(expression: Any, name: str) -> Polynomial:

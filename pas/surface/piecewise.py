@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import check_order, check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
@@ -62,17 +63,23 @@ class PiecewiseSurface:
             )
         self.partition = partition
         self.contacts = tuple(contacts)
-        self.order = order
+        self.order = check_order(order)
         self.patches = tuple(patches)
-        self.degree = max(0, *(p.degree for p in patches)) if degree is None else degree
+        self.degree = check_surface_degree(max(0, *(p.degree for p in self.patches)), degree)
 
     @classmethod
     def from_polynomials(
-        cls, partition: Partition, contacts: Sequence[Contact], order: int, polynomials: Sequence[Any]
+        cls,
+        partition: Partition,
+        contacts: Sequence[Contact],
+        order: int,
+        polynomials: Iterable[Any],
+        degree: int | None = None,
     ) -> PiecewiseSurface:
         """A surface from the polynomials of its pieces in the user's coordinates."""
-        patches = [partition.frame.localise(Polynomial(p)) for p in polynomials]
-        return cls(partition, contacts, order, patches)
+        given = [Polynomial(p) for p in polynomials]
+        check_surface_degree(max((p.degree for p in given), default=0))
+        return cls(partition, contacts, order, [partition.frame.localise(p) for p in given], degree)
 
     @property
     def local(self) -> Partition:
@@ -217,13 +224,17 @@ class PiecewiseSurface:
         """Prove the contacts, the smoothness, the single sheet and the enclosure."""
         return certify(self)
 
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The same, proved when first asked for and kept: never what somebody else says of this surface."""
+        return self.certify()
+
     def triangulate(self, tolerance: float = 1e-3) -> TriangleMesh:
         """A triangle mesh as plain arrays; see `mesh`."""
-        if not tolerance > 0 or not np.isfinite(tolerance):
-            raise ValueError(f"tolerance must be a positive number, not {tolerance}")
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         frame = self.partition.frame
+        check_tolerance(tolerance, float(to_fraction(frame.scale)))
         mesh = triangulate(_LocalField(self), tolerance / float(to_fraction(frame.scale)))
         return TriangleMesh(frame.global_points(mesh.points), mesh.triangles, mesh.normals)
 

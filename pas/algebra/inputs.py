@@ -1,0 +1,183 @@
+"""How large inputs may be, in one place: numbers, polynomials, orders, degrees, tolerances, texts and records.
+
+Ten characters can ask for what no machine holds (`1e99999999`, `((9^60)^60)^60`, `"order": 2001`), and the exact
+library ends the process where memory does.  So whatever enters, from a script, a problem file or a project file, passes
+one of these doors, and what is too large is refused in one sentence.  Behind them nothing is checked again.
+
+Not limited is what exists already: a `Fraction` that somebody made has its digits, however many.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Sequence
+from math import comb
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flint import fmpq, fmpq_mpoly
+
+MOST_DIGITS = 1000
+"""Digits that an exponent or a power may make of a few characters: doubles need 325, and a corner whose radii have
+1000 takes minutes to solve."""
+
+LONGEST_NUMBER = 100_000
+"""Characters of one number: exact coefficients of published corners have 700, of radii with 300 digits 30 000."""
+
+LONGEST_TEXT = 200_000
+"""Characters of one expression; the longest that a degree of 12 makes, with coefficients of 300 digits, has half."""
+
+MAXIMAL_DEGREE = 60
+"""Of polynomials that are written down; higher powers are surely slips."""
+
+HIGHEST_POWER = 200
+"""Degree of powers that are worked out: evaluated, such a polynomial has C(203, 3) = 1.4 million coefficients."""
+
+MOST_TERMS = 100_000
+"""Terms that a power may have: those of degree 60 in x, y, z are 39 711."""
+
+HIGHEST_ORDER = 8
+"""Of contact: GC^8 takes polynomials of degree 12 or more, where the search for a blend ends."""
+
+HIGHEST_DEGREE = 12
+"""Of a blend, where the search for a lowest degree ends: matrices of 2730 unknowns on the corner."""
+
+HIGHEST_SURFACE_DEGREE = 16
+"""Of a piecewise surface from elsewhere: a corner is proved in 0.04 s at degree 4, 7 s at 16, 76 s at 24."""
+
+MOST_SURFACES = 32
+"""That a parametric blend meets: by Hermite interpolation of order 8 it is of degree 287 then."""
+
+HIGHEST_EXPONENT = 24
+"""Of the weights of a parametric blend: that for contact of order 8 is 9 or 10, others only flatten the ends."""
+
+HIGHEST_DERIVATIVE = 24
+"""Order of derivatives that are evaluated by Taylor series in two parameters, whose coefficients are 325 then."""
+
+FINEST = 1e-7
+"""Tolerance of a mesh over the model's size: vertices are on the surface to 1e-9 of it, and at 1e-6 a corner takes
+some millions of triangles."""
+
+DEEPEST = 200
+"""Lists within lists of a file: a solid made by a hundred operations in turn has a tree of that depth."""
+
+SHOWN = 60
+"""Characters of a wrong value that a sentence quotes."""
+
+
+def shown(value: Any) -> str:
+    """A wrong value as a sentence quotes it: its `repr`, shortened."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python writes out no integer of more than 4300 digits
+        text = f"a very long {type(value).__name__}"
+    return text if len(text) <= SHOWN else f"{text[: 2 * SHOWN // 3]}...{text[-SHOWN // 4 :]}"
+
+
+def whole(value: Any, name: str, least: int, most: int, words: str = "") -> int:
+    """A whole number from `least` to `most`; `words` says in brackets what they mean.
+
+    Raises `TypeError` for what is no whole number (a truth value is none), `ValueError` for another.
+    """
+    meaning = f" ({words})" if words else ""
+    sentence = f"{name} must be a whole number from {least} to {most}{meaning}, not {shown(value)}"
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(sentence)
+    number = operator.index(value)
+    if not least <= number <= most:
+        raise ValueError(sentence)
+    return number
+
+
+def check_order(order: Any, name: str = "order") -> int:
+    """An order of contact or continuity."""
+    return whole(order, name, 0, HIGHEST_ORDER, "0 for continuous, 1 for GC^1, ...")
+
+
+def check_degree(degree: Any, name: str = "degree") -> int:
+    """The degree of a blend."""
+    return whole(degree, name, 1, HIGHEST_DEGREE)
+
+
+def check_surface_degree(highest: int, degree: Any = None) -> int:
+    """The degree of a piecewise surface: that of its patches, or a higher one that is stated."""
+    if highest > HIGHEST_SURFACE_DEGREE:
+        raise ValueError(f"the patches of a surface may be of degree {HIGHEST_SURFACE_DEGREE}, and one is of {highest}")
+    return (
+        highest if degree is None else whole(degree, "degree", highest, HIGHEST_SURFACE_DEGREE, "not below a patch's")
+    )
+
+
+def check_derivative(order: Any, name: str) -> int:
+    """The order of a derivative."""
+    return whole(order, name, 0, HIGHEST_DERIVATIVE)
+
+
+def check_tolerance(tolerance: Any, size: float | None = None) -> float:
+    """The tolerance of a mesh, in the model's units; `size` is that of the model, where it is known.
+
+    Raises `TypeError` for no number, `ValueError` for one that is not positive or below `FINEST` times the size.
+    """
+    if isinstance(tolerance, bool | str) or not hasattr(tolerance, "__float__"):
+        raise TypeError(f"tolerance must be a positive number, not {shown(tolerance)}")
+    try:
+        value = float(tolerance)
+    except OverflowError:
+        value = math.inf
+    if not 0 < value < math.inf:
+        raise ValueError(f"tolerance must be a positive number, not {value:g}")
+    if size is not None and value < FINEST * size:
+        raise ValueError(
+            f"tolerance must be at least {FINEST * size:.2g}, {FINEST:g} of the model's size, below which a mesh "
+            f"would be finer than its vertices are placed; it is {value:.3g}"
+        )
+    return value
+
+
+def check_text(text: str) -> str:
+    """An expression of bearable length; raises `ValueError`."""
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"it has {len(text)} characters; an expression may have {LONGEST_TEXT}")
+    return text
+
+
+def check_product(left: fmpq_mpoly, right: fmpq_mpoly) -> None:
+    """Raise `ValueError` where a product of polynomials that are written down would be too large."""
+    if not left.is_zero() and not right.is_zero():
+        degree = int(left.total_degree()) + int(right.total_degree())
+        _check_size(degree, len(left) * len(right), len(left.degrees()), MAXIMAL_DEGREE)
+
+
+def check_power(base: fmpq_mpoly, exponent: int, highest: int = HIGHEST_POWER) -> None:
+    """Raise `ValueError` where `base ** exponent` would be of a degree above `highest`, or very long."""
+    if exponent <= 1 or base.is_zero():
+        return
+    terms = comb(exponent + len(base) - 1, exponent) if len(base) <= MOST_TERMS else len(base)
+    _check_size(int(base.total_degree()) * exponent, terms, len(base.degrees()), highest)
+    if binary_digits(base.coeffs()) * exponent > MOST_DIGITS * math.log2(10):
+        raise ValueError(f"it has numbers of more than {MOST_DIGITS} digits")
+
+
+def _check_size(degree: int, terms: int, letters: int, highest: int) -> None:
+    if degree > highest:
+        raise ValueError(f"it is of degree {degree}, above {highest}")
+    if terms > MOST_TERMS and comb(degree + letters, letters) > MOST_TERMS:
+        raise ValueError(f"it may have more than {MOST_TERMS} terms")
+
+
+def binary_digits(numbers: Sequence[fmpq]) -> int:
+    """The binary digits of the longest numerator or denominator; none where all are 1 or -1."""
+    return max(((abs(int(part)) - 1).bit_length() for c in numbers for part in (c.p, c.q)), default=0)
+
+
+def depth(data: Any, most: int = DEEPEST) -> int:
+    """How many lists and tables are within one another, `most` + 1 where there are more."""
+    level, reached = [data], 0
+    while reached <= most:
+        inner = [v for v in level if isinstance(v, dict | list)]
+        if not inner:
+            break
+        level = [v for holder in inner for v in (holder.values() if isinstance(holder, dict) else holder)]
+        reached += 1
+    return reached

@@ -1,0 +1,223 @@
+"""What records must look like: a small language of shapes, and the check that names the place where one does not fit.
+
+A shape is a `Kind` (one value), a `List`, a `Row` (a list of given entries), a `Table`, `Maybe` (or null), a `Choice`
+of shapes told apart by a key or a type, or `Later` (for shapes within themselves).  Records are checked whole before
+anything is made of them, so what reads them can take their form for granted; what the values mean, it still checks.
+
+    check({"order": 1, "point": ["0", "1/3"]}, Table({"order": WHOLE, "point": List(NUMBER, 3)}), "problem")
+    # ValueError: problem.point must be a list of 3 entries, not of 2
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from pas.algebra.inputs import shown
+from pas.algebra.rational import written
+from pas.errors import meant
+
+
+class Shape(Protocol):
+    """Anything that a value can be held against."""
+
+    @property
+    def words(self) -> str:
+        """What a value must be, in a sentence."""
+
+    def check(self, value: Any, place: str) -> None:
+        """Raise `ValueError`, naming the place, unless the value fits."""
+
+    def fits(self, value: Any, /) -> bool:
+        """Whether a value is of this sort at first sight: enough to choose among shapes."""
+
+
+def check(value: Any, shape: Shape, place: str) -> None:
+    """Raise `ValueError`, naming the place within the record, unless a value fits a shape."""
+    shape.check(value, place)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One value: `words` say what it must be ("a whole number")."""
+
+    words: str
+    fits: Callable[[Any], bool]
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        if not self.fits(value):
+            raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
+
+
+def one_of(values: Sequence[str]) -> Kind:
+    """One of several words."""
+    return Kind(f"one of {', '.join(map(repr, values))}", lambda value: isinstance(value, str) and value in values)
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        return WHOLE.fits(value) or (isinstance(value, str) and bool(written(value) is not None))
+    except (ValueError, ZeroDivisionError):
+        return False
+
+
+TEXT = Kind("a text", lambda value: isinstance(value, str))
+FLAG = Kind("true or false", lambda value: isinstance(value, bool))
+WHOLE = Kind("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
+REAL = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
+NUMBER = Kind('an exact number such as "1/3"', _is_number)
+ANYTHING = Kind("anything", lambda value: True)
+
+
+@dataclass(frozen=True)
+class List:
+    """A list of any number of entries of one shape, or of `size` of them."""
+
+    entry: Shape
+    size: int | None = None
+    words: str = "a list"
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return isinstance(value, list)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        _require(self, value, place)
+        if self.size is not None and len(value) != self.size:
+            raise ValueError(f"{place} must be a list of {self.size} entries, not of {len(value)}")
+        for i, entry in enumerate(value):
+            self.entry.check(entry, f"{place}[{i}]")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A list of given entries, each of its own shape."""
+
+    entries: tuple[Shape, ...]
+    words: str = "a list"
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return isinstance(value, list)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        _require(self, value, place)
+        if len(value) != len(self.entries):
+            raise ValueError(f"{place} must be a list of {len(self.entries)} entries, not of {len(value)}")
+        for i, (entry, shape) in enumerate(zip(value, self.entries, strict=True)):
+            shape.check(entry, f"{place}[{i}]")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with the keys that it `needs`, those that it `may` have, and no others."""
+
+    needs: Mapping[str, Shape]
+    may: Mapping[str, Shape] = field(default_factory=dict)
+    words: str = "a table"
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`; the first key needed tells tables apart."""
+        return isinstance(value, dict) and next(iter(self.needs), None) in {None, *value}
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        if not isinstance(value, dict):
+            _require(self, value, place, fitting=False)
+        shapes = {**self.needs, **self.may}
+        for key in value:
+            if key not in shapes:
+                near = meant(key, shapes) or f"; known are {', '.join(sorted(shapes))}"
+                raise ValueError(f"{place} has an unknown key {shown(key)}{near}")
+        for key in self.needs:
+            if key not in value:
+                raise ValueError(f"{place} has no {key!r}, which it needs")
+        for key, entry in value.items():
+            shapes[key].check(entry, f"{place}.{key}")
+
+
+@dataclass(frozen=True)
+class TableOf:
+    """A table of any keys with entries of one shape."""
+
+    entry: Shape
+    words: str = "a table"
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return isinstance(value, dict)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        _require(self, value, place)
+        for key, entry in value.items():
+            self.entry.check(entry, f"{place}.{key}")
+
+
+@dataclass(frozen=True)
+class Maybe:
+    """A shape, or null."""
+
+    shape: Shape
+
+    @property
+    def words(self) -> str:
+        """See `Shape`."""
+        return f"{self.shape.words} or null"
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return value is None or self.shape.fits(value)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        if value is not None:
+            self.shape.check(value, place)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The first of several shapes that fits at first sight; `words` say what there is to choose."""
+
+    shapes: tuple[Shape, ...]
+    words: str
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return any(shape.fits(value) for shape in self.shapes)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        for shape in self.shapes:
+            if shape.fits(value):
+                return shape.check(value, place)
+        raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
+
+
+@dataclass(frozen=True)
+class Later:
+    """A shape that is looked up when it is needed, for shapes within themselves."""
+
+    shape: Callable[[], Shape]
+
+    @property
+    def words(self) -> str:
+        """See `Shape`."""
+        return self.shape().words
+
+    def fits(self, value: Any) -> bool:
+        """See `Shape`."""
+        return self.shape().fits(value)
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        self.shape().check(value, place)
+
+
+def _require(shape: Shape, value: Any, place: str, *, fitting: bool | None = None) -> None:
+    if not (shape.fits(value) if fitting is None else fitting):
+        raise ValueError(f"{place} must be {shape.words}, not {shown(value)}")
