@@ -19,7 +19,7 @@ from pas.bernstein.gram import gram
 from pas.bernstein.signs import Limits, prove_apart, prove_positive, rounding_bound
 from pas.bernstein.subdivision import edges, halving
 
-TETRAHEDRON = [vector(v) for v in ((0, 0, 0), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
+TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
 
 
@@ -105,6 +105,14 @@ def test_rounding_keeps_signs_and_errs_by_half_an_ulp(values):
     largest = max(abs(v) for v in values)
     for v, r in zip(values, result, strict=True):
         assert largest == 0 or abs(Fraction(float(r)) - v / largest) <= Fraction(1, 2**53)
+
+
+@pytest.mark.parametrize("size", ["1e-400", "1", "1e400"])
+def test_rounding_scales_coefficients_of_any_size(size):
+    values = [Fraction(size) * Fraction(c) for c in (3, -1, "1e-10", 0)]
+    result = rounded([fmpq(v.numerator, v.denominator) for v in values])
+    assert result.tolist() == [1.0, -1 / 3, result[2], 0.0]
+    assert 0 < result[2] < 1e-9
 
 
 def signs(p: str | None, *zeros: str | None):

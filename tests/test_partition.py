@@ -149,3 +149,13 @@ def test_frames_of_any_size():
 def mesh_of_size(size):
     """One tetrahedron without a centre."""
     return [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)], [(0, 1, 2, 3)]
+
+
+def test_the_count_of_rays_avoids_edges():
+    """The ray that is tried first, (1, 2, 4), goes through a vertex of a second octahedron."""
+    v, cells = octahedron()
+    ends = [(1, 2, 4), (-1, -2, -4), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    other = [(0, 0, 0), *(tuple(3 * c for c in p) for p in ends)]
+    assert len(pas.Partition(other, cells, other[0]).cells) == 8
+    with pytest.raises(pas.GeometryError, match="exactly once"):
+        pas.Partition([*v, *other], [*cells, *(tuple(i + len(v) for i in c) for c in cells)], v[0])

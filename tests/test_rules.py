@@ -470,6 +470,19 @@ def test_a_cell_behind_each_outer_face(name, number):
         Partition([*vertices, top], bigger, center)
 
 
+@pytest.mark.parametrize("name", partitions())
+def test_a_third_cell_at_each_inner_triangle(name):
+    """Smaller than the one on its side and within it, with a vertex of its own: they overlap behind the face."""
+    vertices, cells, center = partitions()[name]
+    region = Partition(vertices, cells, center)
+    assert region.inner_triangles
+    for triangle, *owners in region.inner_triangles:
+        for owner in owners:
+            inside = mean([exact(v) for v in region.corners(region.cells[owner])], [1, 1, 1, 1])
+            with pytest.raises(pas.GeometryError, match="overlap"):
+                Partition([*vertices, inside], [*cells, (*triangle, len(vertices))])
+
+
 @pytest.mark.parametrize("corner_", range(4))
 def test_the_centre_of_one_cell_is_in_front_of_each_face(corner_):
     vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]

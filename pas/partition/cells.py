@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, count
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -116,10 +116,11 @@ class Partition:
 
         Every face through the centre has a cell on either side, so the number is the same for all
         rays that avoid the edges: one is counted.  Of the directions a + t b + t^2 c from the centre
-        to a face no more than two lie in a plane with an edge, so one that avoids them is found.
+        to a face no more than two lie in the plane of an edge, so one that avoids them is found.
         """
         faces = [tuple(_minus(p, center) for p in self.corners(face.vertices)) for face in self.outer_faces]
-        directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in count(2))
+        tried = range(2, 3 + 6 * len(faces))
+        directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in tried)
         depths = next(filter(all, ([_least_weight(way, face) for face in faces] for way in directions)))
         return sum(depth > 0 for depth in depths)
 
