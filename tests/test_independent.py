@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import combinations, product
 
 import pytest
-from conftest import DATA, EQUAL, ROOT, UNEQUAL, solved
+from conftest import DATA, EQUAL, ROOT, UNEQUAL, pipes, solved
 from flint import fmpq
 
 import pas
@@ -416,6 +416,32 @@ def test_cells_without_a_centre(cells, status, tmp_path):
     assert findings(record, tmp_path)["region"].status == status
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_random_corners_broken_at_random(seed, tmp_path):
+    """A bubble, a coefficient off by little, and a plane as a factor, of corners drawn at random."""
+    generator = random.Random(seed)
+    radii, clips = ([Fraction(generator.randint(*r), 20) for _ in range(3)] for r in ((1, 4), (10, 40)))
+    try:
+        surface = pas.blend(pipes(radii, clips), generator.choice((1, 1, 2))).surface
+    except pas.GeometryError:
+        pytest.skip("a circle does not fit its face")
+    first, second = both(surface, tmp_path)
+    assert all_proved(first)
+    assert all_proved(second)
+    place = [Fraction(generator.randint(-20, 20), 20) for _ in range(3)]
+    bubble = ball(place, Fraction(1, 10 ** generator.randint(1, 6)))
+    both(changed(surface, lambda _, p: p * bubble), tmp_path)
+    cell, term = generator.randrange(6), pas.Polynomial(generator.choice(["1", "x", "y^2", "x*y*z", "z^3"]))
+    tiny = term * Fraction(generator.choice((-1, 1)), 10 ** generator.randint(1, 60))
+    _, second = both(changed(surface, lambda i, p: p + tiny if i == cell else p), tmp_path)
+    assert refuted(second) >= {c for c in second if c.startswith("face") and str(cell + 1) in c.split()[1].split("|")}
+    plane = (
+        pas.Polynomial("x") + pas.Polynomial("y") * generator.randint(-3, 3) + Fraction(generator.randint(-30, 30), 10)
+    )
+    both(changed(surface, lambda _, p: p * plane), tmp_path)
+
+
 # what is not served, or served by the second only
 
 
@@ -611,6 +637,8 @@ def test_the_command(good, tmp_path, capsys):
         ({"partition": {"kind": "cone", "center": None}}, "no partition"),
         ({"contacts": [{"surface": "x", "clip": "x*y"}]}, "curve"),
         ({"partition": None}, "cannot be understood"),
+        ({"patches": [[[0, 0, 0, "1/0"]]] * 6}, "cannot be understood"),
+        ({"patches": [[[0, 0, -1, "1"]]] * 6}, "cannot be understood"),
     ],
 )
 def test_files_that_make_no_sense(good, change, words, tmp_path):

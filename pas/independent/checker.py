@@ -35,6 +35,9 @@ from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, P
 SIDE_BUDGET = 2_000
 """Simplices for questions on the way: the sign of a factor, a place where a contact is missed."""
 
+SAID = {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open whether "}
+"""Of a condition."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -125,7 +128,8 @@ def _contact(surface: Surface, number: int) -> Finding:
     looks = [(surface.corners(face[0]), surface.series(f, face)[0], *q) for face, q in zip(faces, met, strict=True)]
     order = min(len(alpha) for alpha, _, _ in met) - 1
     if order < surface.order:
-        status, witness = positive([Part(c, -rest * rest, f0) for c, f0, _, _, rest in looks], SIDE_BUDGET)
+        missed = [Part(c, -rest * rest, f0) for c, f0, _, _, rest in looks if not rest.is_zero()]
+        status, witness = positive(missed, SIDE_BUDGET)
         reason = f"it is met with GC^{order} only" if order >= 0 else "it is not met at all"
         if status != REFUTED:
             return Finding(claim, UNDECIDED, f"{reason}, but perhaps not on its clip face")
@@ -230,10 +234,9 @@ def _enclosed(surface: Surface) -> Finding:
 
 
 def _shown(claim: str, condition: str, parts: list[Part]) -> Finding:
+    """The finding that a claim's condition holds, fails or is open."""
     status, witness = positive(parts)
-    return Finding(
-        claim, status, {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open: "}[status] + condition, witness
-    )
+    return Finding(claim, status, SAID[status] + condition, witness)
 
 
 def _det(*points: Point) -> fmpq:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable
 from itertools import combinations, product
+from operator import index
 from typing import Any
 
 from flint import fmpq, fmpq_mpoly
@@ -39,7 +40,8 @@ class Surface:
         self.contacts = [(_homogeneous(f, f.degree), _homogeneous(h, h.degree)) for f, h in given]
         patches = [Polynomial({(i, j, k): c for i, j, k, c in terms}) for terms in record["patches"]]
         self.patches = [_homogeneous(p, max(p.degree for p in patches)) for p in patches]
-        self.points, self.cells, pieces, self.centre = _partition(record["partition"])
+        self.points, cells, pieces, self.centre = _partition(record["partition"])
+        self.cells = [tuple(map(index, cell)) for cell in cells]
         if len(pieces) != len(self.patches) or sorted(c for p in pieces for c in p) != list(range(len(self.cells))):
             raise ValueError("each cell must have one patch")
         if any(len(set(cell)) != 4 or not set(cell) <= set(range(len(self.points))) for cell in self.cells):

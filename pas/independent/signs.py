@@ -120,7 +120,8 @@ def _split(form: Form, size: int, i: int, j: int) -> tuple[Form, Form]:
 def _indices(length: int, size: int) -> list[tuple[int, ...]]:
     """The exponents of the `length` B-coefficients on a simplex of `size` corners, in four coordinates."""
     degree = next(n for n in count() if comb(n + size - 1, n) >= length)
-    return [e for e in product(range(degree + 1), repeat=4) if sum(e) == degree and not any(e[size:])][:length]
+    free = (e for e in product(range(degree + 1), repeat=size - 1) if sum(e) <= degree)
+    return [(*e, degree - sum(e), *[0] * (4 - size)) for e in free][:length]
 
 
 @lru_cache(maxsize=None)
