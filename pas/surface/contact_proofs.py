@@ -73,7 +73,7 @@ def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
         return failed
     if not case.join.confined:
         return _free(case)
-    reason = f"in <f, h^{surface.order + 1}> exactly, alpha > 0 on the curve"
+    reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
     return case.verdict(Status.PROVED, reason, measure=positive.simplices)
 
 
