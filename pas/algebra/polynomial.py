@@ -248,9 +248,12 @@ def _from_sympy(expression: Any) -> fmpq_mpoly:
             f"the variables must be x, y, z; {', '.join(strange)} is not one of them; put numbers for parameters, "
             "or ask pas.existence for which parameters there is a solution"
         )
+    powers = expression.atoms(sympy.Pow) if hasattr(expression, "atoms") else ()
+    if any(p.exp.is_Integer and p.exp > MAXIMAL_DEGREE for p in powers):
+        raise ValueError(f"{shown(expression)} has powers above {MAXIMAL_DEGREE}")
     symbols = [next((s for s in expression.free_symbols if str(s) == v), sympy.Symbol(v)) for v in VARIABLES]
     try:
         terms = sympy.Poly(expression, *symbols).terms()
     except sympy.PolynomialError:
-        raise ValueError(f"{expression} is not a polynomial in x, y, z") from None
+        raise ValueError(f"{shown(expression)} is not a polynomial in x, y, z") from None
     return RING.from_dict({e: rational(c, f"the coefficient of {e}") for e, c in terms})

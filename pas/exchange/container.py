@@ -54,8 +54,12 @@ def write(path: str | Path, content: dict[str, Any], written_by: str) -> Path:
         "sha256": checksum(content),
         "content": content,
     }
+    try:
+        text = json.dumps(record, indent=1, allow_nan=False)
+    except ValueError:
+        raise ValueError("what is to be saved has numbers that are not finite, so it could not be read again") from None
     with replacing(path) as temporary:
-        temporary.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        temporary.write_text(text + "\n", encoding="utf-8")
     return Path(path)
 
 

@@ -27,7 +27,7 @@ from file_mutations import changed
 
 import pas
 
-WAIT = 300.0
+WAIT = 1200.0
 """Seconds without an answer and without work: the worker itself ends after 20 s of work (`file_worker.HANG`)."""
 
 LONGEST_SENTENCE = 800
