@@ -8,8 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 import pas
+
+settings.register_profile("shared machines", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("shared machines")  # no test fails because another program took the processor
 
 DATA = Path(__file__).parent / "data"
 ROOT = Path(__file__).parent.parent

@@ -232,10 +232,10 @@ def test_a_clip_that_is_tangent_is_refused():
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"order": -1}, ValueError, "order must be from 0"),
+        ({"order": -1}, ValueError, "order must be a whole number from 0"),
         ({"order": 1.5}, TypeError, "order must be a whole number"),
         ({"order": True}, TypeError, "order"),
-        ({"degree": 0}, ValueError, "degree must be from 1"),
+        ({"degree": 0}, ValueError, "degree must be a whole number from 1"),
         ({"degree": "3"}, TypeError, "degree must be a whole number"),
         ({"inside": [(0, 0)]}, ValueError, r"inside\[0\] must be three numbers"),
         ({"inside": 3}, TypeError, "inside must be a sequence of points"),

@@ -195,7 +195,7 @@ BAD_BOUNDARIES = [
     (
         lambda: Boundary.along(("u", "0", "0"), normal=("0", "0", "1")),
         ValueError,
-        "variable 'u' is not one of the parameters",
+        "variable 'u' is not one of s",
     ),
     (lambda: Boundary.along(("s", "0", "0"), normal=("0", "0", "1"), interval=(1, 1)), ValueError, "low < high"),
     (lambda: Boundary.along(("s", "0", "0"), normal=("0", "0", "1"), interval=3), ValueError, "must be two numbers"),

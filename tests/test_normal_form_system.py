@@ -69,8 +69,8 @@ def test_a_curve_that_is_not_reduced_shows_the_difference():
     ("arguments", "error", "words"),
     [
         (([], 1, 3), ValueError, "at least one contact"),
-        (([("z", "x")], -1, 3), ValueError, "order must be from 0"),
-        (([("z", "x")], 1, 0), ValueError, "degree must be from 1"),
+        (([("z", "x")], -1, 3), ValueError, "order must be a whole number from 0"),
+        (([("z", "x")], 1, 0), ValueError, "degree must be a whole number from 1"),
         (([("z", "x")], 1, "3"), TypeError, "degree must be a whole number"),
         ((["z"], 1, 3), TypeError, r"contacts\[0\] must be a Pipe"),
     ],

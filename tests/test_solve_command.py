@@ -95,9 +95,9 @@ def test_a_corner(tmp_path, capsys):
     ("arguments", "code", "words"),
     [
         (["--method", "magic"], 2, "method must be one of"),
-        (["--degree", "0"], 2, "degree must be from 1 to 12"),
+        (["--degree", "0"], 2, "degree must be a whole number from 1 to 12"),
         (["--seconds", "1e-9"], 1, "gave up after 1e-09 s"),
-        (["--order", "-1"], 2, "order must be from 0 to 8"),
+        (["--order", "-1"], 2, "order must be a whole number from 0 to 8"),
     ],
 )
 def test_errors(problem, arguments, code, words, capsys):
@@ -110,7 +110,7 @@ def test_errors(problem, arguments, code, words, capsys):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ('kind = "cube"', "line 2: .* kind must be one of 'six tetrahedra', 'single cell', not 'cube'"),
+        ('kind = "cube"', "line 3: .* kind must be one of 'six tetrahedra', 'single cell', not 'cube'"),
         ('kind = "single cell"\nlegs = [[1,0,0],[0,1,0],[0,0,1]]', "'legs' does not belong to kind 'single cell'"),
         ('kind = "single cell"\nlower = [0, 0, 0]', "needs both lower and upper"),
         ("lower = [0, 0, 0]", "'lower' does not belong to kind 'six tetrahedra'"),
