@@ -24,6 +24,7 @@ from pas.blending.solutions import solve
 from pas.blending.space import Member, SolutionSpace
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.constraints import Constraints, Normalization
+from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import ThinPlate
 from pas.fairing.fairing import Choice
 from pas.partition.cells import Partition
@@ -231,6 +232,7 @@ def blend(
     stages = Stages(progress)
     with stages.stage("partition"):
         region, turned = place(contacts, partition)
+        check_wishes(wishes.constraints, region, turned, proved=prove)
     if order == 0 and len(region.pieces) > 1:
         raise ValueError(
             "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
@@ -257,7 +259,9 @@ def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: An
     """
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
-    return _fit(space, Wishes.of(**options), [], Stages(progress))
+    wishes = Wishes.of(**options)
+    check_wishes(wishes.constraints, space.partition, space.contacts, proved=wishes.prove)
+    return _fit(space, wishes, [], Stages(progress))
 
 
 def _spaces(
@@ -298,7 +302,7 @@ def _fit(space: SolutionSpace, wishes: Wishes, attempts: Sequence[Attempt], stag
     if not wishes.prove:
         return _finish(space, choice, wishes, stages.seconds, history)
     with stages.stage("prove"):
-        certificate = choice.surface.certify()
+        certificate = choice.surface.certificate
     result = _finish(space, choice, wishes, stages.seconds, history, certificate)
     if not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)

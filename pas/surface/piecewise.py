@@ -217,6 +217,11 @@ class PiecewiseSurface:
         """Prove the contacts, the smoothness, the single sheet and the enclosure."""
         return certify(self)
 
+    @cached_property
+    def certificate(self) -> Certificate:
+        """The same, proved when first asked for and kept: never what somebody else says of this surface."""
+        return self.certify()
+
     def triangulate(self, tolerance: float = 1e-3) -> TriangleMesh:
         """A triangle mesh as plain arrays; see `mesh`."""
         if not tolerance > 0 or not np.isfinite(tolerance):
