@@ -24,6 +24,7 @@ from pas.blending.solutions import solve
 from pas.blending.space import Member, SolutionSpace
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.constraints import Constraints, Normalization
+from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import ThinPlate
 from pas.fairing.fairing import Choice
 from pas.partition.cells import Partition
@@ -230,6 +231,7 @@ def blend(
     stages = Stages(progress)
     with stages.stage("partition"):
         region, turned = place(contacts, partition)
+        check_wishes(wishes.constraints, region, turned, proved=prove)
     if order == 0 and len(region.pieces) > 1:
         raise ValueError(
             "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
@@ -256,7 +258,9 @@ def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: An
     """
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
-    return _fit(space, Wishes.of(**options), [], Stages(progress))
+    wishes = Wishes.of(**options)
+    check_wishes(wishes.constraints, space.partition, space.contacts, proved=wishes.prove)
+    return _fit(space, wishes, [], Stages(progress))
 
 
 def _spaces(

@@ -14,6 +14,8 @@ from functools import cached_property
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
+from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
 from pas.fairing.energy import SECOND_DERIVATIVES, Box, box_rule, tetrahedra_rule
@@ -113,14 +115,16 @@ def orthonormal(
     `matrices` hold the members as rows; `samples` maps their doubles to columns (N, m).  Returns
     the change (m, m) and the changed matrices.
     """
-    change, exact = _identity(matrices[0].nrows()), tuple(matrices)
+    change = _unit_scale(matrices)  # exact, since some spaces have members with coefficients beyond any double
+    exact = tuple(change * matrix for matrix in matrices)
     for _ in range(ATTEMPTS):
         columns = samples([to_doubles(matrix) for matrix in exact])
         norms = np.linalg.norm(columns, axis=0)
-        triangular: Floats = np.asarray(np.linalg.qr(columns / norms, mode="r"))
+        triangular, order = qr(columns / norms, mode="r", pivoting=True)  # dependent members come last
+        triangular = triangular[: len(order)]
         if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
             break
-        step = _rational_matrix(_inverse(triangular).T / norms)
+        step = _rational_matrix(_inverse(triangular).T / norms[order], order)
         exact = tuple(step * matrix for matrix in exact)
         change = step * change
     return change, exact
@@ -144,6 +148,16 @@ def to_doubles(matrix: fmpq_mat) -> Floats:
     return np.array(entries).reshape(matrix.nrows(), matrix.ncols())
 
 
+def _unit_scale(matrices: Sequence[fmpq_mat]) -> fmpq_mat:
+    """The powers of two, as a diagonal matrix, that bring the largest coefficient of each member near 1."""
+    size = matrices[0].nrows()
+    scale = fmpq_mat(size, size)
+    for row, tables in enumerate(zip(*(matrix.tolist() for matrix in matrices), strict=True)):
+        bits = max((v.p.bit_length() - v.q.bit_length() for table in tables for v in table if v != 0), default=0)
+        scale[row, row] = fmpq(1, 2**bits) if bits >= 0 else fmpq(2**-bits)
+    return scale
+
+
 def _inverse(triangular: Floats) -> Floats:
     """The inverse, with pivots that vanished by rounding replaced by the rounding level."""
     diagonal = np.abs(np.diag(triangular))
@@ -152,10 +166,9 @@ def _inverse(triangular: Floats) -> Floats:
     return np.linalg.inv(safe)
 
 
-def _rational_matrix(matrix: Floats) -> fmpq_mat:
-    rows, columns = matrix.shape
-    return fmpq_mat(rows, columns, [fmpq(*float(x).as_integer_ratio()) for x in matrix.ravel()])
-
-
-def _identity(size: int) -> fmpq_mat:
-    return fmpq_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+def _rational_matrix(matrix: Floats, order: NDArray[np.intp]) -> fmpq_mat:
+    """A matrix, exact, with its columns put at the places that `order` says."""
+    placed = np.empty_like(matrix)
+    placed[:, order] = matrix
+    rows, columns = placed.shape
+    return fmpq_mat(rows, columns, [fmpq(*float(x).as_integer_ratio()) for x in placed.ravel()])

@@ -22,26 +22,23 @@ from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis, to_doubles
 from pas.fairing.constraints import Constraints
 from pas.fairing.energy import Box, ThinPlate
-from pas.fairing.guard import LADDER, Guard, Margins, Rows
+from pas.fairing.exchange import Exchange
+from pas.fairing.guard import LADDER, SLIMMEST, Guard, Margins, Rows
 from pas.fairing.problem import Problem
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
-from pas.surface.proofs import violations
-
-EXCHANGE_ROUNDS = 16
-"""Rounds of the exchange method before a degree is given up; successes took 1 to 10."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A member: its exact surface, its working coefficients, and the guard rows it was found with."""
+    """A member: its exact surface, its working coefficients, and the guard rows whose optimum it is with
+    their margins."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
     rows: Rows
-    margins: Margins | None
-    rounds: int
+    margins: Margins | None = None
 
 
 class Fairing:
@@ -124,47 +121,29 @@ class Fairing:
         conflict involves the user's, and `NotSolvedError` where the solvers failed.
         """
         problem = Problem(self, constraints)
-        solution = problem.optimum(rows)
-        if solution is None:
-            raise self._conflict(constraints, rows)
-        return problem.rounded(solution)
+        return problem.rounded(problem.optimum(rows))
 
     def choose_proved(self, constraints: Constraints) -> Choice:
-        """The first member on the ladder of margins whose inequalities are all proved.
+        """The first member on the ladder of margins that is proved.
 
         Raises `InfeasibleError` where there is none.
         """
+        problem = Problem(self, constraints)
+        for rows in (Rows.none(self.basis.size), self.guard.initial(SLIMMEST)):  # what fails here fails on every rung
+            if not problem.possible(rows):
+                raise problem.conflict(rows)
         failure: InfeasibleError | None = None
         for margins in LADDER:
             try:
-                choice = self._exchange(constraints, margins)
+                for stage in Exchange(problem, self.guard, margins).stages():
+                    working = problem.rounded(stage.unknowns)
+                    surface = self.surface(working)
+                    # without a centre no sheet can be proved: the certificate says so
+                    if surface.certificate.proved or self.partition.center is None:
+                        return Choice(surface, working, stage.rows, margins)
             except InfeasibleError as error:
                 failure = error
-                continue
-            if choice is not None:
-                return choice
-        raise failure or InfeasibleError(
-            f"no member of degree {self.degree} passed the proofs in {EXCHANGE_ROUNDS} rounds of new constraints"
-        )
-
-    def _exchange(self, constraints: Constraints, margins: Margins) -> Choice | None:
-        """The exchange method for one set of margins; None where it does not converge."""
-        rows = self.guard.initial(margins)
-        for number in range(1, EXCHANGE_ROUNDS + 1):
-            working = self.choose(constraints, rows)
-            surface = self.surface(working)
-            found = violations(surface)
-            cuts = self.guard.cuts(found, margins, to_doubles(working)[0])
-            if not found.none and not cuts.violated_by(to_doubles(working)[0]):
-                # the points left open satisfy their conditions: look closer
-                found = violations(surface, deep=True)
-                cuts = self.guard.cuts(found, margins, to_doubles(working)[0])
-            if found.none:
-                return Choice(surface, working, rows, margins, number)
-            if not cuts.violated_by(to_doubles(working)[0]):
-                return None
-            rows += cuts
-        return None
+        raise failure or InfeasibleError(f"no member of degree {self.degree} that was found passed the proofs")
 
     def choose_guarded(self, constraints: Constraints) -> Choice:
         """The optimum under the sampled guard rows alone, with the widest margins that can be.
@@ -178,31 +157,11 @@ class Fairing:
             except InfeasibleError as error:
                 failure = error
                 continue
-            return Choice(self.surface(working), working, rows, margins, 1)
+            return Choice(self.surface(working), working, rows, margins)
         raise failure
 
     def choose_plain(self, constraints: Constraints) -> Choice:
         """The optimum under the user's constraints alone."""
         rows = Rows.none(self.basis.size)
         working = self.choose(constraints, rows)
-        return Choice(self.surface(working), working, rows, None, 1)
-
-    def _conflict(self, constraints: Constraints, rows: Rows) -> InfeasibleError:
-        """An error naming an irreducible infeasible set of the user's points (deletion filter)."""
-        points = list(constraints.hard())
-        if not points or not Problem(self, constraints.without(points)).possible(rows):
-            return InfeasibleError(
-                f"no member of degree {self.degree} has clean contacts, walls and a single sheet at the sampled points"
-                if len(rows.rows)
-                else f"no member of degree {self.degree} satisfies the normalisation"
-            )
-        dropped: list[tuple[str, int]] = []
-        for point in points:
-            if not Problem(self, constraints.without([*dropped, point])).possible(rows):
-                dropped.append(point)
-        conflict = [constraints.describe(p) for p in points if p not in dropped]
-        if len(conflict) == 1:
-            text = f"the constraint {conflict[0]} cannot be met by any member of degree {self.degree}"
-        else:
-            text = f"the constraints {', '.join(conflict)} contradict one another in degree {self.degree}"
-        return InfeasibleError(text, conflict)
+        return Choice(self.surface(working), working, rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from math import floor, log2
 from typing import TYPE_CHECKING
@@ -50,21 +51,62 @@ class Problem:
         self.fairing, self.constraints, self.basis = fairing, constraints, fairing.basis
         self.exact = self._exact_equations()
 
-    def optimum(self, rows: Rows) -> Floats | None:
-        """The optimal working coefficients, or None where the constraints conflict."""
-        if self.exact is None:
-            return None
-        if isinstance(self.constraints.normalize, UnitCoefficients):
-            return self._unit_optimum(rows)
-        return self._solved(self._programme(self._equations(), self._points() + rows))
+    def optimum(self, rows: Rows) -> Floats:
+        """The optimal working coefficients.
+
+        Raises `InfeasibleError` where the constraints and rows conflict, `NotSolvedError` where the solvers failed.
+        """
+        found = self._optimum(rows)
+        if found is None:
+            raise self.conflict(rows)
+        return found
 
     def possible(self, rows: Rows) -> bool:
         """Whether all constraints can hold together."""
         if self.exact is None:
             return False
-        if isinstance(self.constraints.normalize, UnitCoefficients):
-            return self._unit_optimum(rows) is not None
+        if not self.quadratic:
+            return self._optimum(rows) is not None
         return feasible(self._programme(self._equations(), self._points() + rows))
+
+    def conflict(self, rows: Rows) -> InfeasibleError:
+        """An error naming an irreducible infeasible set of the user's points (deletion filter)."""
+        degree, points = self.fairing.degree, list(self.constraints.hard())
+        if not points or not self._without(points).possible(rows):
+            return InfeasibleError(
+                f"no member of degree {degree} has clean contacts, walls and a single sheet at the sampled points"
+                if len(rows)
+                else f"no member of degree {degree} satisfies the normalisation"
+            )
+        dropped: list[tuple[str, int]] = []
+        for point in points:
+            if not self._without([*dropped, point]).possible(rows):
+                dropped.append(point)
+        conflict = [self.constraints.describe(p) for p in points if p not in dropped]
+        if len(conflict) == 1:
+            text = f"the constraint {conflict[0]} cannot be met by any member of degree {degree}"
+        else:
+            text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
+        return InfeasibleError(text, conflict)
+
+    @property
+    def quadratic(self) -> bool:
+        """Whether a quadratic form is minimised, and not its quotient by a length."""
+        return not isinstance(self.constraints.normalize, UnitCoefficients)
+
+    def normalised(self, q: Floats) -> Floats:
+        """A multiple of the member to which guard rows refer."""
+        return q if self.quadratic else q / float(self.fairing.guard.mean_alpha @ q)
+
+    def objective(self, q: Floats) -> float:
+        """What is minimised: the energy and the squares at `near` points."""
+        return float(q @ self._hessian @ q) / 2
+
+    def slope(self, q: Floats) -> Rows:
+        """The inequality that makes a member the optimum: not down the objective's slope there."""
+        gradient = self._hessian @ q
+        row = gradient / (float(np.linalg.norm(gradient)) or 1.0)
+        return Rows(row[None], np.array([row @ q]))
 
     def rounded(self, q: Floats) -> fmpq_mat:
         """Nearby rationals that satisfy the exact equations exactly.
@@ -87,6 +129,16 @@ class Problem:
                     words = self.constraints.describe((kind, index))
                     raise InfeasibleError(f"the constraint {words} is missed narrowly")
         return result
+
+    def _without(self, points: Sequence[tuple[str, int]]) -> Problem:
+        return Problem(self.fairing, self.constraints.without(points))
+
+    def _optimum(self, rows: Rows) -> Floats | None:
+        if self.exact is None:
+            return None
+        if not self.quadratic:
+            return self._unit_optimum(rows)
+        return self._solved(self._programme(self._equations(), self._points() + rows))
 
     @property
     def _radius(self) -> float:
@@ -128,7 +180,7 @@ class Problem:
         m = self.basis.size
         equations = to_doubles(self.exact[0]) if self.exact[0].nrows() else np.empty((0, m + 1))
         if isinstance(self.constraints.normalize, MeanAlpha):
-            equations = np.concatenate([equations, np.append(self.fairing.guard.mean_alpha(), 1.0)[None]])
+            equations = np.concatenate([equations, np.append(self.fairing.guard.mean_alpha, 1.0)[None]])
         return equations
 
     def _unit_optimum(self, rows: Rows) -> Floats | None:
@@ -171,14 +223,14 @@ class Problem:
     def _missed(self, rows: Rows, q: Floats) -> float:
         """The largest miss of an inequality; without any, the sign that makes alpha positive."""
         if not len(rows.rows):
-            return -float(self.fairing.guard.mean_alpha() @ q) if self.fairing.guard.alphas else 0.0
+            return -float(self.fairing.guard.mean_alpha @ q) if self.fairing.guard.alphas else 0.0
         return float((rows.at_least - rows.rows @ q).max())
 
     def _homogeneous(self, rows: Rows) -> Rows:
         """Guard rows, which refer to a mean alpha of 1, for any scale."""
         if not len(rows.rows):
             return rows
-        shifted = rows.rows - rows.at_least[:, None] * self.fairing.guard.mean_alpha()
+        shifted = rows.rows - rows.at_least[:, None] * self.fairing.guard.mean_alpha
         return Rows(shifted, np.zeros(len(shifted)))
 
     @cached_property

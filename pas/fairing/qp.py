@@ -4,7 +4,8 @@ minimise `1/2 q^T H q + g^T q` subject to `E q = e` and `A q >= b`.
 
 DAQP (a dual active-set method) solves these dense, small programmes in a fraction of a
 millisecond; where it does not end well, or its answer fails the optimality check, the
-programme goes to Clarabel (an interior-point method) through cvxpy.  An answer is returned only
+programme goes to Clarabel (an interior-point method).  Both are called directly; `stated` says the
+same in cvxpy's language.  An answer is returned only
 if it satisfies the Karush-Kuhn-Tucker conditions: the constraints, and a gradient that is a
 combination of those that are active, with multipliers of the right sign (found anew by
 nonnegative least squares, whatever the solver says).
@@ -19,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import nnls
+from scipy.sparse import csc_matrix
 
 from pas.algebra.monomials import Floats
 
@@ -109,24 +111,33 @@ def _with_daqp(programme: Programme) -> Solution:
 
 
 def _with_clarabel(programme: Programme) -> Solution:
+    import clarabel
+
+    m, equations = len(programme.linear), len(programme.equal_to)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    cones = [clarabel.ZeroConeT(equations), clarabel.NonnegativeConeT(len(programme.at_least))]
+    solution = clarabel.DefaultSolver(
+        csc_matrix(np.triu(programme.hessian)),
+        programme.linear,
+        csc_matrix(np.concatenate([programme.equalities, -programme.rows])),
+        np.concatenate([programme.equal_to, -programme.at_least]),
+        cones,
+        settings,
+    ).solve()
+    if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+        return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
+    return _checked(programme, np.array(solution.x))
+
+
+def stated(programme: Programme) -> tuple[Any, Any]:
+    """The programme and its unknowns in the language of cvxpy, to be read, and to check the solvers against."""
     cvxpy: Any = import_module("cvxpy")
 
-    m = len(programme.linear)
-    q = cvxpy.Variable(m)
-    objective = cvxpy.quad_form(q, cvxpy.psd_wrap(programme.hessian)) / 2 + programme.linear @ q
-    constraints = []
-    if len(programme.equalities):
-        constraints.append(programme.equalities @ q == programme.equal_to)
-    if len(programme.rows):
-        constraints.append(programme.rows @ q >= programme.at_least)
-    problem = cvxpy.Problem(cvxpy.Minimize(objective), constraints)
-    try:
-        problem.solve(solver=cvxpy.CLARABEL)
-    except cvxpy.SolverError:
-        return _failed(m)
-    if problem.status in ("infeasible", "infeasible_inaccurate"):
-        return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
-    return _failed(m) if q.value is None else _checked(programme, np.asarray(q.value))
+    q = cvxpy.Variable(len(programme.linear))
+    objective = cvxpy.Minimize(cvxpy.quad_form(q, cvxpy.psd_wrap(programme.hessian)) / 2 + programme.linear @ q)
+    constraints = [programme.equalities @ q == programme.equal_to, programme.rows @ q >= programme.at_least]
+    return cvxpy.Problem(objective, constraints), q
 
 
 def _checked(programme: Programme, q: Floats) -> Solution:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -128,8 +128,16 @@ class Join:
 
     def curve(self) -> Floats:
         """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
-        points = [_zeros_on_triangle(self.contact.surface, c) for c in self._triangles()]
-        return np.concatenate([np.empty((0, 3)), *points])
+        return np.concatenate([np.empty((0, 3)), *(points for points, _ in self.measured_curves())])
+
+    def measured_curves(self) -> list[tuple[Floats, Floats]]:
+        """For each clip face, the points (m, 3) of the curve on it, and how much of the curve each stands for, (m,).
+
+        Curves are measured in their face: by the sum of the changes of the barycentric coordinates, so that
+        a small face counts as much as a large one.  Sums with these weights are integrals along
+        the curve, and depend on it continuously, even where it passes through points of the lattice.
+        """
+        return [_zeros_on_triangle(self.contact.surface, corners) for corners in self._triangles()]
 
     @cached_property
     def radius(self) -> float:
@@ -194,15 +202,39 @@ def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
     return weights @ corners, np.array(pairs)
 
 
-def _zeros_on_triangle(surface: Polynomial, corners: Floats) -> Floats:
+def _zeros_on_triangle(surface: Polynomial, corners: Floats) -> tuple[Floats, Floats]:
     points, pairs = lattice(corners, CURVE_LATTICE)
-    values = surface(points)
-    crossing = pairs[(values[pairs[:, 0]] < 0) != (values[pairs[:, 1]] < 0)]
-    low, high = points[crossing[:, 0]], points[crossing[:, 1]]
-    negative_first = (values[crossing[:, 0]] < 0)[:, None]
-    low, high = np.where(negative_first, low, high), np.where(negative_first, high, low)
+    negative = surface(points) < 0
+    crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
+    first, second = pairs[crossed].T
+    first, second = np.where(negative[first], first, second), np.where(negative[first], second, first)
+    low, high = points[first], points[second]
     for _ in range(52):
         middle = (low + high) / 2
-        negative = (surface(middle) < 0)[:, None]
-        low, high = np.where(negative, middle, low), np.where(negative, high, middle)
-    return (low + high) / 2
+        below = (surface(middle) < 0)[:, None]
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    zeros = (low + high) / 2
+    inverse = np.linalg.pinv(np.vstack([corners.T, np.ones(3)]))
+    barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
+    number = np.cumsum(crossed) - 1
+    # the curve crosses two edges of a small triangle, or none: half of the piece between belongs to each
+    edges = _triangle_edges(CURVE_LATTICE)
+    ends = number[edges[crossed[edges]]].reshape(-1, 2)
+    pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
+    lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)
+    return zeros, lengths
+
+
+@lru_cache(maxsize=None)
+def _triangle_edges(subdivisions: int) -> np.ndarray:
+    """The edges (numbers of `lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
+    weights, pairs = lattice(np.eye(3), subdivisions)
+    place = {tuple(index): k for k, index in enumerate(np.rint(weights * subdivisions).astype(int).tolist())}
+    edge = {frozenset(pair): k for k, pair in enumerate(pairs.tolist())}
+    triangles = []
+    for i, j, k in place:
+        for step in (1, -1):  # upward and downward triangles
+            corners = [place.get(c) for c in ((i, j, k), (i + step, j - step, k), (i + step, j, k - step))]
+            if None not in corners:
+                triangles.append([edge[frozenset(pair)] for pair in combinations(corners, 2)])
+    return np.array(triangles)

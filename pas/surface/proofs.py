@@ -24,7 +24,7 @@ All inequalities are proved by Bernstein branch and bound with rounding accounte
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
 __all__ = [
-    "Violations",
     "certify",
     "check_join",
     "contact_verdict",
@@ -51,29 +50,8 @@ __all__ = [
     "face_verdict",
     "sheet_signs",
     "sheet_verdict",
-    "violations",
     "wall_signs",
 ]
-
-SEARCH_CELLS = Limits(halvings=24, largest_batch=3000, exhaustive=True)
-SEARCH_FACES = Limits(halvings=16, largest_batch=1500, exhaustive=True)
-DEEP = Limits(exhaustive=True)
-"""A search for violations may end early: what it leaves open becomes new constraints."""
-
-
-@dataclass(frozen=True)
-class Violations:
-    """Points (local coordinates) where a condition failed or was left open, with their pieces (of
-    contacts: their numbers)."""
-
-    sheet: list[tuple[int, Floats]]
-    walls: list[tuple[int, Floats]]
-    contacts: list[tuple[int, Floats]]
-
-    @property
-    def none(self) -> bool:
-        """Whether every inequality was proved."""
-        return not (self.sheet or self.walls or self.contacts)
 
 
 def certify(surface: PiecewiseSurface) -> Certificate:
@@ -149,27 +127,6 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     return Verdict(Status.PROVED, claim, reason, measure=examined)
 
 
-def violations(surface: PiecewiseSurface, *, deep: bool = False) -> Violations:
-    """Where the inequalities of the proofs fail or stay open: points for new constraints.
-
-    A shallow search leaves open what is merely close; a `deep` one goes as far as the proofs do.
-    """
-    cells, faces = (DEEP, DEEP) if deep else (SEARCH_CELLS, SEARCH_FACES)
-    sheet = sheet_signs(surface, cells)
-    walls = wall_signs(surface, faces)
-    wall_pieces = [face.piece for face in surface.walls]
-    piece_of = surface.partition.piece_of
-    contacts: list[tuple[int, Floats]] = []
-    for number, join in enumerate(surface.joins):
-        result = alpha_signs(surface, join, on_curve=False, limits=faces)
-        contacts += [(number, points) for _, points in _by_source(result)]
-    return Violations(
-        [(int(piece_of[cell]), points) for cell, points in _by_source(sheet)],
-        [(wall_pieces[face], points) for face, points in _by_source(walls)],
-        contacts,
-    )
-
-
 def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
     local = surface.local
@@ -222,8 +179,3 @@ def _nonzero_point(restricted: fmpq_mpoly, corners: Sequence[Vector]) -> tuple[f
     a, b, c = (np.array(to_floats(p)) for p in corners)
     u, v = best[0] / n, best[1] / n
     return tuple(((1 - u - v) * a + u * b + v * c).tolist())
-
-
-def _by_source(result: SignResult) -> list[tuple[int, Floats]]:
-    points = np.concatenate([result.counterexamples, result.undecided])
-    return [(int(s), points[result.sources == s]) for s in np.unique(result.sources)]

@@ -1,0 +1,112 @@
+"""Wishes that no member of any degree can meet: found exactly, before anything is solved.
+
+A point has one sign.  A surface that is proved has its partition's centre inside, is crossed once by
+each ray from there, and leaves the region through its contacts only: so along a ray points inside
+come first, then at most one on the surface, then points outside; points of a wall are outside; and
+on a clip face the contact says what is inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+from flint import fmpq
+
+from pas.algebra.rational import Vector, cross, dot, plain
+from pas.errors import InfeasibleError
+from pas.fairing.constraints import Constraints, ValueAt
+from pas.partition.cells import OuterFace, Partition
+from pas.surface.contact import Contact
+from pas.surface.joins import joins
+
+INSIDE, ON, OUTSIDE = -1, 0, 1
+"""The signs of f."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is wished of a point: the signs of f that meet it."""
+
+    name: str
+    point: Vector
+    signs: frozenset[int]
+
+
+def check_wishes(constraints: Constraints, partition: Partition, contacts: Sequence[Contact], *, proved: bool) -> None:
+    """Raises `InfeasibleError`, which names the wishes, where some contradict by themselves.
+
+    With `proved` the surface is to pass its proofs; without, a point only needs to have one sign.
+    """
+    wishes = list(_wishes(constraints))
+    center = partition.center if proved else None
+    if proved:
+        for wish in wishes:
+            for sign, reason in _known(wish.point, partition, contacts):
+                if sign not in wish.signs:
+                    raise InfeasibleError(f"the constraint {wish.name} cannot be met: {reason}", [wish.name])
+    for pair in combinations(wishes, 2):
+        clash = _contradiction(*pair, center)
+        if clash:
+            names = [wish.name for wish in pair]
+            raise InfeasibleError(f"the constraints {', '.join(names)} contradict one another: {clash}", names)
+
+
+def _wishes(constraints: Constraints) -> Iterator[Wish]:
+    edge = {ON} if constraints.margin == 0 else set()
+    signs = {"inside": {INSIDE} | edge, "through": {ON}, "outside": {OUTSIDE} | edge}
+    for kind, index in constraints.hard():
+        if kind in signs:
+            point = getattr(constraints, kind)[index]
+            yield Wish(constraints.describe((kind, index)), point, frozenset(signs[kind]))
+    normalize = constraints.normalize
+    if isinstance(normalize, ValueAt):
+        name = f"value {plain(normalize.value)} at ({', '.join(map(plain, normalize.point))})"
+        yield Wish(name, normalize.point, frozenset({_sign(normalize.value)}))
+
+
+def _known(point: Vector, partition: Partition, contacts: Sequence[Contact]) -> Iterator[tuple[int, str]]:
+    """Signs that a proved surface has at a point, with the reason."""
+    if partition.center is not None and point == partition.center:
+        yield INSIDE, f"the centre {_written(point)} of the partition, from which one sheet is proved, must be inside"
+    faces = [face for face in partition.outer_faces if _holds(face, partition, point)]
+    places = joins(partition, contacts) if faces else ()
+    for number, join in enumerate(places, start=1):
+        if any(face in join.faces for face in faces):
+            yield _sign(join.contact.surface.raw(*point)), f"on that clip face contact {number} says what is inside"
+    if any(all(face not in join.faces for join in places) for face in faces):
+        yield OUTSIDE, "on the walls of the region all points are outside, since the surface leaves it by its contacts"
+
+
+def _contradiction(first: Wish, second: Wish, center: Vector | None) -> str | None:
+    """Why two wishes cannot both hold, or None."""
+    if first.point == second.point:
+        return None if first.signs & second.signs else "a point has one sign"
+    if center is None:
+        return None
+    a, b = (tuple(x - o for x, o in zip(wish.point, center, strict=True)) for wish in (first, second))
+    if any(c != 0 for c in cross(a, b)) or dot(a, b) <= 0:
+        return None
+    nearer, farther = (first, second) if dot(a, a) < dot(b, b) else (second, first)
+    if any(low == INSIDE or high == OUTSIDE for low, high in product(nearer.signs, farther.signs)):
+        return None
+    return f"a ray from the centre {_written(center)} of the partition goes from inside to outside once"
+
+
+def _holds(face: OuterFace, partition: Partition, point: Vector) -> bool:
+    """Whether a point lies on a face."""
+    if face.plane.raw(*point) != 0:
+        return False
+    corners = partition.corners(face.vertices)
+    arms = [tuple(c - x for c, x in zip(corner, point, strict=True)) for corner in corners]
+    turns = [cross(arms[i], arms[(i + 1) % 3]) for i in range(3)]
+    return all(dot(one, other) >= 0 for one, other in combinations(turns, 2))
+
+
+def _sign(value: fmpq) -> int:
+    return int(value > 0) - int(value < 0)
+
+
+def _written(point: Vector) -> str:
+    return f"({', '.join(map(plain, point))})"

@@ -1,0 +1,102 @@
+"""Members along rays from the centre: where each ray meets the surface, and how steeply.
+
+The rays end at the points of a uniform lattice on every outer face.  They never change, and the
+symmetries of a partition are theirs: so what is found with them depends on the member alone, not
+on the way to it, and neither on the last bits of its coefficients.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats, count, homogeneous_exponents, monomial_values
+from pas.fairing.guard import Guard, Rows, lattice_weights
+
+SAMPLES = 32
+"""Values of f on each ray between which its zeros are looked for; halved steps found the same."""
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Where a member takes the values 0 and +-band: ray numbers (N,), shares of the rays (N,), and
+    the derivative along the ray there as a multiple of what `Margins.sheet = 1` would ask (N,)."""
+
+    rays: NDArray[np.intp]
+    shares: Floats
+    steepness: Floats
+
+    def below(self, steepness: float) -> Crossings:
+        """The crossings less steep than that."""
+        chosen = self.steepness < steepness
+        return Crossings(self.rays[chosen], self.shares[chosen], self.steepness[chosen])
+
+    def __len__(self) -> int:
+        return len(self.rays)
+
+
+class Rays:
+    """Rays from the centre to a lattice of the outer faces (none where the partition has no centre)."""
+
+    def __init__(self, guard: Guard, subdivisions: int) -> None:
+        self.guard, self.degree = guard, guard.basis.degree
+        ends = _ends(guard, subdivisions)
+        self.pieces = sorted(ends)
+        self.ends = np.concatenate([np.empty((0, 3)), *(ends[piece] for piece in self.pieces)])
+        self.piece_of = np.repeat(self.pieces, [len(ends[piece]) for piece in self.pieces])
+        self._monomials = {piece: monomial_values(points, self.degree) for piece, points in ends.items()}
+        self._starts = [count(d - 1) for d in range(self.degree + 1)]
+        self._shares = np.arange(SAMPLES + 1) / SAMPLES
+        self._powers = self._shares ** np.arange(self.degree + 1)[:, None]
+
+    def crossings(self, unknowns: Floats, band: float) -> Crossings:
+        """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
+        profiles = self._profiles(unknowns)
+        values = profiles @ self._powers
+        found = [self._level(profiles, values, level) for level in (-band, 0.0, band)]
+        rays, shares = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        slopes = np.zeros(len(rays))  # of f in the share of the ray
+        for power in range(self.degree, 0, -1):
+            slopes = slopes * shares + power * profiles[rays, power]
+        lengths = np.sqrt((self.ends * self.ends).sum(axis=1))[rays]
+        return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * lengths))
+
+    def rows(self, crossings: Crossings, margin: float) -> Rows:
+        """Rows that ask for the sheet condition at crossings."""
+        rows = Rows.none(self.guard.basis.size)
+        points, pieces = self.ends[crossings.rays] * crossings.shares[:, None], self.piece_of[crossings.rays]
+        for piece in self.pieces:
+            rows += self.guard.sheet(piece, points[pieces == piece], margin)
+        return rows
+
+    def _profiles(self, unknowns: Floats) -> Floats:
+        """The coefficients of the member as a polynomial in the share of each ray: (rays, n + 1)."""
+        blocks = [np.empty((self.degree + 1, 0))]
+        for piece in self.pieces:
+            terms = (unknowns @ self.guard.basis.coefficients[piece])[:, None] * self._monomials[piece]
+            blocks.append(np.add.reduceat(terms, self._starts, axis=0))
+        return np.concatenate(blocks, axis=1).T
+
+    def _level(self, profiles: Floats, values: Floats, level: float) -> tuple[NDArray[np.intp], Floats]:
+        below = values < level
+        rays, steps = np.nonzero(below[:, :-1] != below[:, 1:])
+        first, second = values[rays, steps] - level, values[rays, steps + 1] - level
+        return rays, self._shares[steps] + first / (first - second) / SAMPLES
+
+
+def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
+    """The lattice points of the outer faces by piece, those that faces share once."""
+    local = guard.surface.local
+    if local.center is None:
+        return {}
+    weights, indices = lattice_weights(subdivisions, 3), homogeneous_exponents(subdivisions, 3)
+    seen: set[tuple[tuple[int, int], ...]] = set()
+    ends: dict[int, list[Floats]] = {}
+    for face in local.outer_faces:
+        keys = [tuple(sorted((v, i) for v, i in zip(face.vertices, index, strict=True) if i)) for index in indices]
+        new = [number for number, key in enumerate(keys) if key not in seen]
+        seen.update(keys)
+        ends.setdefault(face.piece, []).append(weights[new] @ local.points[list(face.vertices)])
+    return {piece: np.concatenate(parts) for piece, parts in ends.items()}
