@@ -141,7 +141,7 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     for number, join in enumerate(surface.joins, start=1):
         if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
             return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
-        result = alpha_signs(surface, join, on_curve=False)
+        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
         if result.status is not Status.PROVED:
             return from_signs(surface, claim, f"alpha is not positive on the clip face of contact {number}", result)
         examined += result.simplices
