@@ -9,8 +9,8 @@ in each cell.  Since rays from O do not change cells, f changes sign at most onc
 upwards: no second sheet, no bubble, no singular point.
 
 Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with
-`alpha > 0` on all of the clip faces, so the surface leaves the region through its contact curves
-alone.  Together the two say that the surface is a graph over the sphere of directions less one
+`alpha > 0` on all of the clip faces (alpha times all f_i of the contacts that share a face), so the
+surface leaves the region through its contact curves alone.  Together the two say that the surface is a graph over the sphere of directions less one
 disc a contact: for c contacts its Euler characteristic is 2 - c.
 
 A contact whose clip passes through the region, as a curved one, leaves the surface in use on one
