@@ -377,6 +377,34 @@ def test_a_tangent_clip_is_not_proved(curve, axes, sign):
     assert surface.certify().contacts[0].status is not PROVED
 
 
+TWO = ["(y - 1/2)^2 + z^2 - 1/16", "(y + 1/2)^2 + 2*z^2 - 1/9"]
+
+
+@pytest.mark.parametrize(("axes", "sign"), TURNS)
+@pytest.mark.parametrize("middle", ["0", "(1 - x^2)^2/8"])
+def test_two_contacts_in_one_clip_face(axes, sign, middle):
+    """Two tubes between two walls, apart or joined: each patch is negative inside both curves, positive outside."""
+    box = pas.SingleCell((-1, -1, -1), (1, 1, 1))
+    first, second = (turned(text, axes, sign) for text in TWO)
+    contacts = [Contact(f, turned(clip, axes, sign)) for clip in ("x - 1", "-x - 1") for f in (first, second)]
+    f = first * second - turned(middle, axes, sign)
+    certificate = PiecewiseSurface.from_polynomials(box, contacts, 1, [f]).certify()
+    assert all(v.proved for v in (*certificate.contacts, certificate.enclosed))
+    # with a third curve, which is no contact's
+    third = turned("(y - 3/4)^2 + (z - 3/4)^2 + (x - 1)^2 - 1/100", axes, sign)
+    certificate = PiecewiseSurface.from_polynomials(box, contacts, 1, [f * third]).certify()
+    assert all(v.proved for v in certificate.contacts)
+    assert certificate.enclosed.status is REFUTED
+    assert third.at(exact(certificate.enclosed.witness)) < 0
+    # without one of the contacts it leaves the region there, too
+    for number in range(4):
+        some = [c for i, c in enumerate(contacts) if i != number]
+        certificate = PiecewiseSurface.from_polynomials(box, some, 1, [f]).certify()
+        assert all(v.proved for v in certificate.contacts)
+        assert certificate.enclosed.status is REFUTED
+        assert contacts[number].surface.at(exact(certificate.enclosed.witness)) < 0
+
+
 # Pieces and partitions.
 
 

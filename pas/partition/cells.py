@@ -62,8 +62,9 @@ class Partition:
     undivided, or None for a mesh that has none.  `pieces` groups cells (tuples of their numbers)
     that share one polynomial; by default each cell is a piece of its own.
 
-    Raises `GeometryError` for a flat cell, cells that overlap, or cells that are not all around
-    the centre; `ValueError` for indices that do not exist or pieces that do not hold each cell once.
+    Raises `GeometryError` for a flat cell, cells that overlap at a common face, or cells that do not
+    surround the centre exactly once (so that none overlap; without a centre that is not looked into);
+    `ValueError` for indices that do not exist or pieces that do not hold each cell once.
     """
 
     name = "tetrahedra"

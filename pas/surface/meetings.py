@@ -47,21 +47,40 @@ def meetings(surface: PiecewiseSurface, join: Join, order: int) -> list[Meeting]
     ]
 
 
-def alpha_signs(surface: PiecewiseSurface, join: Join, *, on_curve: bool, limits: Limits | None = None) -> SignResult:
+def alpha_signs(
+    surface: PiecewiseSurface,
+    join: Join,
+    *,
+    on_curve: bool,
+    limits: Limits | None = None,
+    beside: Sequence[Join] = (),
+) -> SignResult:
     """Branch and bound for alpha > 0 on the clip faces (or on the curve), where `patch = alpha f_i`.
 
-    Raises `ValueError` where the patch does not vanish on the contact's curve.
+    Contacts `beside` it whose curves lie in the same faces have their surfaces divided out of alpha:
+    what is left is positive where the patch is negative inside one of the curves alone.  Raises
+    `ValueError` where the patch does not vanish on the contact's curve.
     """
     values, zeros, points = [], [], []
     for meeting in meetings(surface, join, 0):
         if meeting.division.alpha is None:
             raise ValueError("alpha is defined where the contact is met only")
         exact = [join.partition.corners(face.vertices) for face in meeting.faces]
-        values.append(rounded_forms(meeting.division.alpha, exact, surface.degree))
+        alpha = _without(meeting.division.alpha, [other for other in beside if other is not join], meeting.faces[0])
+        values.append(rounded_forms(alpha, exact, surface.degree))
         zeros.append(rounded_forms(join.contact.surface.raw, exact))
         points.append(join.partition.points[[face.vertices for face in meeting.faces]])
     where_zero = np.concatenate(zeros) if on_curve else None
     return prove_positive(np.concatenate(values), np.concatenate(points), where_zero, limits)
+
+
+def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq_mpoly:
+    """What remains of alpha on a clip face without the factors that are other contacts' surfaces there."""
+    for other in others:
+        if any(plane.plane == face.plane for plane in other.planes):
+            quotient, remainder = divmod(alpha, powers(other.contact.surface.raw, face.plane, 1)[0])
+            alpha = quotient if remainder.is_zero() else alpha
+    return alpha
 
 
 def unmet(join: Join, meeting: Meeting) -> SignResult | None:

@@ -9,8 +9,8 @@ in each cell.  Since rays from O do not change cells, f changes sign at most onc
 upwards: no second sheet, no bubble, no singular point.
 
 Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with
-`alpha > 0` on all of the clip faces, so the surface leaves the region through its contact curves
-alone.  Together the two say that the surface is a graph over the sphere of directions less one
+`alpha > 0` on all of the clip faces (alpha times all f_i of the contacts that share a face), so the
+surface leaves the region through its contact curves alone.  Together the two say that the surface is a graph over the sphere of directions less one
 disc a contact: for c contacts its Euler characteristic is 2 - c.
 
 A contact whose clip passes through the region, as a curved one, leaves the surface in use on one
@@ -119,7 +119,7 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     for number, join in enumerate(surface.joins, start=1):
         if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
             return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
-        result = alpha_signs(surface, join, on_curve=False)
+        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
         if result.status is not Status.PROVED:
             return from_signs(surface, claim, f"alpha is not positive on the clip face of contact {number}", result)
         examined += result.simplices
