@@ -226,7 +226,10 @@ def function_record(function: Function) -> dict[str, Any]:
 def read_function(record: dict[str, Any]) -> Function:
     """The function of `function_record`."""
     if "polynomial" in record:
-        return read_polynomial(record["polynomial"])
+        polynomial = read_polynomial(record["polynomial"])
+        if polynomial.degree < 1:
+            raise ValueError(f"a function of a solid must not be constant, and one is {polynomial}")
+        return polynomial
     if "moved" in record:
         a, b, c = (vector(row, "a row of the matrix") for row in record["matrix"])
         place = Affine((a, b, c), vector(record["shift"], "shift"))

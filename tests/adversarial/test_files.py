@@ -132,7 +132,8 @@ def _not_ours(err: str) -> str:
     if not frames:
         return ""
     path, line = frames[-1].groups()
-    if f"{os.sep}pas{os.sep}" in path and re.match(r"(raise|yield)\b", line):
+    of_pas = re.match(r"pas\.", err[frames[-1].end() :].lstrip(" ^~\n"))
+    if of_pas or (f"{os.sep}pas{os.sep}" in path and line.startswith("raise")):
         return _python_words(err)
     return f"not refused but failed: {err[frames[-1].start() :][-700:]}"
 
