@@ -167,9 +167,10 @@ def check_coefficients(polynomial: fmpq_mpoly, name: str) -> None:
     for c in polynomial.coeffs():
         size = abs(int(c.p)).bit_length() - int(c.q).bit_length()
         if abs(size) > WIDEST * math.log2(10):
+            where = f"above 1e{WIDEST}" if size > 0 else f"below 1e-{WIDEST}"
             raise ValueError(
-                f"{name} has a coefficient {'above' if size > 0 else 'below'} 1e{WIDEST if size > 0 else -WIDEST}, which "
-                "cannot be evaluated in floating point; multiply its polynomial by a constant"
+                f"{name} has a coefficient {where}, which cannot be evaluated in floating point; multiply its "
+                "polynomial by a constant"
             )
 
 
