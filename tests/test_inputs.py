@@ -303,3 +303,12 @@ def test_the_exact_library_does_not_end_the_process():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert (done.stdout.split(), done.returncode) == (["refused"] * 4, 0), done.stderr
+
+
+@pytest.mark.parametrize("polynomial", ["1e301*x - 1", "x + 1e-301*y - 1"])
+def test_functions_that_doubles_cannot_hold_bound_no_solid(polynomial):
+    with pytest.raises(
+        ValueError, match=r"^the face 'a' has a coefficient (above 1e300|below 1e-300), which cannot be"
+    ):
+        solid.patch("a", polynomial)
+    assert solid.patch("a", "1e299*x - 1").faces == ("a",)

@@ -37,6 +37,9 @@ HIGHEST_POWER = 200
 MOST_TERMS = 100_000
 """Terms that a power may have: those of degree 60 in x, y, z are 39 711."""
 
+WIDEST = 300
+"""Decimal exponent up to which coefficients of functions that are evaluated in doubles may go, large or small."""
+
 HIGHEST_ORDER = 8
 """Of contact: GC^8 takes polynomials of degree 12 or more, where the search for a blend ends."""
 
@@ -157,6 +160,18 @@ def check_power(base: fmpq_mpoly, exponent: int, highest: int = HIGHEST_POWER) -
     _check_size(int(base.total_degree()) * exponent, terms, len(base.degrees()), highest)
     if binary_digits(base.coeffs()) * exponent > MOST_DIGITS * math.log2(10):
         raise ValueError(f"it has numbers of more than {MOST_DIGITS} digits")
+
+
+def check_coefficients(polynomial: fmpq_mpoly, name: str) -> None:
+    """Raise `ValueError` for coefficients that doubles cannot hold; `name` says whose they are."""
+    for c in polynomial.coeffs():
+        size = abs(int(c.p)).bit_length() - int(c.q).bit_length()
+        if abs(size) > WIDEST * math.log2(10):
+            where = f"above 1e{WIDEST}" if size > 0 else f"below 1e-{WIDEST}"
+            raise ValueError(
+                f"{name} has a coefficient {where}, which cannot be evaluated in floating point; multiply its "
+                "polynomial by a constant"
+            )
 
 
 def _check_size(degree: int, terms: int, letters: int, highest: int) -> None:

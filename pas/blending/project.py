@@ -20,18 +20,15 @@ from pas.exchange.records import (
     CERTIFICATE,
     CONSTRAINTS,
     ENERGY,
-    POLYNOMIAL,
-    SURFACE,
     constraints_record,
     energy_record,
-    polynomial_record,
     read_constraints,
     read_energy,
-    read_polynomial,
     read_surface,
     surface_record,
 )
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf, check
+from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
 from pas.generatrix.blend import GeneratrixBlend
 from pas.parametric.blends import ParametricBlend

@@ -24,16 +24,9 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
 from pas.errors import ProjectFileError
 from pas.exchange.container import check_name, read, understood, write
-from pas.exchange.records import (
-    PARTITION,
-    POINT,
-    POLYNOMIAL,
-    partition_record,
-    polynomial_record,
-    read_partition,
-    read_polynomial,
-)
+from pas.exchange.records import partition_record, read_partition
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
+from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
@@ -226,7 +219,10 @@ def function_record(function: Function) -> dict[str, Any]:
 def read_function(record: dict[str, Any]) -> Function:
     """The function of `function_record`."""
     if "polynomial" in record:
-        return read_polynomial(record["polynomial"])
+        polynomial = read_polynomial(record["polynomial"])
+        if polynomial.degree < 1:
+            raise ValueError(f"a function of a solid must not be constant, and one is {polynomial}")
+        return polynomial
     if "moved" in record:
         a, b, c = (vector(row, "a row of the matrix") for row in record["matrix"])
         place = Affine((a, b, c), vector(record["shift"], "shift"))

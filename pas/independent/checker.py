@@ -27,8 +27,9 @@ from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
+from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
-from pas.exchange.container import read
+from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Part, Point, on_simplex, positive
 
@@ -70,11 +71,9 @@ def check_independently(path: str | Path, *, edited: bool = False) -> list[Findi
     """
     content, name = read(path, edited=edited), Path(path).name
     if content.get("kind", "blend") != "blend":
-        raise ProjectFileError(f"{name}: the independent checker reads blends, and this holds a {content['kind']}")
-    try:
-        surface = Surface(content["surface"])
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise ProjectFileError(f"{name}: the surface cannot be understood ({type(error).__name__}: {error})") from None
+        raise ProjectFileError(f"{name}: the independent checker reads blends, and this holds {shown(content['kind'])}")
+    with understood(name):
+        surface = Surface(content.get("surface"))
     region = _region(surface)
     contacts = [_contact(surface, number) for number in range(len(surface.contacts))]
     faces = [_smooth(surface, pair, shared) for pair, shared in sorted(surface.inner().items())]

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable
 from itertools import combinations, product
-from operator import index
 from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.inputs import check_order, check_surface_degree, shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
+from pas.exchange.schema import check
+from pas.exchange.shapes import SURFACE, read_polynomial
 from pas.independent.signs import RING, Point, on_simplex
-
-HIGHEST_ORDER = 60
-"""Orders above are surely slips, and could exhaust memory before anything is said."""
 
 Face = tuple[tuple[int, ...], int]
 """Three point numbers, and the cell from which the face is looked at."""
+
+NEEDED = {"tetrahedra": ("vertices", "cells", "pieces"), "six tetrahedra": ("legs",)}
+"""What partitions of a kind have besides a centre."""
 
 CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))
 """Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs."""
@@ -27,21 +29,21 @@ CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (
 class Surface:
     """What a project file says of a surface.  All polynomials are homogeneous, the patches of one degree.
 
-    Raises `KeyError`, `TypeError` or `ValueError` for a record that makes no sense.
+    Raises `TypeError` or `ValueError` for a record that makes no sense.
     """
 
-    def __init__(self, record: dict[str, Any]) -> None:
-        self.order = record["order"]
-        if type(self.order) is not int or not 0 <= self.order <= HIGHEST_ORDER:
-            raise ValueError(f"the order must be a whole number from 0 to {HIGHEST_ORDER}, not {self.order!r}")
-        given = [(Polynomial(str(c["surface"])), Polynomial(str(c["clip"]))) for c in record["contacts"]]
+    def __init__(self, record: Any) -> None:
+        check(record, SURFACE, "content.surface")
+        self.order = check_order(record["order"])
+        given = [(read_polynomial(c["surface"]), read_polynomial(c["clip"])) for c in record["contacts"]]
         if any(f.degree < 1 or h.degree < 1 or not f.raw.gcd(h.raw).is_constant() for f, h in given):
             raise ValueError("a clip must cut its surface in a curve")
         self.contacts = [(_homogeneous(f, f.degree), _homogeneous(h, h.degree)) for f, h in given]
-        patches = [Polynomial({(i, j, k): c for i, j, k, c in terms}) for terms in record["patches"]]
-        self.patches = [_homogeneous(p, max(p.degree for p in patches)) for p in patches]
+        patches = [read_polynomial(terms) for terms in record["patches"]]
+        degree = check_surface_degree(max((p.degree for p in patches), default=0))
+        self.patches = [_homogeneous(p, degree) for p in patches]
         self.points, cells, pieces, self.centre = _partition(record["partition"])
-        self.cells = [tuple(map(index, cell)) for cell in cells]
+        self.cells = [tuple(cell) for cell in cells]
         if len(pieces) != len(self.patches) or sorted(c for p in pieces for c in p) != list(range(len(self.cells))):
             raise ValueError("each cell must have one patch")
         if any(len(set(cell)) != 4 or not set(cell) <= set(range(len(self.points))) for cell in self.cells):
@@ -107,6 +109,9 @@ def _point(record: Any) -> Point:
 def _partition(record: dict[str, Any]) -> tuple[list[Point], list[Any], list[Any], Point | None]:
     """Points, cells (four point numbers each), the cells of each patch, and the centre."""
     kind, centre = record["kind"], None if record["center"] is None else _point(record["center"])
+    for key in NEEDED.get(kind, ()):
+        if key not in record:
+            raise ValueError(f"a partition of the kind {kind!r} needs {key!r}")
     if kind == "tetrahedra":
         return [_point(p) for p in record["vertices"]], record["cells"], record["pieces"], centre
     if kind == "six tetrahedra" and centre is not None:
@@ -115,6 +120,8 @@ def _partition(record: dict[str, Any]) -> tuple[list[Point], list[Any], list[Any
             (*(centre[i] + u * a[i] + v * b[i] + w * c[i] for i in range(3)), fmpq(1)) for u, v, w in CORNERS_OF_SIX
         ]
         return points, [(0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6)], [(i,) for i in range(6)], centre
+    if kind == "single cell" and ("lower" in record) != ("upper" in record):
+        raise ValueError("a box needs both lower and upper")
     if kind == "single cell" and "lower" not in record:
         return [], [], [()], centre
     if kind == "single cell" and centre is not None:
@@ -122,4 +129,4 @@ def _partition(record: dict[str, Any]) -> tuple[list[Point], list[Any], list[Any
         points = [*((*corner, fmpq(1)) for corner in product(*ends)), centre]
         sides = [[v for v in range(8) if (v >> axis) % 2 == end] for axis in range(3) for end in (0, 1)]
         return points, [(8, *side[i : i + 3]) for side in sides for i in (0, 1)], [tuple(range(12))], centre
-    raise ValueError(f"there is no partition {kind!r} with centre {record['center']!r}")
+    raise ValueError(f"there is no partition {shown(kind)} with centre {shown(record['center'])}")

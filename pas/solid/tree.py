@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.inputs import check_coefficients
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 
@@ -46,12 +47,16 @@ class Atom:
     """`{f <= 0}`, or `{f >= 0}` where `outside`.
 
     `face` names the part of the boundary that lies on f = 0; a wall (name "") only bounds a region
-    and is no face of its own.
+    and is no face of its own.  Raises `ValueError` for a polynomial whose coefficients doubles cannot hold.
     """
 
     function: Function
     face: str
     outside: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.function, Polynomial):
+            check_coefficients(self.function.raw, f"the face {self.face!r}" if self.face else "a wall")
 
 
 @dataclass(frozen=True)

@@ -199,7 +199,7 @@ def _near(old: Any, rng: random.Random) -> Any:
     if isinstance(old, bool):
         return not old
     if isinstance(old, int):
-        return rng.choice((old + 1, old - 1, -old, old * 2, old * 10**6, float(old), str(old), bool(old), old + 0.5))
+        return rng.choice((old + 1, old - 1, -old, old * 2, old * 10**6, str(old), bool(old), 0.5))
     if isinstance(old, float):
         return rng.choice(
             (-old, old * 2, old * 1e-12, old * 1e12, old + 1, str(old), int(old) if math.isfinite(old) else 0)
