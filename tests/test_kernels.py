@@ -1,0 +1,68 @@
+"""The same answers on every machine: the corner files under other kernels of the linear algebra library.
+
+Kernels differ in the last digits of every product.  Degrees, dimensions and verdicts must be the same, and the
+surfaces within 1e-6 of their size: a hundredth of what is promised.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+KERNELS = ("Haswell", "Zen", "SkylakeX", "Prescott")
+THREADS = {"Haswell": "1", "Zen": "2", "SkylakeX": "1", "Prescott": "2"}
+CLOSE = 1e-6
+
+SCRIPT = """
+import json, runpy, sys
+from pathlib import Path
+solve = runpy.run_path(sys.argv[1] + "/corners.py")["solve"]
+found = {}
+for file in sorted(Path(sys.argv[1]).glob("*.toml")):
+    blend = solve(file)
+    surface = blend.surface
+    found[file.stem] = {
+        "same": [surface.degree, blend.dimension, [v.status.value for v in blend.certificate.verdicts]],
+        "size": [c for p in surface.patches for c in p.dense(surface.degree).tolist()],
+        "energy": blend.energy,
+    }
+print(json.dumps(found))
+"""
+
+
+def answers(kernel: str) -> dict[str, Any] | None:
+    """What the corner files come to under a kernel; None where this processor cannot run it."""
+    threads = {name: THREADS[kernel] for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(ROOT / "examples/corners")],
+        env=os.environ | threads | {"OPENBLAS_CORETYPE": kernel, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode == -signal.SIGILL:
+        return None
+    assert done.returncode == 0, done.stderr[-2000:]
+    return dict(json.loads(done.stdout))
+
+
+def test_the_corner_files_come_to_the_same_under_four_kernels():
+    found = {kernel: result for kernel in KERNELS if (result := answers(kernel)) is not None}
+    if len(found) < 2:
+        pytest.skip("this processor runs one of the kernels only")
+    first, *others = found.values()
+    assert len(first) >= 10
+    for other in others:
+        for name, result in first.items():
+            assert other[name]["same"] == result["same"], name
+            assert other[name]["energy"] == pytest.approx(result["energy"], rel=CLOSE), name
+            patches, reference = np.array(other[name]["size"]), np.array(result["size"])
+            assert np.abs(patches - reference).max() <= CLOSE * np.abs(reference).max(), name
