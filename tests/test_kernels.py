@@ -40,7 +40,7 @@ print(json.dumps(found))
 
 def answers(kernel: str) -> dict[str, Any] | None:
     """What the corner files come to under a kernel; None where this processor cannot run it."""
-    threads = {name: THREADS[kernel] for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")}
+    threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), THREADS[kernel])
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, str(ROOT / "examples/corners")],
         env=os.environ | threads | {"OPENBLAS_CORETYPE": kernel, "PYTHONPATH": str(ROOT)},
