@@ -74,13 +74,24 @@ def real_roots(polynomial: fmpq_poly) -> list[RealRoot]:
     return result
 
 
+def rational_root(number: fmpq) -> RealRoot:
+    """A rational number as a root."""
+    return RealRoot(fmpz_poly([-number.p, number.q]), 0)
+
+
 def bounds(ball: arb) -> tuple[fmpq, fmpq]:
-    """The ends of a ball, exact."""
-    return exact(ball.lower()), exact(ball.upper())
+    """The ends of a ball, exact (Arb's own are rounded)."""
+    middle, radius = exact(ball), exact(ball.rad())
+    return middle - radius, middle + radius
+
+
+def hull(low: fmpq, high: fmpq) -> arb:
+    """A ball that holds all numbers between two."""
+    return arb(low).union(arb(high))
 
 
 def exact(number: arb) -> fmpq:
-    """The rational number that a ball without radius is."""
+    """The rational number in the middle of a ball."""
     mantissa, exponent = (int(part) for part in number.mid().man_exp())
     return fmpq(mantissa << exponent) if exponent >= 0 else fmpq(mantissa, 1 << -exponent)
 

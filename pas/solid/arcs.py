@@ -12,6 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from flint import fmpq
+
 from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import RealZero
 from pas.limits import checkpoint
@@ -35,13 +37,13 @@ class Border:
 class Arc:
     """A point of the curve with the `borders` of the solid there and, alike, all along its arc.
 
-    `last` says whether no others follow towards low, towards high values of the form.  `unknown` is a leaf
-    on which the borders depend, but of which it is not known whether it holds there.
+    The sweeping form has the value `plane` there.  `unknown` is a leaf on which the borders depend, but of
+    which it is not known whether it holds there.
     """
 
     point: RealZero
+    plane: fmpq
     borders: tuple[Border, ...]
-    last: tuple[bool, bool]
     unknown: Leaf | None
 
 
@@ -54,8 +56,9 @@ def arcs(sheets: Sheets, solid: Reading, nearby: Nearby, names: Sequence[str]) -
     while slabs:
         checkpoint("looking at a solid along a curve")
         slab = slabs.pop()
-        views = [Around(sheets, solid, nearby, point, slab) for point in part.points(between(*slab))]
-        found = [view.arc(names) for view in views]
+        plane = between(*slab)
+        views = [Around(sheets, solid, nearby, point, slab) for point in part.points(plane)]
+        found = [view.arc(plane, names) for view in views]
         cuts = {root for view in views for leaf in view.doubts for root in view.cuts(leaf)}
         if cuts:
             slabs += _slabs(slab[0], cuts, slab[1])
@@ -79,11 +82,11 @@ class Around:
         self.doubts: set[int] = set()
         self._signs: dict[int, int] = {}
 
-    def arc(self, names: Sequence[str]) -> Arc:
+    def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
         """What is on the boundary along the arc, if there is no doubt."""
         borders = tuple(self._borders(names)) if self.nearby.may_hold(self.point) else ()
         unknown = next((self.solid.leaves[n] for n in sorted(self.doubts)), None)
-        return Arc(self.point, borders, (self.slab[0] is None, self.slab[1] is None), unknown)
+        return Arc(self.point, plane, borders, unknown)
 
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""

@@ -11,12 +11,12 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
-from flint import arb, ctx, fmpq, fmpz_poly
+from flint import arb, ctx, fmpq
 
 from pas.algebra.curve import SpaceCurve
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.roots import FIRST_BITS, RealRoot, bounds
+from pas.algebra.roots import FIRST_BITS, RealRoot, bounds, rational_root
 from pas.algebra.zeros import RealZero, value_at
 from pas.solid.reading import Leaf
 from pas.solid.tree import Field
@@ -84,7 +84,7 @@ class Nearby:
                 merged[-1] = (merged[-1][0], max(merged[-1][1], high))
             else:
                 merged.append((low, high))
-        return [(_root(low), _root(high)) for low, high in merged]
+        return [(rational_root(low), rational_root(high)) for low, high in merged]
 
 
 def _open(field: Field, curve: SpaceCurve, centers: Floats, half: Floats) -> Floats:
@@ -105,7 +105,3 @@ def _over(polynomial: Polynomial, center: Floats, half: Floats) -> arb:
 
 def _unit(axis: int) -> tuple[int, int, int]:
     return (int(axis == 0), int(axis == 1), int(axis == 2))
-
-
-def _root(value: fmpq) -> RealRoot:
-    return RealRoot(fmpz_poly([-value.p, value.q]), 0)

@@ -16,8 +16,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+from pas.algebra.components import Components, LostError
 from pas.algebra.curve import Part, SpaceCurve, SplitError
-from pas.algebra.follow import Stop, walk
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.bernstein.signs import Status
@@ -184,30 +184,27 @@ class _Proof:
 
     def _coverage(self) -> Verdict | None:
         """They are joined somewhere, and wherever on such a component one of them ends."""
-        gaps = {i for i, s in enumerate(self._known) if s.missing(self.joint)}
+        gaps = [s for s in self._known if s.missing(self.joint)]
         if not self._joined:
             if len(self._known) < len(self.stretches):
                 return None
             both = all(any(getattr(s, name) for s in self._known) for name in ("first", "second"))
             reason = "go along different parts of the curve" if both else "do not both reach the curve"
-            return self._refuted(f"the regions of the two faces {reason}", self._known[min(gaps)] if gaps else None)
-        joined = {i for i, s in enumerate(self._known) if s.is_joined}
-        stops = [Stop(s.arc.point, s.arc.last) for s in self._known]
-        doubt: Verdict | None = None
-        while gaps:
-            start = min(gaps)
-            found = walk(self.curve, stops, start, joined)
-            if found.reached & joined:
-                stretch = self._known[start]
-                name = stretch.missing(self.joint)
-                return self._refuted(f"on a part of the curve {name} is missing: its region does not go there", stretch)
-            if not found.complete:
-                reason = (
-                    "a face is missing on a part of the curve, of which it is not known whether it belongs to the joint"
-                )
-                doubt = self._undecided(reason, found.place)
-            gaps -= found.reached
-        return doubt
+            return self._refuted(f"the regions of the two faces {reason}", gaps[0] if gaps else None)
+        if not gaps:
+            return None
+        try:
+            found = Components(self.curve).of([(s.arc.plane, s.arc.point) for s in self._known])
+        except LostError as lost:
+            reason = "a face is missing on a part of the curve; whether that belongs to the joint cannot be told"
+            return self._undecided(reason, lost.place)
+        joined = {component for component, s in zip(found, self._known, strict=True) if s.is_joined}
+        for component, stretch in zip(found, self._known, strict=True):
+            name = stretch.missing(self.joint)
+            if name is not None and component in joined:
+                reason = f"on a part of the curve {name} is missing: its region does not go there"
+                return self._refuted(reason, stretch)
+        return None
 
     def _doubts(self) -> Verdict | None:
         """Of all of the curve it is known what is there."""
