@@ -2,9 +2,9 @@
 
 Planes of the sweeping form cut the curve in points.  Between two planes without a turn in between, each
 point goes on to one point, and a second linear form keeps their order as long as no two have one value of
-it: nowhere but at finitely many places, at which another form serves.  Around a value where the curve turns
-or is singular a window is found in the plane of both forms through whose top and bottom no arc passes, and
-in which all arcs end in that one point (see Basu, Pollack and Roy 2006, section 11.6).
+it: nowhere but at finitely many places, at which another form serves.  Around each point where the curve
+turns or is singular a window is found in the plane of both forms through whose top and bottom no arc passes,
+and in which all arcs end in that one point (see Basu, Pollack and Roy 2006, section 11.6).
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from pas.algebra.curve import SpaceCurve
 from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.roots import FIRST_BITS, RealRoot, accuracies, between, bounds, exact, hull, rational_root, real_roots
-from pas.algebra.zeros import FORMS, Quotient, RealZero, linear_form, real_zeros, value_at
+from pas.algebra.zeros import FORMS, Quotient, RealZero, count_zeros, linear_form, real_zeros, value_at
 from pas.limits import checkpoint
 
 SHADOWS = 3
 """Second linear forms that are tried."""
 
-HALVINGS = 1000
+HALVINGS = 200
 """Of a window or of a distance between planes, before the question is given up."""
 
 
@@ -109,7 +109,7 @@ class Components:
     def _turn(self, low: fmpq, turn: RealRoot, high: fmpq) -> None:
         """Join the points of two planes on both sides of a value where the curve turns or is singular."""
         at = [p for p in self._turning_points if self._value(p) == turn]
-        windows = next(filter(None, (s.windows(at, turn, low, high) for s in self._shadows)), None) if at else None
+        windows = next(filter(None, (s.windows(at, turn, low, high) for s in self._shadows)), None)
         if windows is None:
             raise LostError(at[0].point if at else None)
         self._pass(low, windows.planes[0])
@@ -166,10 +166,24 @@ class Shadow:
         return Polynomial.from_raw(RING.from_dict({(k, j, 0): table[k, j] for k in size for j in size}))
 
     @cached_property
+    def _discriminant(self) -> fmpq_poly:
+        coefficients = {int(e[0]): c for e, c in self.polynomial.raw.discriminant("y").to_dict().items()}
+        return fmpq_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)])
+
+    @cached_property
     def special(self) -> list[RealRoot]:
         """Values of t at which two points, real or not, have one value of m, ascending."""
-        coefficients = {int(e[0]): c for e, c in self.polynomial.raw.discriminant("y").to_dict().items()}
-        return sorted(real_roots(fmpq_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)])))
+        return sorted(real_roots(self._discriminant))
+
+    def is_faithful(self, turn: RealRoot) -> bool:
+        """Whether no two points, real or not, of the curve over a value of t have one value of m."""
+        square = fmpq_poly(turn.polynomial * turn.polynomial)
+        if (self._discriminant % square).degree() >= 0:  # then it is one fold and nothing else
+            return True
+        value = sum((self.curve.form**k * fmpq(c) for k, c in enumerate(turn.polynomial.coeffs())), Polynomial(0))
+        image = sum((Polynomial("x") ** k * fmpq(c) for k, c in enumerate(turn.polynomial.coeffs())), Polynomial(0))
+        points = count_zeros(Ideal(*self.curve.ideal.groebner_basis(), value))
+        return points == count_zeros(Ideal(self.polynomial, image, "z"))
 
     def is_special(self, low: fmpq, high: fmpq) -> bool:
         """Whether a special value is in an interval, its ends included."""
@@ -186,25 +200,34 @@ class Shadow:
         raise AssertionError
 
     def windows(self, points: Sequence[RealZero], turn: RealRoot, low: fmpq, high: fmpq) -> Windows | None:
-        """Windows around the images of turning points of one value of t; None where another point may be there."""
-        bend = self.polynomial.diff(1).diff(1)
-        here = bend.compose(self.curve.form, self.form, Polynomial(0))
-        if any(point.sign(here) == 0 for point in points):
+        """Windows around the images of all turning points of one value of t; None where others share their images."""
+        if not self.is_faithful(turn):
             return None
+        bends = [self._bend(point) for point in points]
+        degree = self.polynomial.degree + 1  # planes come closer faster than any arc leaves its turning point
         ends = [rational_root(low), *(v for v in self.special if v != turn), rational_root(high)]
         start = between(max(v for v in ends if v < turn), turn)
         end = between(turn, min(v for v in ends if turn < v))
         width = end - start
         for halved in range(HALVINGS):
-            bits = FIRST_BITS + 8 * halved
-            inner = turn.bounds(bits)
-            planes = (max(start, inner[0] - width / 8**halved), min(end, inner[1] + width / 8**halved))
-            middles = sorted(bounds(p.value(self.form, bits)) for p in points)
+            checkpoint("telling a curve's components apart")
+            bits = FIRST_BITS + 2 * degree * halved
+            inner, beside = turn.bounds(bits), width / 2 ** (degree * halved)
+            planes = (max(start, inner[0] - beside), min(end, inner[1] + beside))
+            middles = [bounds(point.value(self.form, bits)) for point in points]
             reach = width / 2**halved
-            found = Windows(self, planes, [(a - reach, b + reach) for a, b in middles])
-            if found.are_certain(bend, bits):
+            rows = sorted(((a - reach, b + reach), i) for i, (a, b) in enumerate(middles))
+            found = Windows(self, planes, [pair for pair, _ in rows])
+            if found.are_certain([bends[i] for _, i in rows], bits):
                 return found
         return None
+
+    def _bend(self, point: RealZero) -> Polynomial:
+        """The first derivative by m, from the second on, that does not vanish at the image of a turning point."""
+        result = self.polynomial.diff(1).diff(1)
+        while point.sign(result.compose(self.curve.form, self.form, Polynomial(0))) == 0:
+            result = result.diff(1)
+        return result
 
 
 @dataclass(frozen=True)
@@ -218,18 +241,19 @@ class Windows:
     planes: tuple[fmpq, fmpq]
     heights: list[tuple[fmpq, fmpq]]
 
-    def are_certain(self, bend: Polynomial, bits: int) -> bool:
-        """Whether they are disjoint, and arcs enter them from the sides only, no more than two in any plane.
+    def are_certain(self, bends: Sequence[Polynomial], bits: int) -> bool:
+        """Whether they are disjoint, and arcs enter them from the sides only.
 
-        In the plane of the turning point these two are one, so that all arcs in the window end there.
+        Where the derivative number k by m (one of the `bends`) has no zero, no plane has more than k points of a
+        window.  In that of the turning point all k are one, so that all arcs in the window end there.
         """
         if any(below[1] >= above[0] for below, above in pairwise(self.heights)):
             return False
         with ctx.workprec(bits):
             t = hull(*self.planes)
             crossed = [value_at(self.shadow.polynomial, (t, arb(m), arb(0))) for pair in self.heights for m in pair]
-            bends = [value_at(bend, (t, hull(*pair), arb(0))) for pair in self.heights]
-        return not any(value.contains(0) for value in crossed + bends)
+            bent = [value_at(b, (t, hull(*pair), arb(0))) for b, pair in zip(bends, self.heights, strict=True)]
+        return not any(value.contains(0) for value in crossed + bent)
 
     def place(self, point: RealZero) -> int:
         """Where a point of one of the planes is: 2 k + 1 in window k, 2 k below that."""

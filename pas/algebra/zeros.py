@@ -91,6 +91,15 @@ def values_at_zeros(ideal: Ideal, linear: tuple[int, int, int]) -> list[RealRoot
     return None if quotient is None else real_roots(quotient.times(linear).charpoly())
 
 
+def count_zeros(ideal: Ideal) -> int | None:
+    """The number of distinct complex zeros of an ideal; None for infinitely many."""
+    if ideal.is_whole_ring:
+        return 0
+    quotient = Quotient.of(ideal)
+    radical = None if quotient is None else Quotient.of(_radical(ideal, quotient))
+    return None if radical is None else len(radical.standard)
+
+
 class RealZero:
     """A real point whose coordinates are polynomials in one real root."""
 
