@@ -12,22 +12,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.curve import SpaceCurve
 from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.roots import FIRST_BITS, RealRoot, accuracies, between, bounds, exact, hull, rational_root, real_roots
+from pas.algebra.roots import (
+    FIRST_BITS,
+    RealRoot,
+    accuracies,
+    between,
+    bounds,
+    exact,
+    hull,
+    rational_root,
+    real_roots,
+    simplest,
+)
 from pas.algebra.zeros import FORMS, Quotient, RealZero, count_zeros, linear_form, real_zeros, value_at
 from pas.limits import checkpoint
 
 SHADOWS = 3
 """Second linear forms that are tried."""
 
-HALVINGS = 200
-"""Of a window or of a distance between planes, before the question is given up."""
+MOST_HALVINGS = 1000
+"""Of a window, before the question is given up."""
 
 
 class LostError(Exception):
@@ -92,19 +103,21 @@ class Components:
 
     def _pass(self, low: fmpq, high: fmpq) -> None:
         """Join each point of a plane with the one that it goes on to in another, without a turn in between."""
-        pending = [(low, high, 0)]
-        while pending:
-            start, end, halved = pending.pop()
-            shadow = next((s for s in self._shadows if not s.is_special(start, end)), None)
-            if shadow is not None:
-                orders = [[(v, i) for i in shadow.order(self._in_plane(v))] for v in (start, end)]
-                for pair in zip(*orders, strict=True):
-                    self._join(*pair)
-            elif halved < HALVINGS:
-                middle = (start + end) / 2
-                pending += [(start, middle, halved + 1), (middle, end, halved + 1)]
-            else:
-                raise LostError
+        while low < high:
+            start, stop = rational_root(low), rational_root(high)
+            ahead = [[v for v in shadow.special if start <= v <= stop] for shadow in self._shadows]
+            firsts = [values[0] if values else None for values in ahead]
+            number, plane = firsts.index(None) if None in firsts else -1, high
+            if number < 0:  # go with the one that goes farthest, beyond all other values so that another serves next
+                end = max(v for v in firsts if v is not None)
+                if all(v == end for v in firsts):
+                    raise LostError
+                number = firsts.index(end)
+                plane = between(max(v for v in (start, *chain(*ahead)) if v < end), end)
+            orders = [[(v, i) for i in self._shadows[number].order(self._in_plane(v))] for v in (low, plane)]
+            for pair in zip(*orders, strict=True):
+                self._join(*pair)
+            low = plane
 
     def _turn(self, low: fmpq, turn: RealRoot, high: fmpq) -> None:
         """Join the points of two planes on both sides of a value where the curve turns or is singular."""
@@ -185,11 +198,6 @@ class Shadow:
         points = count_zeros(Ideal(*self.curve.ideal.groebner_basis(), value))
         return points == count_zeros(Ideal(self.polynomial, image, "z"))
 
-    def is_special(self, low: fmpq, high: fmpq) -> bool:
-        """Whether a special value is in an interval, its ends included."""
-        start, end = rational_root(low), rational_root(high)
-        return any(start <= value <= end for value in self.special)
-
     def order(self, points: Sequence[RealZero]) -> list[int]:
         """The numbers of points, no two with one value of m, by ascending values."""
         for bits in accuracies():
@@ -203,31 +211,49 @@ class Shadow:
         """Windows around the images of all turning points of one value of t; None where others share their images."""
         if not self.is_faithful(turn):
             return None
-        bends = [self._bend(point) for point in points]
-        degree = self.polynomial.degree + 1  # planes come closer faster than any arc leaves its turning point
         ends = [rational_root(low), *(v for v in self.special if v != turn), rational_root(high)]
-        start = between(max(v for v in ends if v < turn), turn)
-        end = between(turn, min(v for v in ends if turn < v))
-        width = end - start
-        for halved in range(HALVINGS):
-            checkpoint("telling a curve's components apart")
-            bits = FIRST_BITS + 2 * degree * halved
-            inner, beside = turn.bounds(bits), width / 2 ** (degree * halved)
-            planes = (max(start, inner[0] - beside), min(end, inner[1] + beside))
-            middles = [bounds(point.value(self.form, bits)) for point in points]
-            reach = width / 2**halved
-            rows = sorted(((a - reach, b + reach), i) for i, (a, b) in enumerate(middles))
-            found = Windows(self, planes, [pair for pair, _ in rows])
-            if found.are_certain([bends[i] for _, i in rows], bits):
-                return found
-        return None
+        around = (between(max(v for v in ends if v < turn), turn), between(turn, min(v for v in ends if turn < v)))
+        bends = [self._bend(point) for point in points]
+        found, tried = None, [-1, 0]
+        while found is None and tried[-1] <= MOST_HALVINGS:
+            found = self._windows(points, bends, turn, around, tried[-1])
+            tried.append(2 * tried[-1] + 2)
+        low_, high_ = tried[-3:-1]
+        while found is not None and high_ - low_ > 1 + high_ // 8:  # larger windows have shorter numbers
+            middle = (low_ + high_) // 2
+            larger = self._windows(points, bends, turn, around, middle)
+            found, low_, high_ = (found, middle, high_) if larger is None else (larger, low_, middle)
+        return found
 
-    def _bend(self, point: RealZero) -> Polynomial:
-        """The first derivative by m, from the second on, that does not vanish at the image of a turning point."""
-        result = self.polynomial.diff(1).diff(1)
+    def _windows(
+        self,
+        points: Sequence[RealZero],
+        bends: Sequence[tuple[int, Polynomial]],
+        turn: RealRoot,
+        around: tuple[fmpq, fmpq],
+        halved: int,
+    ) -> Windows | None:
+        """Windows whose sizes are halved so often, if they serve."""
+        checkpoint("telling a curve's components apart")
+        faster = 1 + max((k for k, _ in bends), default=1)  # planes come closer faster than arcs leave the point
+        bits, width = FIRST_BITS + 2 * faster * halved, around[1] - around[0]
+        (low, high), beside = turn.bounds(bits), width / 2 ** (faster * halved)
+        planes = (
+            max(around[0], simplest(low - 2 * beside, low - beside)),
+            min(around[1], simplest(high + beside, high + 2 * beside)),
+        )
+        middles = [bounds(point.value(self.form, bits)) for point in points]
+        reach = width / 2**halved
+        rows = sorted(((a - reach, b + reach), i) for i, (a, b) in enumerate(middles))
+        found = Windows(self, planes, [pair for pair, _ in rows])
+        return found if found.are_certain([bends[i][1] for _, i in rows], bits) else None
+
+    def _bend(self, point: RealZero) -> tuple[int, Polynomial]:
+        """The number of the first derivative by m, from the second on, that a turning point's image is no zero of."""
+        number, result = 2, self.polynomial.diff(1).diff(1)
         while point.sign(result.compose(self.curve.form, self.form, Polynomial(0))) == 0:
-            result = result.diff(1)
-        return result
+            number, result = number + 1, result.diff(1)
+        return number, result
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,11 @@ from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
 FORMS = ((7, -5, 3), (3, 8, -5), (-4, 3, 9), (11, 2, -7), (5, -9, -4), (2, 13, 6), (-13, 4, 11), (17, 10, -3))
 """Coefficients of linear forms in general position, tried first where one is needed."""
 
-ENOUGH = 256
+ENOUGH = 1024
 """Bits from which on a value near 0 is compared with 0 exactly."""
+
+PRINTED = 256
+"""Bits of points that are rounded to doubles, enough for most coordinates however they cancel."""
 
 
 def linear_form(coefficients: tuple[int, int, int]) -> Polynomial:
@@ -148,7 +151,7 @@ class RealZero:
     @cached_property
     def point(self) -> tuple[float, float, float]:
         """The coordinates, rounded."""
-        x, y, z = (to_float(exact(ball)) for ball in self.balls(ENOUGH))
+        x, y, z = (to_float(exact(ball)) for ball in self.balls(PRINTED))
         return x, y, z
 
     def near(self, bits: int) -> Vector:
