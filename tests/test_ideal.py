@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 
 import pytest
 import sympy
@@ -131,3 +132,11 @@ def test_large_numerators():
 def test_errors(make, words):
     with pytest.raises(ValueError, match=words):
         make()
+
+
+def test_bases_with_long_numbers_hold_all_generators():
+    """Coefficients beyond the first room: what is given must not be lost on the way."""
+    far = Polynomial({(1, 0, 0): 7, (0, 1, 0): -5, (0, 0, 1): 3, (0, 0, 0): Fraction(3**700, 10**333 + 1)})
+    ideal = Ideal("x^2 + y^2 - x - 1/10^30", "z^2 + x - 1 + 1/10^30", far)
+    assert all(g in ideal for g in ideal.generators)
+    assert len(ideal.groebner_basis()) == 3

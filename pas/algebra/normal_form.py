@@ -97,12 +97,15 @@ def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[
     Sorted by exponents of the leading monomials, so that equal ideals have equal lists.  Looks at
     the clock whenever the unreduced basis outgrows the room that it has.
     """
-    vector: Any = fmpz_mpoly_vec(list(generators), context)
+    given = list(generators)
+    vector: Any = fmpz_mpoly_vec(given, context)
     room: tuple[int, ...] = FIRST_ROOM
     complete = False
     while not complete:
         checkpoint(f"computing a Groebner basis ({len(vector)} polynomials so far)")
         vector, complete = vector.buchberger_naive(limits=room)
+        if not complete:  # what did not fit is left out, generators as well
+            vector = fmpz_mpoly_vec([*vector, *given], context)
         room = tuple(2 * size for size in room)
     basis = list(vector.autoreduction())
     return sorted(basis, key=leading_exponents, reverse=True)

@@ -17,9 +17,10 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Exponents
-from pas.algebra.normal_form import NormalForm, leading_exponents
-from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.algebra.normal_form import NormalForm
+from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector
+from pas.algebra.zeros import standard_monomials
 
 VIEWPOINTS = (
     (fmpq(3, 7), fmpq(-5, 11), fmpq(8, 13)),
@@ -34,24 +35,8 @@ def count_real_points(ideal: Ideal) -> int | None:
     """The number of distinct real zeros of an ideal, None where it has infinitely many complex ones."""
     if ideal.is_whole_ring:
         return 0
-    form = NormalForm([g.raw for g in ideal.groebner_basis()])
-    standard = _standard(form)
-    return None if standard is None else _signature(_trace_form(form, standard))
-
-
-def sign_sum(ideal: Ideal, polynomial: Polynomial) -> int:
-    """The sum of a polynomial's signs at the real zeros of an ideal with finitely many complex ones.
-
-    It is minus the number of zeros iff the polynomial is negative at each.  Raises `ValueError` for
-    infinitely many zeros.
-    """
-    if ideal.is_whole_ring:
-        return 0
-    form = NormalForm([g.raw for g in ideal.groebner_basis()])
-    standard = _standard(form)
-    if standard is None:
-        raise ValueError("the ideal has infinitely many zeros")
-    return _signature(_trace_form(form, standard, polynomial))
+    standard = standard_monomials(ideal.form)
+    return None if standard is None else _signature(_trace_form(ideal.form, standard))
 
 
 def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
@@ -82,31 +67,14 @@ def _critical(f: Polynomial, h: Polynomial, point: Vector) -> Polynomial:
     return sum((n * c for n, c in zip(_normals(f, h), offsets, strict=True)), Polynomial(0))
 
 
-def _standard(form: NormalForm) -> list[Exponents] | None:
-    """The standard monomials, None if there are infinitely many."""
-    leads = [leading_exponents(g) for g in form.basis]
-    powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
-    if any(p is None for p in powers):
-        return None
-    return form.standard(sum(p - 1 for p in powers if p is not None))
-
-
-def _trace_form(form: NormalForm, standard: list[Exponents], weight: Polynomial | None = None) -> fmpq_mat:
-    """The matrix of `(p, q) -> trace(multiplication by weight p q)`, by default of weight 1."""
+def _trace_form(form: NormalForm, standard: list[Exponents]) -> fmpq_mat:
+    """The matrix of `(p, q) -> trace(multiplication by p q)`."""
     highest = 2 * max(map(sum, standard))
     images = form.images(highest)
     products = {(a, b): images[_plus(a, b)] for a in standard for b in standard}
     traces = {a: sum((products[a, b].get(b, fmpq(0)) for b in standard), fmpq(0)) for a in standard}
-    if weight is not None:
-        monomials = {a: RING.from_dict({a: fmpq(1)}) for a in standard}
-        weighted = {a: form.reduce(m * weight.raw).to_dict() for a, m in monomials.items()}
-        traces = {a: sum((c * traces[_exponents(m)] for m, c in w.items()), fmpq(0)) for a, w in weighted.items()}
     table = [[sum((c * traces[m] for m, c in products[a, b].items()), fmpq(0)) for b in standard] for a in standard]
     return fmpq_mat(table)
-
-
-def _exponents(monomial: tuple[int, ...]) -> Exponents:
-    return tuple(int(e) for e in monomial)
 
 
 def _signature(matrix: fmpq_mat) -> int:

@@ -23,11 +23,12 @@ from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
-from pas.solid.joints import Joint, Side, prove, refuse_unknown
+from pas.solid.joints import Joint, refuse_unknown
 from pas.solid.mesh import SolidMesh, curved_measures
-from pas.solid.pieces import Pieces, polynomials_of
+from pas.solid.pieces import polynomials_of
+from pas.solid.proofs import prove
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Node, Tree, atoms, combined, complement, mapped
+from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, mapped
 from pas.surface.certificate import Verdict
 
 DEFAULT_TOLERANCE = 1e-3
@@ -161,9 +162,7 @@ class Solid:
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The exact verdict on each claimed joint, in the order of the claims."""
-        return tuple(
-            prove(j, self._sides(j.first), self._sides(j.second), self.box, self.contains) for j in self.joints
-        )
+        return tuple(prove(j, self.tree, lambda: self.box) for j in self.joints)
 
     @property
     def proved(self) -> bool:
@@ -176,15 +175,6 @@ class Solid:
             if not verdict.proved:
                 raise GeometryError(f"joint not there: {verdict}")
         return self
-
-    def _sides(self, face: str) -> tuple[Side, ...]:
-        found: dict[Polynomial, list[tuple[Polynomial, ...]]] = {}
-        for atom, region in _with_regions(self.tree):
-            function = atom.function
-            cells = function.cells if isinstance(function, Pieces) else ((p, ()) for p in polynomials_of(function))
-            for polynomial, walls in cells if atom.face == face else ():
-                found.setdefault(-polynomial if atom.outside else polynomial, []).append((*walls, *region))
-        return tuple(Side(p, tuple(regions)) for p, regions in found.items())
 
     @cached_property
     def box(self) -> Floats:
@@ -325,21 +315,6 @@ def _inequality(expression: Any, name: str) -> Polynomial:
 
 def _same_zeros(a: Polynomial, b: Polynomial) -> bool:
     return a.primitive() == b.primitive()
-
-
-def _with_regions(tree: Tree) -> list[tuple[Atom, tuple[Polynomial, ...]]]:
-    """Each atom with the walls (as `r >= 0`) of the intersection that it is part of."""
-    if isinstance(tree, Atom):
-        return [(tree, ())]
-    result = []
-    for part in tree.parts:
-        if isinstance(part, Node):
-            result += _with_regions(part)
-            continue
-        others = () if tree.union else (p for p in tree.parts if p is not part and isinstance(p, Atom) and not p.face)
-        region = tuple((o.function if o.outside else -o.function) for o in others if isinstance(o.function, Polynomial))
-        result.append((part, region))
-    return result
 
 
 def _points(points: Any) -> Floats:

@@ -10,8 +10,9 @@ upwards: no second sheet, no bubble, no singular point.
 
 Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with
 `alpha > 0` on all of the clip faces (alpha times all f_i of the contacts that share a face), so the
-surface leaves the region through its contact curves alone.  Together the two say that the surface is a graph over the sphere of directions less one
-disc a contact: for c contacts its Euler characteristic is 2 - c.
+surface leaves the region through its contact curves alone.  Together the two say that the surface is
+a graph over the sphere of directions less one disc a contact: for c contacts its Euler
+characteristic is 2 - c.
 
 A contact whose clip passes through the region, as a curved one, leaves the surface in use on one
 side of the clip only.  One sheet is then still proved of all of the zero set in the region, and

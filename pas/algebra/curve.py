@@ -1,0 +1,188 @@
+"""Space curves V(g, h) in pieces: what vanishes on them, where, and one exact point on each arc.
+
+A linear form whose planes cut the curve in finitely many points, everywhere and at infinity, sweeps
+over it.  Between the values at which the curve is singular or touches the plane, it consists of arcs
+along which the form rises, one through each point of any plane in between (Cucker, Pedersen, Roy and
+Szpirglas; see Basu, Pollack and Roy 2006, chapter 11).  More values may cut the arcs: those at which
+some polynomial changes its sign.
+
+Guaranteed: every arc has its point, and all numbers are exact.  A curve that is not cut out
+transversally says so (`Part.turns` is None).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import count
+
+from flint import fmpq
+
+from pas.algebra.ideal import Ideal
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.roots import RealRoot
+from pas.algebra.zeros import (
+    FORMS,
+    Quotient,
+    RealZero,
+    linear_form,
+    linear_forms,
+    real_zeros,
+    standard_monomials,
+    values_at_zeros,
+)
+from pas.limits import checkpoint
+
+PLANES = (fmpq(1, 3), fmpq(-2, 5), fmpq(7, 4))
+"""Values of the linear form where a curve is asked for being irreducible."""
+
+
+class SplitError(Exception):
+    """A polynomial vanishes on some components of a curve and not on others: `Part.split` by it."""
+
+    def __init__(self, polynomial: Polynomial) -> None:
+        super().__init__(str(polynomial))
+        self.polynomial = polynomial
+
+
+class SpaceCurve:
+    """The curve V(g, h) of two polynomials without a common factor, with a linear form to sweep over it."""
+
+    def __init__(self, g: Polynomial, h: Polynomial) -> None:
+        self.pair = (g, h)
+        self.ideal = Ideal(g, h)
+        self.linear = next(filter(self._sweeps, linear_forms()))
+
+    @cached_property
+    def form(self) -> Polynomial:
+        """The linear form."""
+        return linear_form(self.linear)
+
+    @cached_property
+    def turn(self) -> Polynomial:
+        """`det(grad g, grad h, grad form)`: zero where the curve is singular or touches a plane of the form."""
+        normal = cross(gradient(self.pair[0]), gradient(self.pair[1]))
+        return along(normal, self.form)
+
+    @cached_property
+    def whole(self) -> Part:
+        """All of it."""
+        return Part(self, self.ideal)
+
+    def _sweeps(self, linear: tuple[int, int, int]) -> bool:
+        """Whether the curve has no point at infinity, not even a complex one, where a form is 0.
+
+        No component lies in a plane of the form then, and none goes to infinity between two of them.
+        """
+        if self.ideal.is_whole_ring:
+            return True
+        tops = [_top(p) for p in self.ideal.groebner_basis()]
+        return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
+
+
+class Part:
+    """Some components of a space curve, given by an ideal.
+
+    Where they are `reduced`, the ideal holds all polynomials that vanish on them.
+    """
+
+    def __init__(self, curve: SpaceCurve, ideal: Ideal, reduced: bool = True) -> None:
+        self.curve, self.ideal, self.reduced = curve, ideal, reduced
+        self._crossings: dict[tuple[Polynomial, ...], list[RealRoot]] = {}
+
+    def contains(self, polynomial: Polynomial) -> bool:
+        """Whether a polynomial vanishes on all of it; raises `SplitError` where it does so on some components only."""
+        if self.ideal.contains(polynomial):
+            return True
+        if not self._irreducible:
+            self.crossings(polynomial)
+        return False
+
+    def crossings(self, *polynomials: Polynomial) -> list[RealRoot]:
+        """Values of the form among which are those where all of the polynomials vanish on the curve.
+
+        One of them at least must not vanish on all of it.  Raises `SplitError` for components on which all vanish.
+        """
+        key = tuple(p.primitive() for p in polynomials)
+        if key not in self._crossings:
+            checkpoint("cutting a curve into arcs")
+            rests = [self.ideal.normal_form(p) for p in key]
+            found = values_at_zeros(Ideal(*self.ideal.groebner_basis(), *rests), self.curve.linear)
+            if found is None:
+                raise SplitError(next(p for p in key if not self.ideal.contains(p)))
+            self._crossings[key] = found
+        return self._crossings[key]
+
+    @cached_property
+    def turns(self) -> list[RealRoot] | None:
+        """Values of the form where the curve is singular or touches its plane; None for a curve that is not reduced."""
+        reduced = self.reduced and not self.contains(self.curve.turn)
+        return self.crossings(self.curve.turn) if reduced else None
+
+    def points(self, value: fmpq) -> list[RealZero]:
+        """All real points of the curve in the plane `form = value`, no value of `turns`."""
+        plane = self.curve.form - Polynomial(value)
+        found = real_zeros(Ideal(*self.ideal.groebner_basis(), plane))
+        assert found is not None
+        return found
+
+    def singular_points(self, polynomial: Polynomial) -> list[RealZero]:
+        """The real points of the curve where a polynomial that vanishes on it has no gradient, finitely many."""
+        found = real_zeros(Ideal(*self.ideal.groebner_basis(), *gradient(polynomial)))
+        assert found is not None
+        return found
+
+    def split(self, polynomial: Polynomial) -> list[Part]:
+        """The components on which a polynomial vanishes, and the others."""
+        off = self.ideal.saturated(polynomial)
+        if off.is_whole_ring:  # it vanishes everywhere and yet is no member
+            return [Part(self.curve, self.ideal, reduced=False)]
+        basis = off.groebner_basis()
+        for n in count():  # vanishes on the others, and on none of the components
+            weights = (n**i for i in range(len(basis)))
+            separator = sum((p * w for p, w in zip(basis, weights, strict=True)), Polynomial(0))
+            both = Ideal(*self.ideal.groebner_basis(), polynomial, separator)
+            if both.is_whole_ring or standard_monomials(both.form) is not None:
+                return [Part(self.curve, self.ideal.saturated(separator)), Part(self.curve, off)]
+        raise AssertionError
+
+    @cached_property
+    def _irreducible(self) -> bool:
+        """Whether the curve is certainly irreducible over the rationals, since its points in some plane are."""
+        for value in PLANES:
+            quotient = Quotient.of(Ideal(*self.ideal.groebner_basis(), self.curve.form - Polynomial(value)))
+            if quotient is not None and quotient.standard:
+                other = next(f for f in FORMS if f != self.curve.linear)
+                factors = quotient.times(other).charpoly().numer().factor()[1]
+                if [multiplicity for _, multiplicity in factors] == [1]:
+                    return True
+        return False
+
+
+Vector = tuple[Polynomial, Polynomial, Polynomial]
+
+
+def gradient(polynomial: Polynomial) -> Vector:
+    """The three partial derivatives."""
+    return polynomial.diff(0), polynomial.diff(1), polynomial.diff(2)
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """The vector product of two vector fields."""
+    x, y, z = (a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3))
+    return x, y, z
+
+
+def dot(a: Vector, b: Vector) -> Polynomial:
+    """The scalar product of two vector fields."""
+    return sum((c * d for c, d in zip(a, b, strict=True)), Polynomial(0))
+
+
+def along(field: Vector, polynomial: Polynomial) -> Polynomial:
+    """The derivative of a polynomial along a vector field."""
+    return dot(field, gradient(polynomial))
+
+
+def _top(polynomial: Polynomial) -> Polynomial:
+    """The terms of the highest degree."""
+    degree = polynomial.degree
+    return Polynomial({e: c for e, c in polynomial.coefficients().items() if sum(e) == degree})

@@ -1,0 +1,145 @@
+"""Real algebraic numbers: real roots of polynomials over the rationals, to any accuracy, compared exactly.
+
+A root is that of an irreducible polynomial, so that two roots are equal iff polynomial and place in
+its row of roots are.  Balls that certainly hold them come from Arb (Johansson 2017).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache, total_ordering
+from typing import Any
+
+from flint import arb, arb_poly, ctx, fmpq, fmpq_poly, fmpz_poly
+
+FIRST_BITS = 64
+"""Of balls, before more are asked for."""
+
+
+STEPS = 3
+"""Of Newton's method, each of which about doubles the number of right digits."""
+
+
+def accuracies(first: int = FIRST_BITS) -> Iterator[int]:
+    """Numbers of bits to be tried one after the other: 64, 128, 256, ..."""
+    bits = first
+    while True:
+        yield bits
+        bits *= 2
+
+
+@total_ordering
+class RealRoot:
+    """The root number `index` (from 0, ascending) of an irreducible polynomial with integer coefficients."""
+
+    def __init__(self, polynomial: fmpz_poly, index: int) -> None:
+        self.polynomial, self.index = polynomial, index
+        self._key = tuple(map(int, polynomial.coeffs()))
+
+    def ball(self, bits: int = FIRST_BITS) -> arb:
+        """A ball of that relative accuracy that holds the root."""
+        return _ball(self._key, self.index, bits)
+
+    def bounds(self, bits: int = FIRST_BITS) -> tuple[fmpq, fmpq]:
+        """Two rational numbers between which the root lies."""
+        return bounds(self.ball(bits))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RealRoot) and self._key == other._key and self.index == other.index
+
+    def __hash__(self) -> int:
+        return hash((self._key, self.index))
+
+    def __lt__(self, other: RealRoot) -> bool:
+        if self._key == other._key:
+            return self.index < other.index
+        for bits in accuracies():
+            if not self.ball(bits).overlaps(other.ball(bits)):
+                return bool(self.ball(bits) < other.ball(bits))
+        raise AssertionError
+
+
+@lru_cache(maxsize=1 << 14)
+def _ball(key: tuple[int, ...], index: int, bits: int) -> arb:
+    if bits <= FIRST_BITS or len(key) == 2:
+        return _balls(key, bits)[index]
+    return _refined(fmpz_poly(list(key)), _ball(key, index, bits // 2), bits) or _balls(key, bits)[index]
+
+
+def _refined(polynomial: fmpz_poly, ball: arb, bits: int) -> arb | None:
+    """A smaller ball around the only root in one, by Newton's method; None where it does not converge."""
+    slope, size = polynomial.derivative(), polynomial.height_bits()
+    for _ in range(STEPS):
+        with ctx.workprec(2 * bits + 2 * size):
+            middle, rise = ball.mid(), arb_poly(slope)(ball)
+            if rise.contains(0):
+                return None
+            ball = (middle - arb_poly(polynomial)(middle) / rise).intersection(ball)
+            if ball.rel_accuracy_bits() >= bits:
+                return ball
+    return None
+
+
+@lru_cache(maxsize=1 << 12)
+def _balls(key: tuple[int, ...], bits: int) -> tuple[arb, ...]:
+    """The real roots of an irreducible polynomial, ascending."""
+    with ctx.workprec(bits):
+        if len(key) == 2:
+            return (arb(fmpq(-key[0], key[1])),)
+        pairs: Any = fmpz_poly(list(key)).complex_roots()
+        return tuple(sorted((root.real for root, _ in pairs if root.imag.is_zero()), key=exact))
+
+
+def real_roots(polynomial: fmpq_poly) -> list[RealRoot]:
+    """The distinct real roots of a polynomial that is not zero, in no order."""
+    result = []
+    for factor, _ in polynomial.numer().factor()[1]:
+        number = len(_balls(tuple(map(int, factor.coeffs())), FIRST_BITS))
+        result += [RealRoot(factor, index) for index in range(number)]
+    return result
+
+
+def rational_root(number: fmpq) -> RealRoot:
+    """A rational number as a root."""
+    return RealRoot(fmpz_poly([-number.p, number.q]), 0)
+
+
+def bounds(ball: arb) -> tuple[fmpq, fmpq]:
+    """The ends of a ball, exact (Arb's own are rounded)."""
+    middle, radius = exact(ball), exact(ball.rad())
+    return middle - radius, middle + radius
+
+
+def hull(low: fmpq, high: fmpq) -> arb:
+    """A ball that holds all numbers between two."""
+    return arb(low).union(arb(high))
+
+
+def exact(number: arb) -> fmpq:
+    """The rational number in the middle of a ball."""
+    mantissa, exponent = (int(part) for part in number.mid().man_exp())
+    return fmpq(mantissa << exponent) if exponent >= 0 else fmpq(mantissa, 1 << -exponent)
+
+
+def between(left: RealRoot | None, right: RealRoot | None) -> fmpq:
+    """A short rational number strictly between two different roots; None stands for an end of the line."""
+    if left is None:
+        return fmpq(0) if right is None else fmpq(right.bounds()[0].floor()) - 1
+    if right is None:
+        return fmpq(left.bounds()[1].ceil()) + 1
+    for bits in accuracies():
+        low, high = left.bounds(bits)[1], right.bounds(bits)[0]
+        if low < high:
+            return simplest(low, high)
+    raise AssertionError
+
+
+def simplest(low: fmpq, high: fmpq) -> fmpq:
+    """The rational number with the least denominator strictly between two (Stern 1858, Brocot 1861)."""
+    whole = fmpq(low.floor())
+    if whole + 1 < high:
+        return whole + 1
+    rest = high - whole  # at most 1; low - whole is at least 0
+    if low == whole:
+        return whole + 1 / (fmpq((1 / rest).floor()) + 1)
+    return whole + 1 / simplest(1 / rest, 1 / (low - whole))

@@ -1,0 +1,229 @@
+"""The real zeros of ideals that have finitely many: points with algebraic coordinates, exact.
+
+The quotient by the ideal is an algebra of finite dimension.  Multiplication by a linear form whose
+powers are a basis of it writes the coordinates of all zeros as polynomials in the roots of one
+polynomial (Rouillier 1999; the shape lemma).  Signs of polynomials at such a point come from balls of
+growing accuracy, and a value that stays near 0 is compared with 0 exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import count
+
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
+
+from pas.algebra.ideal import Ideal
+from pas.algebra.monomials import Exponents
+from pas.algebra.normal_form import NormalForm, leading_exponents
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, to_float
+from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
+
+FORMS = ((7, -5, 3), (3, 8, -5), (-4, 3, 9), (11, 2, -7), (5, -9, -4), (2, 13, 6), (-13, 4, 11), (17, 10, -3))
+"""Coefficients of linear forms in general position, tried first where one is needed."""
+
+ENOUGH = 1024
+"""Bits from which on a value near 0 is compared with 0 exactly."""
+
+PRINTED = 256
+"""Bits of points that are rounded to doubles, enough for most coordinates however they cancel."""
+
+
+def linear_form(coefficients: tuple[int, int, int]) -> Polynomial:
+    """The polynomial `a x + b y + c z`."""
+    return Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, coefficients, strict=True)), GENERATORS[0] * 0))
+
+
+def linear_forms() -> Iterator[tuple[int, int, int]]:
+    """Coefficients of linear forms, of which no plane through the origin holds more than finitely many."""
+    yield from FORMS
+    for n in count(18):
+        yield 1, n, n * n
+
+
+class Quotient:
+    """Polynomials modulo an ideal with finitely many complex zeros, in the basis of standard monomials."""
+
+    def __init__(self, form: NormalForm, standard: list[Exponents]) -> None:
+        self.form, self.standard = form, standard
+        self._place = {e: i for i, e in enumerate(standard)}
+
+    @classmethod
+    def of(cls, ideal: Ideal) -> Quotient | None:
+        """That of an ideal; None where it has infinitely many zeros."""
+        standard = standard_monomials(ideal.form)
+        return None if standard is None else cls(ideal.form, standard)
+
+    def column(self, polynomial: Polynomial) -> fmpq_mat:
+        """The coordinates of a polynomial's class, as a matrix with one column."""
+        result = fmpq_mat(len(self.standard), 1)
+        for e, c in self.form.reduce(polynomial.raw).to_dict().items():
+            result[self._place[tuple(map(int, e))], 0] = c
+        return result
+
+    def times(self, linear: tuple[int, int, int]) -> fmpq_mat:
+        """The matrix of multiplication by a linear form."""
+        size = len(self.standard)
+        images = self.form.images(max(map(sum, self.standard)) + 1)
+        result = fmpq_mat(size, size)
+        for column, e in enumerate(self.standard):
+            for axis, factor in enumerate(linear):
+                product = tuple(d + (axis == i) for i, d in enumerate(e))
+                for monomial, c in images[product].items() if factor else ():
+                    row = self._place[monomial]
+                    result[row, column] = result[row, column] + factor * c
+        return result
+
+
+def standard_monomials(form: NormalForm) -> list[Exponents] | None:
+    """The monomials that no leading one divides; None where there are infinitely many."""
+    leads = [leading_exponents(g) for g in form.basis]
+    powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
+    if any(p is None for p in powers):
+        return None
+    return form.standard(sum(p - 1 for p in powers if p is not None))
+
+
+def values_at_zeros(ideal: Ideal, linear: tuple[int, int, int]) -> list[RealRoot] | None:
+    """Real numbers among which are the values of a linear form at all real zeros; None for infinitely many zeros."""
+    if ideal.is_whole_ring:
+        return []
+    quotient = Quotient.of(ideal)
+    return None if quotient is None else real_roots(quotient.times(linear).charpoly())
+
+
+def count_zeros(ideal: Ideal) -> int | None:
+    """The number of distinct complex zeros of an ideal; None for infinitely many."""
+    if ideal.is_whole_ring:
+        return 0
+    quotient = Quotient.of(ideal)
+    radical = None if quotient is None else Quotient.of(_radical(ideal, quotient))
+    return None if radical is None else len(radical.standard)
+
+
+class RealZero:
+    """A real point whose coordinates are polynomials in one real root."""
+
+    def __init__(self, root: RealRoot, coordinates: tuple[fmpq_poly, fmpq_poly, fmpq_poly]) -> None:
+        self.root = root
+        modulus = fmpq_poly(root.polynomial)
+        self._coordinates = tuple(c % modulus for c in coordinates)
+        self._modulus = modulus
+        self._balls: dict[int, tuple[arb, ...]] = {}
+
+    def balls(self, bits: int) -> tuple[arb, ...]:
+        """Three balls that hold the coordinates, of about that accuracy."""
+        if bits not in self._balls:
+            with ctx.workprec(bits):
+                at = self.root.ball(bits)
+                self._balls[bits] = tuple(arb_poly(c)(at) for c in self._coordinates)
+        return self._balls[bits]
+
+    def value(self, polynomial: Polynomial, bits: int) -> arb:
+        """A ball that holds a polynomial's value."""
+        with ctx.workprec(bits):
+            return value_at(polynomial, self.balls(bits))
+
+    def sign(self, polynomial: Polynomial) -> int:
+        """The sign of a polynomial, exact."""
+        for bits in accuracies():
+            value = self.value(polynomial, bits)
+            if not value.contains(0):
+                return 1 if value > 0 else -1
+            if bits == ENOUGH and self._vanishes(polynomial):
+                return 0
+        raise AssertionError
+
+    def _vanishes(self, polynomial: Polynomial) -> bool:
+        powers: list[list[fmpq_poly]] = [[fmpq_poly([1])] for _ in range(3)]
+        result = fmpq_poly([0])
+        for e, c in polynomial.raw.to_dict().items():
+            term = fmpq_poly([c])
+            for axis, power in enumerate(map(int, e)):
+                while len(powers[axis]) <= power:
+                    powers[axis].append(powers[axis][-1] * self._coordinates[axis] % self._modulus)
+                term = term * powers[axis][power] % self._modulus
+            result += term
+        return bool((result % self._modulus).degree() < 0)
+
+    @cached_property
+    def point(self) -> tuple[float, float, float]:
+        """The coordinates, rounded."""
+        x, y, z = (to_float(exact(ball)) for ball in self.balls(PRINTED))
+        return x, y, z
+
+    def near(self, bits: int) -> Vector:
+        """A rational point close by."""
+        x, y, z = (exact(ball) for ball in self.balls(bits))
+        return x, y, z
+
+
+def value_at(polynomial: Polynomial, balls: tuple[arb, ...]) -> arb:
+    """A ball that holds the value of a polynomial at a point in three balls."""
+    powers: list[list[arb]] = [[arb(1), ball] for ball in balls]
+    result = arb(0)
+    for e, c in polynomial.raw.to_dict().items():
+        term = arb(c)
+        for axis, power in enumerate(map(int, e)):
+            row = powers[axis]
+            while len(row) <= power:
+                row.append(row[-1] * balls[axis])
+            if power:
+                term *= row[power]
+        result += term
+    return result
+
+
+def real_zeros(ideal: Ideal) -> list[RealZero] | None:
+    """The distinct real zeros of an ideal, None where it has infinitely many complex ones."""
+    if ideal.is_whole_ring:
+        return []
+    quotient = Quotient.of(ideal)
+    if quotient is None:
+        return None
+    shape = next(filter(None, (_shape(quotient, form) for form in FORMS)), None)
+    if shape is None:  # of a radical ideal, all forms serve but those that take two zeros to one value
+        radical = Quotient.of(_radical(ideal, quotient))
+        assert radical is not None
+        shape = next(filter(None, (_shape(radical, form) for form in linear_forms())))
+    polynomial, coordinates = shape
+    return [RealZero(root, coordinates) for root in real_roots(polynomial)]
+
+
+def _shape(
+    quotient: Quotient, form: tuple[int, int, int]
+) -> tuple[fmpq_poly, tuple[fmpq_poly, fmpq_poly, fmpq_poly]] | None:
+    """The minimal polynomial of a linear form and the coordinates as polynomials in it; None where they are not."""
+    size = len(quotient.standard)
+    times = quotient.times(form)
+    power = quotient.column(Polynomial(1))
+    powers, targets = fmpq_mat(size, size), fmpq_mat(size, 3)
+    for i in range(size):
+        for row in range(size):
+            powers[row, i] = power[row, 0]
+        power = times * power
+    if powers.rank() < size:
+        return None
+    for axis, g in enumerate(GENERATORS):
+        column = quotient.column(Polynomial.from_raw(g))
+        for row in range(size):
+            targets[row, axis] = column[row, 0]
+    found = powers.solve(targets)
+    x, y, z = (fmpq_poly([found[i, axis] for i in range(size)]) for axis in range(3))
+    return times.charpoly(), (x, y, z)
+
+
+def _radical(ideal: Ideal, quotient: Quotient) -> Ideal:
+    """The ideal of all polynomials that vanish at the zeros (Seidenberg 1974)."""
+    parts = []
+    for axis, g in enumerate(GENERATORS):
+        unit = tuple(int(axis == i) for i in range(3))
+        polynomial = quotient.times(unit).minpoly()  # type: ignore[arg-type]
+        plain = polynomial / polynomial.gcd(polynomial.derivative())
+        raw = g * 0
+        for c in reversed(plain.coeffs()):
+            raw = raw * g + fmpq(c)
+        parts.append(Polynomial.from_raw(raw))
+    return Ideal(*ideal.generators, *parts)

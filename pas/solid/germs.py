@@ -1,0 +1,133 @@
+"""Surfaces through a curve: the order in which each two meet there, and on which side of one the other is.
+
+A plane across the curve shows a regular surface as a smooth line through a point, so as two rays, and
+along a ray all other surfaces have one sign.  Lines that touch are told apart by derivatives: those of q
+along `grad q0 x grad form` are derivatives along the line q0 = 0 in the plane of a linear form, and the
+first that does not vanish all along the curve gives the order of contact, and the side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+from pas.algebra.curve import Part, along, cross, dot, gradient
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.roots import RealRoot
+from pas.algebra.zeros import RealZero
+from pas.limits import checkpoint
+
+
+@dataclass(frozen=True)
+class Ray:
+    """One half of a sheet, in the plane across the curve: `side` is 1 along `grad q x grad form`, or -1."""
+
+    sheet: int
+    side: int
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How two sheets meet along a curve: the order, and the derivative of `other` along `base` that does not vanish."""
+
+    order: int
+    base: int
+    other: int
+    derivative: Polynomial
+
+
+@dataclass(frozen=True)
+class Factors:
+    """A polynomial as a product: a sign, sheets through the curve and others that do not hold it, with powers."""
+
+    sign: int
+    sheets: tuple[tuple[int, int], ...]
+    others: tuple[tuple[Polynomial, int], ...]
+
+
+class Sheets:
+    """The irreducible surfaces through a part of a curve on which some polynomials vanish.
+
+    Raises `pas.algebra.curve.SplitError` where that differs from component to component.
+    """
+
+    def __init__(self, part: Part, polynomials: list[Polynomial]) -> None:
+        self.part = part
+        self.polynomials: list[Polynomial] = []
+        self.factors: dict[int, Factors] = {}
+        for number, polynomial in enumerate(polynomials):
+            if part.contains(polynomial):
+                self.factors[number] = self._factored(polynomial)
+
+    def _factored(self, polynomial: Polynomial) -> Factors:
+        constant, found = polynomial.raw.factor()
+        sign, sheets, others = 1 if constant > 0 else -1, [], []
+        for raw, power in found:
+            factor = Polynomial.from_raw(raw)
+            if not self.part.contains(factor):
+                others.append((factor, int(power)))
+                continue
+            if factor not in self.polynomials:
+                self.polynomials.append(factor)
+            sheets.append((self.polynomials.index(factor), int(power)))
+        return Factors(sign, tuple(sheets), tuple(others))
+
+    @cached_property
+    def regular(self) -> list[bool]:
+        """Which sheets have a gradient at all but finitely many points."""
+        return [not all(self.part.contains(d) for d in gradient(q)) for q in self.polynomials]
+
+    @cached_property
+    def contacts(self) -> dict[tuple[int, int], Contact]:
+        """How each two regular sheets meet."""
+        numbers = [i for i, regular in enumerate(self.regular) if regular]
+        return {(i, j): self._contact(i, j) for i, j in combinations(numbers, 2)}
+
+    def _contact(self, i: int, j: int) -> Contact:
+        base, other = (i, j) if self.polynomials[i].degree <= self.polynomials[j].degree else (j, i)
+        ground = self.polynomials[base]
+        field = cross(gradient(ground), gradient(self.part.curve.form))
+        derivative, order = self.polynomials[other], -1
+        while self.part.contains(derivative):
+            checkpoint("comparing surfaces along a curve")
+            # the field is tangent to the ground, so multiples of that stay multiples
+            derivative = Polynomial.from_raw(divmod(along(field, derivative).raw, ground.raw)[1])
+            order += 1
+        return Contact(order, base, other, self.part.ideal.normal_form(derivative))
+
+    @cached_property
+    def cuts(self) -> list[RealRoot]:
+        """Values of the form between which nothing of the arrangement of sheets changes along an arc."""
+        cross_ = self.part.crossings
+        result = [r for f in self.factors.values() for p, _ in f.others for r in cross_(p)]
+        result += [r for c in self.contacts.values() for r in cross_(c.derivative)]
+        for q, regular in zip(self.polynomials, self.regular, strict=True):
+            result += cross_(*gradient(q)) if regular else []
+        return result
+
+    def order(self, i: int, j: int) -> int:
+        """The order of contact of two different regular sheets."""
+        return self.contacts[min(i, j), max(i, j)].order
+
+    def parallel(self, i: int, j: int, at: RealZero) -> int:
+        """Whether the gradients of two sheets that touch point the same way (1) or opposite ways (-1)."""
+        return at.sign(dot(gradient(self.polynomials[i]), gradient(self.polynomials[j])))
+
+    def signs(self, ray: Ray, at: RealZero) -> dict[int, int | None]:
+        """The signs of all other sheets' polynomials along a ray at a point; None for sheets that are not regular."""
+        return {i: self._sign(i, ray, at) for i in range(len(self.polynomials)) if i != ray.sheet}
+
+    def _sign(self, sheet: int, ray: Ray, at: RealZero) -> int | None:
+        pair = min(sheet, ray.sheet), max(sheet, ray.sheet)
+        if pair not in self.contacts:
+            return None
+        contact = self.contacts[pair]
+        sign, power = at.sign(contact.derivative), contact.order + 1
+        if contact.base == ray.sheet:
+            return int(sign * ray.side**power)
+        if contact.order == 0:
+            return -sign * ray.side
+        # near the point, sheet = ratio * (base - derivative * u^power) with u along the other's field
+        ratio = self.parallel(*pair, at)
+        return int(-ratio * sign * (ratio * ray.side) ** power)

@@ -1,0 +1,107 @@
+"""Functions that are no polynomials along a curve: where they are certainly of one sign.
+
+Distances from curves and faces (`pas.solid.tube`, `pas.solid.shell`) say of small boxes that they are
+certainly inside or outside.  Boxes that may meet the curve and of which they do not say so are halved
+until they are small; between the values that a linear form has in those left the truth is unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+
+import numpy as np
+from flint import arb, ctx, fmpq
+
+from pas.algebra.curve import SpaceCurve
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.roots import FIRST_BITS, RealRoot, bounds, rational_root
+from pas.algebra.zeros import RealZero, value_at
+from pas.solid.reading import Leaf
+from pas.solid.tree import Field
+
+LEVELS, MOST_BOXES = 7, 2000
+"""Halvings of the solid's box, and boxes left open at which they end early."""
+
+SMALL = 1e-12
+"""Half of a box about a point, over the extent."""
+
+OVERLAP = 1e-9
+"""By which boxes are larger than their share, so that rounding leaves no gap between them."""
+
+Interval = tuple[RealRoot, RealRoot]
+
+
+class Nearby:
+    """The leaves of a solid that are no polynomials, along a curve.
+
+    `box()` gives two corners (2, 3) between which the solid lies; it is asked for only where it is needed.
+    """
+
+    def __init__(self, leaves: list[Leaf], curve: SpaceCurve, box: Callable[[], Floats]) -> None:
+        self._outside = [leaf.outside for leaf in leaves]
+        self._fields = {i: leaf.function for i, leaf in enumerate(leaves) if not isinstance(leaf.function, Polynomial)}
+        self._box = box() if self._fields else np.zeros((2, 3))
+        self._unknown = {i: self._intervals(field, curve) for i, field in self._fields.items()}
+
+    def may_hold(self, point: RealZero) -> bool:
+        """False only where the solid certainly does not reach a point."""
+        p = np.array(point.point)
+        return not self._fields or bool(((p >= self._box[0]) & (p <= self._box[1])).all())
+
+    def holds(self, number: int, point: RealZero) -> bool | None:
+        """Whether a leaf holds at a point; None where that is not certain."""
+        half = np.full((1, 3), SMALL * np.ptp(self._box))
+        inside, outside = self._fields[number].decided(np.array([point.point]), half)
+        return bool(inside[0]) != self._outside[number] if inside[0] or outside[0] else None
+
+    def cuts(self, number: int) -> list[RealRoot]:
+        """The ends of the intervals in which a leaf's truth is unknown."""
+        return [end for interval in self._unknown[number] for end in interval]
+
+    def is_fixed(self, number: int, slab: tuple[RealRoot | None, RealRoot | None]) -> bool:
+        """Whether a leaf's truth is known in a slab that no end of an interval cuts."""
+        low, high = slab
+        return not any(
+            (high is None or start < high) and (low is None or low < end) for start, end in self._unknown[number]
+        )
+
+    def _intervals(self, field: Field, curve: SpaceCurve) -> list[Interval]:
+        """Disjoint intervals of the form's values in boxes where a function is not decided."""
+        centers = self._box.mean(axis=0)[None]
+        half = np.ptp(self._box, axis=0) / 2
+        for _ in range(LEVELS):
+            centers = _open(field, curve, centers, half)
+            if len(centers) > MOST_BOXES:
+                break
+            half = half / 2
+            centers = np.concatenate([centers + half * np.array(side) for side in product((-1, 1), repeat=3)])
+        values = sorted(bounds(_over(curve.form, c, half)) for c in _open(field, curve, centers, half))
+        merged: list[tuple[fmpq, fmpq]] = []
+        for low, high in values:
+            if merged and low <= merged[-1][1]:
+                merged[-1] = (merged[-1][0], max(merged[-1][1], high))
+            else:
+                merged.append((low, high))
+        return [(rational_root(low), rational_root(high)) for low, high in merged]
+
+
+def _open(field: Field, curve: SpaceCurve, centers: Floats, half: Floats) -> Floats:
+    """The boxes that may meet the curve and of which a function does not say on which side they are."""
+    reach = half * (1 + OVERLAP)
+    inside, outside = field.decided(centers, np.broadcast_to(reach, centers.shape))
+    left = centers[~(np.asarray(inside) | np.asarray(outside))]
+    meets = [all(_over(p, c, reach).contains(0) for p in curve.pair) for c in left]
+    return left[np.array(meets, dtype=bool)]
+
+
+def _over(polynomial: Polynomial, center: Floats, half: Floats) -> arb:
+    """A ball that holds all values of a polynomial in a box, by its expansion about the centre."""
+    shift = [Polynomial({(0, 0, 0): float(c), _unit(i): 1}) for i, c in enumerate(center)]
+    with ctx.workprec(FIRST_BITS):
+        return value_at(polynomial.compose(*shift), tuple(arb(0, float(h)) for h in half))
+
+
+def _unit(axis: int) -> tuple[int, int, int]:
+    return (int(axis == 0), int(axis == 1), int(axis == 2))
