@@ -19,7 +19,7 @@ BLENDS = {
     "example_2": (2, (2, 5), "proved", 2),
     "example_2_weights": (2, (2, 6), "proved", 2),
     "example_3": (1, (2, 5), "proved", 2),
-    "example_3_weights": (1, (6, 17), "undecided", 2),
+    "example_3_weights": (1, (6, 17), "holds, measured", 2),
     "input_I": (2, (4, 5), "proved", 2),
     "input_II": (8, (2, 17), "undecided", 2),
     "input_III": (5, (2, 11), "proved", 1),

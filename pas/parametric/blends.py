@@ -145,7 +145,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
 
 def _surface(data: BlendingData, values: Values, source: Any) -> ParametricSurface:
     reason = next((f"surfaces[{i}]: {s.inexact}" for i, s in enumerate(data.surfaces) if not s.is_exact), "")
-    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.domain, reason)
+    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.ends, reason)
 
 
 def _weighted_values(data: BlendingData, weights: Weights) -> Values:
