@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadric import text
-from pas.generatrix.space import unit
 
 SAMPLES = 240
 UNCLEAR = 0.03

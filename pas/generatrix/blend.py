@@ -142,10 +142,10 @@ class GeneratrixBlend:
         return certify(self)
 
     def require(self) -> GeneratrixBlend:
-        """The blend itself; raises `NotProvedError` where a claim of its certificate is refuted."""
-        refuted = self.certificate.refuted
-        if refuted:
-            raise NotProvedError("; ".join(map(str, refuted)), self)
+        """The blend itself; raises `NotProvedError` where a claim of its certificate is refuted or measured to fail."""
+        failed = self.certificate.failed
+        if failed:
+            raise NotProvedError("; ".join(map(str, failed)), self)
         return self
 
     def largest_safe(self, number: int | None = None, size: tuple[int, int] = (96, 24)) -> float:

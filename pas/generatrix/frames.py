@@ -13,10 +13,10 @@ from math import comb
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
-from pas.generatrix.space import unit
 from pas.mesh.field import Integers
 from pas.parametric.surface import ParametricSurface
 

@@ -152,19 +152,27 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
     second = [abs(form[1, 1] - form[2, 2]) / 2, abs(form[1, 2])]
     constant = abs(form[0, 0] + (form[1, 1] + form[2, 2]) / 2)
     axes = np.stack([conic.first, conic.second])
-    speed = np.sqrt(np.linalg.eigvalsh(axes @ axes.T)[0]) / ROUNDED
+    speed = _smaller_half_axis(rows[1], rows[2]) / ROUNDED
     angle, half = np.linspace(0, 2 * np.pi, STEPS, endpoint=False), np.pi / STEPS
     hessian = 2 * to_array(quadric.matrix)[:3, :3]
     slopes = np.linalg.norm(quadric.polynomial.gradient(conic(angle)), axis=1)
     turns = np.linalg.norm(conic(angle, 1) @ hessian, axis=1)
     bend = np.linalg.norm(axes @ hessian, axis=1).sum()
     slope = float((slopes - half * turns - half**2 / 2 * bend).min()) / ROUNDED
-    if not (speed > 0 and slope > 0):
+    if not (speed * slope > 0):
         return Bounds(np.inf, np.inf)
     steepest = to_float(sum(first, fmpq(0)) + 2 * sum(second, fmpq(0)))
     furthest = to_float(constant + sum(first, fmpq(0)) + sum(second, fmpq(0)))
     sine = steepest / float(speed * slope)
     return Bounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, furthest / float(slope) * ROUNDED)
+
+
+def _smaller_half_axis(first: Sequence[fmpq], second: Sequence[fmpq]) -> float:
+    """Of the ellipse a cos + b sin: the root of the smaller eigenvalue of its Gram matrix, 2 det / (tr + sqrt(...))."""
+    a, b, c = dot(first, first), dot(first, second), dot(second, second)
+    trace, determinant = to_float(a + c), to_float(a * c - b * b)
+    root = to_float((a - c) ** 2 + 4 * b * b) ** 0.5
+    return float((2 * determinant / (trace + root)) ** 0.5) if trace > 0 else 0.0
 
 
 def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:

@@ -23,6 +23,7 @@ from pas.errors import GeometryError
 from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.hermite import distinct
 from pas.parametric.rational_function import ONE, RationalFunction
+from pas.parametric.roots import real_roots
 from pas.parametric.series import taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
@@ -227,14 +228,6 @@ def _isolated(
                 text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
                 found.append(IsolatedPoint(number, axis, root, value, text, kind))
     return sorted(found, key=lambda p: p.t)
-
-
-def real_roots(polynomial: fmpq_poly) -> list[float]:
-    """The distinct real roots, in order (isolated with certainty, then rounded)."""
-    if polynomial.degree() < 1:
-        return []
-    pairs: Any = polynomial.complex_roots()
-    return sorted(float(root.real) for root, _ in pairs if root.imag == 0)
 
 
 def _samples(surface: ParametricSurface) -> list[float]:
