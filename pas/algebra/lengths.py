@@ -31,6 +31,12 @@ def scaled(vectors: Floats) -> Floats:
     return _scaled(vectors)[0]
 
 
+def exponent(numbers: Floats) -> int:
+    """The least e with all finite numbers below 2^e in absolute value; 0 where they are all zero."""
+    array = np.asarray(numbers, dtype=float)
+    return int(np.frexp(np.abs(array[np.isfinite(array)]).max(initial=0.0))[1])
+
+
 def _scaled(vectors: Floats) -> tuple[Floats, NDArray[np.intc]]:
     """The scaled vectors, and the exponents of the powers of two taken out."""
     array = np.asarray(vectors, dtype=float)

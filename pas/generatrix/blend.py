@@ -23,11 +23,12 @@ from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
 from pas.generatrix.boundary import Boundary
+from pas.generatrix.checks import closes
 from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
 from pas.generatrix.lengths import with_lengths
 from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.space import NAMES, space_curve
+from pas.generatrix.space import NAMES, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import checkpoint
 from pas.mesh.field import TriangleMesh
@@ -271,10 +272,10 @@ def _middle(shape: GeneratrixShape, first: Boundary) -> ParametricSurface | None
     if shape.middle is None:
         return None
     curve = space_curve(shape.middle, "the middle curve")
-    ends = curve(np.array([[0.0, 0.0], [1.0, 0.0]]))
-    if not np.isfinite(curve(np.stack([np.linspace(0, 1, 65), np.zeros(65)], axis=-1))).all():
+    points = value_at(curve, np.linspace(0.0, 1.0, 65))
+    if not np.isfinite(points).all():
         raise GeometryError("the middle curve is not finite on all of [0, 1]")
-    if first.closed and np.abs(ends[1] - ends[0]).max() > 1e-9 * (1 + np.abs(ends).max()):
+    if first.closed and not closes(points):
         raise GeometryError("the boundaries are closed but the middle curve is not: it must end where it starts")
     return curve
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -164,8 +164,7 @@ class Boundary:
             first, second = ([c.diff(*o).substitute(t, h) for c in curve.surface.components] for o in ((1, 0), (0, 1)))
             x, y, z = (c.substitute(t, h) for c in curve.surface.components)
             exact = ExactCurve((x, y, z), exact_cross(first, second), True)
-        ends = curve(np.array([low, high]))
-        shut = closes(ends) if closed is None else closed
+        shut = closes(curve(np.linspace(low, high, SAMPLES))) if closed is None else closed
         return cls(
             lambda s: curve(own(s)),
             velocity,
@@ -247,7 +246,7 @@ class Boundary:
 
         if self.source is not None and self.source.get("by_length"):
             return self  # it is already
-        place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
+        place, speed = by_length(lambda s: lengths(self.velocity(s)), self.closed)
         parameters = self.parameters
         return replace(
             self,
@@ -279,7 +278,7 @@ def _made(
     side: int | None,
     surface: Polynomial | None = None,
 ) -> Boundary:
-    shut = closes(value_at(path, np.array([0.0, 1.0]))) if closed is None else closed
+    shut = closes(value_at(path, np.linspace(0.0, 1.0, SAMPLES))) if closed is None else closed
     return Boundary(
         lambda s: value_at(path, s),
         lambda s: value_at(path, s, 1),

@@ -22,8 +22,8 @@ SAMPLES = 257
 STILL = 1e-9
 """A derivative or field below this share of its largest value counts as zero: roundoff of differences is 1e-10."""
 
-SIZES = (1e-50, 1e50)
-"""Least size of a curve, and greatest coordinate: products of four such numbers are within the range of doubles."""
+SIZES = (1e-280, 1e280)
+"""Least size of a curve, and greatest coordinate: near the ends of the range of doubles digits are lost."""
 
 ON_SURFACE = 1e-8
 """Distance from its surface, over the curve's size, up to which a numeric curve counts as lying on it: data typed
@@ -59,7 +59,7 @@ def require_boundary(boundary: Boundary) -> None:
 
 
 def _require_size(points: Floats, name: str) -> None:
-    """Raise `GeometryError` for curves whose coordinates' fourth powers doubles would not hold."""
+    """Raise `GeometryError` for curves that doubles hold badly."""
     size, far = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
     if not (size == 0 or SIZES[0] <= size) or far > SIZES[1]:
         raise GeometryError(
@@ -75,13 +75,14 @@ def require_on(f: Polynomial, path: ParametricSurface, name: str) -> None:
     with np.errstate(all="ignore"):
         away = np.abs(f(points)) / np.maximum(lengths(f.gradient(points)), 1e-300)
     worst = int(np.nanargmax(away))
-    if not away[worst] <= ON_SURFACE * (1.0 + np.abs(points).max()):
+    if not away[worst] <= 2 * ON_SURFACE * np.abs(points).max():
         raise GeometryError(f"{name}: the curve is off the surface by {away[worst]:.2g} at s = {s[worst]:.4g}")
 
 
-def closes(ends: Floats) -> bool:
-    """Whether the first and the last of some points agree."""
-    return bool(np.abs(ends[0] - ends[-1]).max() <= STILL * (1.0 + np.abs(ends).max()))
+def closes(points: Floats) -> bool:
+    """Whether the first and the last of the points (n, 3) along a curve agree, as measured by all of them."""
+    with np.errstate(all="ignore"):
+        return bool(np.abs(points[0] - points[-1]).max() <= STILL * np.abs(points).max())
 
 
 def _require_positive(values: Floats, s: Floats, message: str) -> None:
@@ -91,7 +92,7 @@ def _require_positive(values: Floats, s: Floats, message: str) -> None:
 
 
 def _require_closed(points: Floats, velocity: Floats, vectors: Floats, name: str) -> None:
-    if not closes(points[[0, -1]]):
+    if not closes(points):
         gap = float(np.linalg.norm(points[0] - points[-1]))
         raise GeometryError(f"{name} is called closed, but its ends are {gap:.3g} apart; say closed=False")
     first, last = unit(velocity[[0, -1]])

@@ -19,7 +19,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, rational, to_float
+from pas.algebra.rational import Vector, rational, to_float, to_fraction
 
 Inertia = tuple[int, int]
 """Numbers of positive and of negative eigenvalues."""
@@ -133,14 +133,20 @@ def inertia(matrix: fmpq_mat) -> Inertia:
 
 
 def read_plane(plane: Any, name: str = "the plane") -> tuple[Vector, fmpq]:
-    """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1"."""
-    polynomial = within_reach(Polynomial(plane))
+    """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1".
+
+    The greatest entry of the normal is within `REACH`.
+    """
+    polynomial = Polynomial(plane)
     if polynomial.degree != 1:
         raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {polynomial}")
     c = {e: rational(v) for e, v in polynomial.coefficients().items()}
     zero = fmpq(0)
     normal = (c.get((1, 0, 0), zero), c.get((0, 1, 0), zero), c.get((0, 0, 1), zero))
-    return normal, -c.get((0, 0, 0), zero)
+    greatest = to_fraction(max(map(abs, normal)))
+    scale = fmpq(1) if REACH[0] <= greatest <= REACH[1] else rational(greatest)
+    x, y, z = (n / scale for n in normal)
+    return (x, y, z), -c.get((0, 0, 0), zero) / scale
 
 
 def to_array(matrix: fmpq_mat) -> Floats:

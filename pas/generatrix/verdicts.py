@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
 from pas.bernstein.signs import Status
@@ -139,7 +140,7 @@ def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdic
     s = np.linspace(0.0, 1.0, SAMPLES)
     places = np.stack([s, np.full(SAMPLES, float(number))], axis=-1)
     sines = np.linalg.norm(np.cross(blend.surface.normals(places), boundary.normals(s)), axis=-1)
-    gaps = np.linalg.norm(blend.surface(places) - boundary(s), axis=-1)
+    gaps = lengths(blend.surface(places) - boundary(s))
     if not (np.isfinite(sines).all() and np.isfinite(gaps).all()):
         i = int(np.flatnonzero(~np.isfinite(sines + gaps))[0])
         return Verdict(Status.UNDECIDED, claim, f"numeric data; at s = {s[i]:.5g} the blend has no tangent plane")
@@ -196,12 +197,12 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
     s = blend.frames.parameters(GENERATRICES)
     controls, slopes = blend.frames.controls(blend.shape, s)
-    forms = _normal_forms(controls, slopes)
+    forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
     settled, place = _avoid_origin(forms)
     points, normals = blend.frames.sheet(blend.shape, (GENERATRICES, 33))
     if not (np.isfinite(points).all() and np.isfinite(forms).all()):
         return Verdict(Status.UNDECIDED, claim, "the blend is not finite on all generatrices tried; change l1, l2")
-    lengths = np.linalg.norm(normals, axis=-1)
+    sizes = np.linalg.norm(normals, axis=-1)
     turn = _largest_turn(normals, blend.closed)
     if not settled.all():
         i = int(np.flatnonzero(~settled)[0])
@@ -209,7 +210,7 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
         where = f"s = {s[i]:.5g}, t = {place[i]:.5g}"
         reason = f"the normal vanishes (to {DEEP} halvings of t) near {where}; change l1, l2"
         return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))
-    smallest = float(lengths.min() / np.median(lengths))
+    smallest = float(sizes.min() / np.median(sizes))
     measured = (
         f"on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
         f"{smallest:.2g} of the median, and between neighbours it turns by {turn[0]:.3g} degrees at most"
@@ -317,7 +318,7 @@ def _double_point(
         places[..., 0] = places[..., 0] % 1.0 if blend.closed else np.clip(places[..., 0], 0.0, 1.0)
         places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
     points = blend.surface(places)
-    gaps = np.linalg.norm(points[:, 0] - points[:, 1], axis=-1)
+    gaps = lengths(points[:, 0] - points[:, 1])
     extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
     apart = np.abs(places[:, 0] - places[:, 1])
     apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if blend.closed else apart[:, 0]
