@@ -54,6 +54,9 @@ class ParametricBlend:
     surface: ParametricSurface
     weights: Weights | None = None
 
+    def __post_init__(self) -> None:
+        checked_order(self.order)
+
     def all_solutions(self) -> ParametricSolutions:
         """Every rational blend of these data and this order: `surface + W (R1, R2, R3)`."""
         return ParametricSolutions(self.data, self.order, self.surface, polynomial=False)

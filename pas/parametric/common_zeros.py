@@ -10,7 +10,7 @@ around a small rectangle.  UNDECIDED: the effort ran out.
 Rounding: the coefficients of each polynomial are scaled exactly to at most 1 (its zeros stay) and rounded once; each
 halving averages neighbours, so after m halvings every coefficient errs by at most (2 + m (n+1)) 2^-53, n the degree
 halved (Higham 2002, section 3.1), and comparisons are made against eight times that.  A rectangle that has been
-halved RENEWED times gets its coefficients afresh, exact, scaled anew and rounded once.
+halved RENEWED times, or whose coefficients have become small, gets them afresh: exact, scaled anew and rounded once.
 """
 
 from __future__ import annotations
@@ -38,6 +38,9 @@ LOCATED = 24
 
 RENEWED = 40
 """Halvings after which coefficients are worked out afresh: their error is then some 1e-13."""
+
+WORN = 2.0**-24
+"""Coefficients below this, whose error is some 1e-14, are worked out afresh as well."""
 
 DEPTH = 200
 """Halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way."""
@@ -132,6 +135,12 @@ class _Cell:
         u, v = (c + s / 2 for c, s in zip(self.corner, self.size, strict=True))
         return self.piece.place(u, v)
 
+    @property
+    def is_worn(self) -> bool:
+        """Whether the coefficients of a polynomial have become small next to what they were when they were rounded."""
+        greatest = np.abs(self.net).max(axis=(0, 1))
+        return bool(((greatest > 0) & (greatest < WORN)).any())
+
     def halves(self) -> list[_Cell]:
         """Both halves across the parameter along which the coefficients change more."""
         steps = [float(np.abs(np.diff(self.net, axis=axis)).max(initial=0.0)) for axis in (0, 1)]
@@ -179,7 +188,7 @@ class _Search:
     cells: int = 0
 
     def through(self, pending: list[_Cell], effort: int) -> tuple[Outcome | None, list[_Cell]]:
-        """A zero in some cells, if one is met, and what is open after RENEWED halvings or when the effort is spent."""
+        """A zero in some cells, if one is met, and what is open and to be renewed, or is when the effort is spent."""
         left: list[_Cell] = []
         while pending:
             cell = pending.pop()
@@ -192,9 +201,10 @@ class _Search:
             zero = self._exact_zero(cell, error)
             if zero is not None:
                 return Outcome(Status.REFUTED, zero, True, self.cells), left
-            if cell.depth == LOCATED and len(self.polynomials) == 1 and _changes_sign(self.polynomials[0], cell):
+            located = cell.depth >= LOCATED and cell.depth % 8 == 0
+            if located and len(self.polynomials) == 1 and _changes_sign(self.polynomials[0], cell):
                 return Outcome(Status.REFUTED, cell.middle, False, self.cells), left
-            if cell.halvings < RENEWED and self.cells < effort:
+            if cell.halvings < RENEWED and not cell.is_worn and self.cells < effort:
                 pending += cell.halves()
                 continue
             left.append(cell)

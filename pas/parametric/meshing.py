@@ -97,6 +97,8 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
         look, place = bounded, NetPoints(framed, nets.table[0], welding)
     leaves, worst = _leaves(nets, look, aim, framed)
     tiles = assemble(framed.surface, leaves, place, framed.size)
+    if not len(tiles.triangles):
+        raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
     deviation = framed.outside((worst + tiles.away) * ROUNDED)
     if tiles.away > wanted - worst:
         raise MeshError(too_fine(framed.outside(wanted)))
