@@ -43,6 +43,10 @@ TRIALS, FINER, LONGEST = 0.05, 1.3, 8.0
 """Safe lengths are sought from the first of these times the mean distance, in steps of the second, up to the third."""
 
 BISECTIONS = 10
+
+TRIED = 16
+"""Generatrices that are tried when a blend is made."""
+
 UNIT_SQUARE = ((0, 1), (0, 1))
 
 
@@ -263,8 +267,13 @@ def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
 
 
 def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
+    """A blend whose shape fits its curves, and whose control points doubles hold."""
     if blend.closed:
         blend.shape.require_periodic()
+    with np.errstate(all="ignore"):
+        controls, slopes = blend.frames.controls(blend.shape, blend.frames.parameters(TRIED))
+    if not (np.isfinite(controls).all() and np.isfinite(slopes).all()):
+        raise GeometryError("the control points are beyond the range of doubles (1.8e308); give shorter l1, l2")
     return blend
 
 
