@@ -197,7 +197,8 @@ def test_blends_of_surfaces_that_are_not_exact(make):
     blend = make(BlendingData(numeric), 2)
     assert not blend.surface.is_exact
     for i, verdict in enumerate(blend.prove().contacts):
-        assert verdict.status is pas.Status.UNDECIDED and "not exact" in verdict.reason
+        assert verdict.status is pas.Status.HOLDS_MEASURED and "not exact" in verdict.reason
+        assert verdict.measured and not verdict.proved
         points = np.array([[0.3, i], [1.2, i]])
         for j, m in [(0, 0), (0, 1), (0, 2), (1, 1), (2, 0)]:
             expected = numeric[i].derivative(points, j, m)
@@ -264,13 +265,55 @@ def test_members_of_the_solutions():
             "denominator vanishes near t = 1.41",
         ),
         (ParametricSurface("t^2 - 2*t", "h", "h*t - t", domain=((0, 3), (0, 3))), pas.Status.REFUTED, "t = 1"),
-        (ParametricSurface("sin(t)", "h", "t"), pas.Status.UNDECIDED, "degrees or more"),
+        (ParametricSurface("sin(t)", "h", "t"), pas.Status.HOLDS_MEASURED, "degrees or more"),
+        (ParametricSurface("cos(t)", "h", "t - sin(t)"), pas.Status.FAILS_MEASURED, "one of the two vanishes"),
+        (
+            ParametricSurface("sin(t)", "h", "t/0.1 - t/(1/10)").with_domain(((0, 1), None)),
+            pas.Status.HOLDS_MEASURED,
+            "",
+        ),
     ],
 )
 def test_regularity(surface, status, words):
     verdict = pas.regularity(surface)
     assert verdict.status is status
     assert words in verdict.reason
+
+
+SIZES = [0, 154, -154, 155, -155, 159, -159, 200, -200, 300, -300, 400, -400, 1000, -1000]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_regularity_at_any_size(size):
+    """A common scale changes no verdict: products of two coordinates neither vanish nor overflow on the way."""
+    unit = f"1e{size}"
+    folded = [f"{unit}*({x})" for x in ("(t - 1/2)^3/3 - t/100", "h", "t*((h - 1/2)^2 - 1/100)")]
+    verdict = pas.regularity(ParametricSurface(*folded, domain=((0, 1), (0, 1))))
+    assert verdict.status is pas.Status.REFUTED and verdict.reason.endswith("t = 2/5, h = 2/5")
+    graph = [f"{unit}*({x})" for x in ("t + t^2/3", "h/(1 + t)", "t*h")]
+    assert pas.regularity(ParametricSurface(*graph, domain=((0, 1), (0, 1)))).proved
+    mixed = ParametricSurface(f"t*{unit}", "h", f"t*h/{unit}", domain=((0, 1), (0, 1)))
+    assert pas.regularity(mixed).proved
+
+
+def test_regularity_up_to_the_very_end_of_the_domain():
+    """The double next to 2/3 lies below it; the surface is singular at 2/3."""
+    cusp = ParametricSurface("(t - 2/3)^2", "(t - 2/3)^3", "h", domain=((0, "2/3"), (0, 1)))
+    verdict = pas.regularity(cusp)
+    assert verdict.status is pas.Status.REFUTED and "t = 2/3" in verdict.reason
+    short = cusp.with_domain(((0, 2 / 3 - 1e-13), (0, 1)))  # the simplest place near its end is outside
+    assert pas.regularity(short).proved
+    for power, scale in ((12, 1), (40, 1), (40, "1e-300")):
+        pole = ParametricSurface(f"{scale}/(1 + 1/10^{power} - t)", "t", "h", domain=((0, 1), (0, 1)))
+        assert pas.regularity(pole).proved
+        pole = ParametricSurface(f"{scale}/(1 - 1/10^{power} - t)", "t", "h", domain=((0, 1), (0, 1)))
+        assert pas.regularity(pole).status is pas.Status.REFUTED
+
+
+def test_domains_that_doubles_do_not_hold():
+    for domain in (((0, "1e400"), None), ((0, "1e-400"), None), (("1/3", "0.333333333333333333333333"), None)):
+        with pytest.raises(ValueError, match="domain of t"):
+            ParametricSurface("t", "h", "0", domain=domain)
 
 
 def test_certificate_of_a_blend():

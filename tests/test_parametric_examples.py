@@ -19,12 +19,12 @@ BLENDS = {
     "example_2": (2, (2, 5), "proved", 2),
     "example_2_weights": (2, (2, 6), "proved", 2),
     "example_3": (1, (2, 5), "proved", 2),
-    "example_3_weights": (1, (6, 17), "undecided", 2),
+    "example_3_weights": (1, (6, 17), "holds, measured", 2),
     "input_I": (2, (4, 5), "proved", 2),
     "input_II": (8, (2, 17), "undecided", 2),
     "input_III": (5, (2, 11), "proved", 1),
-    "input_IV": (4, (25, 9), "undecided", 1),
-    "input_VII": (2, (6, 11), "undecided", 1),
+    "input_IV": (4, (25, 9), "holds, measured", 1),
+    "input_VII": (2, (6, 11), "proved", 1),
     "input_VIII": (1, (5, 7), "refuted", 1),
 }
 """Order, degrees, verdict on regularity and number of Bezier patches of each exact problem file."""

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 import pas
 from pas.mesh.field import TriangleMesh
-from pas.parametric.meshing import _bounded, _judged
-from pas.parametric.nets import exact_net, halved, rectangle_of
+from pas.parametric.bounds import bounded
+from pas.parametric.meshing import exact_rectangle
+from pas.parametric.nets import exact_net, halved
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
@@ -111,8 +112,8 @@ def test_bounds_hold(numbers, kind):
 def test_bounds_are_not_far_off():
     """The bound of a cell is at most a small multiple of what is measured."""
     surface = pas.torus(2, 1).with_domain(((0, "1/8"), (0, "1/8")))
-    net = exact_net(surface, rectangle_of(surface.domain)).rounded[None]
-    bound, _ = _judged(*_bounded(net, np.zeros((1, 4))))
+    net = exact_net(surface, exact_rectangle(surface)).rounded()
+    bound, _ = bounded(net, np.zeros((1, 4))).judged
     grid = surface.on_grid(*np.linspace(0, 1 / 8, 33)[None].repeat(2, 0))
     share = np.linspace(0, 1, 33)
     hats = np.stack([1 - share, share])
@@ -124,7 +125,7 @@ def test_bounds_are_not_far_off():
 
 def test_nets_are_the_surface():
     surface = pas.torus(2, 1).with_domain(((-1, 2), ("1/4", 1)))
-    net = exact_net(surface, rectangle_of(surface.domain))
+    net = exact_net(surface, exact_rectangle(surface))
     m, n = len(net.below) - 1, len(net.below[0]) - 1
     u, v = Fraction(2, 7), Fraction(3, 5)
 
@@ -137,7 +138,7 @@ def test_nets_are_the_surface():
 
     point = tuple(value(table) / value(net.below) for table in net.tops)
     assert point == surface.at(-1 + 3 * u, Fraction(1, 4) + Fraction(3, 4) * v)
-    left, right = halved(net.rounded[None], 0)
+    left, right = halved(net.rounded().table, 0)
     assert np.array_equal(left[:, -1], right[:, 0])
 
 

@@ -34,11 +34,13 @@ BISECTIONS = 53
 
 
 class Status(Enum):
-    """What a proof came to."""
+    """What a proof came to; where there is none but samples were taken, whether they agree with the claim."""
 
     PROVED = "proved"
     REFUTED = "refuted"
     UNDECIDED = "undecided"
+    HOLDS_MEASURED = "holds, measured"
+    FAILS_MEASURED = "fails, measured"
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pas.algebra.inputs import check_tolerance
+from pas.bernstein.signs import Status
 from pas.cli.common import DONE, FAILED, output_folder, problem_file, progress
 from pas.errors import MissingLibraryError
 from pas.surface.certificate import Verdict
@@ -28,6 +31,15 @@ if TYPE_CHECKING:
     Made = ParametricBlend | GeneratrixBlend
     Certificate = ParametricCertificate | GeneratrixCertificate
     Thing = ParametricSurface | Made
+
+
+WORDS = {
+    Status.PROVED: "proved",
+    Status.REFUTED: "refuted",
+    Status.UNDECIDED: "undecided",
+    Status.HOLDS_MEASURED: "measured to hold",
+    Status.FAILS_MEASURED: "measured to fail",
+}
 
 
 def run_parametric(options: argparse.Namespace) -> int:
@@ -70,9 +82,17 @@ def check(thing: Thing) -> int:
     start = time.perf_counter()
     found = regularity(thing) if isinstance(thing, ParametricSurface) else prove(thing)
     holds = found.proved if isinstance(found, Verdict) else _holds(found, None)
-    verdict = "all proved" if found.proved else "none refuted, not all proved" if holds else "not all proved"
-    print(f"{found}\n\n{verdict}, in {time.perf_counter() - start:.2f} s")
+    verdicts = (found,) if isinstance(found, Verdict) else found.verdicts
+    print(f"{found}\n\n{_counts(verdicts)}, in {time.perf_counter() - start:.2f} s")
     return DONE if holds else FAILED
+
+
+def _counts(verdicts: Sequence[Verdict]) -> str:
+    """How many claims are proved, hold or fail as measured, and so on; "all proved" where they are."""
+    if all(v.proved for v in verdicts):
+        return "all proved"
+    counts = Counter(v.status for v in verdicts)
+    return "; ".join(f"{counts[status]} {WORDS[status]}" for status in Status if counts[status])
 
 
 def prove(blend: Made) -> Certificate:
@@ -85,13 +105,14 @@ def prove(blend: Made) -> Certificate:
 def _holds(certificate: Certificate, wanted: bool | None) -> bool:
     """Whether a certificate is as wanted: True, all proved; False, anything.
 
-    None: what the kind of blend can give, for generatrix blends, much of which is measured, that nothing is refuted.
+    None: what the kind of blend can give, for generatrix blends, much of which is measured, that nothing is refuted
+    and nothing fails as measured.
     """
     from pas.generatrix.verdicts import GeneratrixCertificate
 
     if wanted is False or certificate.proved:
         return True
-    return wanted is None and isinstance(certificate, GeneratrixCertificate) and not certificate.refuted
+    return wanted is None and isinstance(certificate, GeneratrixCertificate) and not certificate.failed
 
 
 def _blend(problem: Problem) -> Made:

@@ -41,9 +41,10 @@ from pas.exchange.picture_options import PictureReader
 from pas.exchange.tables import read_toml
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
+from pas.parametric.domain import ExactDomain
 from pas.parametric.methods import METHODS, blend_by
 from pas.parametric.rational_function import PARAMETERS
-from pas.parametric.surface import Domain, ParametricSurface
+from pas.parametric.surface import ParametricSurface
 
 OPTIONS = {name for method in METHODS.values() for name in method.options}
 WHOLE = {"name", "order", "method", "values", "parameters", "tolerance", "prove", "surfaces", "domain", "picture"}
@@ -58,7 +59,7 @@ class ParametricProblem:
     order: int
     method: str
     options: dict[str, Any]
-    domain: Domain | None
+    domain: ExactDomain | None
     tolerance: float | None
     prove: bool
     style: str
@@ -139,16 +140,16 @@ class _Reader(PictureReader):
             key = next((k for k in "xyz" if f"component {k}" in str(error)), "domain" if "domain" in entry else None)
             raise self.error(f"surface {index + 1}: {error}", "surfaces", index, key) from None
 
-    def _domain(self, data: dict[str, Any], names: tuple[str, str], blending: BlendingData) -> Domain | None:
+    def _domain(self, data: dict[str, Any], names: tuple[str, str], blending: BlendingData) -> ExactDomain | None:
         if "domain" not in data:
             return None
         table = data["domain"]
         if not isinstance(table, dict) or set(table) - set(names):
             raise self.error(f"[domain] must be a table with intervals of {' and '.join(names)}", "domain", 0)
         try:
-            own = blending.domain
+            own = blending.ends
             given = _intervals([table.get(name, list(ends)) for name, ends in zip(names, own, strict=True)])
-            return blending.surfaces[0].with_domain(None).with_domain(given).domain
+            return blending.surfaces[0].with_domain(None).with_domain(given).ends
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "domain", 0) from None
 

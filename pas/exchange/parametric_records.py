@@ -1,7 +1,7 @@
 """Parametric surfaces and blends in project files (`.pas.json`): everything exact, and back.
 
 Rational components are kept as terms of numerators and denominators, others as the expressions that were written;
-domains as the doubles that they are.  A blend is kept as its data, order and method, and with its components, so
+domains by their exact ends.  A blend is kept as its data, order and method, and with its components, so
 that other programs find them; on reading it is made anew, and the stored components win where they are others (a
 member of the family of all blends, say).
 
@@ -10,7 +10,6 @@ Guaranteed: what is read is equal to what was written.  Not possible: callables,
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -194,4 +193,4 @@ def _read_terms(record: Any) -> fmpq_mpoly:
 
 
 def _domain_record(surface: ParametricSurface) -> list[list[str | None]]:
-    return [[None if math.isinf(end) else plain(rational(end)) for end in interval] for interval in surface.domain]
+    return [[None if end is None else str(end) for end in interval] for interval in surface.ends]

@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadric import text
-from pas.generatrix.space import unit
 
 SAMPLES = 240
 UNCLEAR = 0.03
@@ -65,7 +65,8 @@ def _side(boundary: Boundary, own: Floats, other: Floats) -> int:
         return boundary.side
     across = unit(boundary.across(_samples(boundary)))
     way = other.mean(axis=0) - own
-    cosine = float((across * way).sum() / np.linalg.norm(way, axis=1).sum())
+    way = np.ldexp(way, -exponent(way))
+    cosine = float((across * way).sum() / lengths(way).sum())
     if abs(cosine) < UNCLEAR:
         raise GeometryError(
             f"{boundary.name}: it is not clear on which side of the curve the blend is to lie (the other curve is "
@@ -80,7 +81,8 @@ def require_apart(first: Boundary, second: Boundary) -> None:
 
     s = np.linspace(0.0, 1.0, 4 * SAMPLES + 1)
     a, b = first(s), second(s)
-    distance, partner = cKDTree(b).query(a)
+    power = exponent(np.concatenate([a, b]))
+    distance, partner = cKDTree(np.ldexp(b, -power)).query(np.ldexp(a, -power))
     i = int(distance.argmin())
     j = int(partner[i])
     near = _nearest(first, second, float(s[i]), float(s[j]), 1.0 / (4 * SAMPLES))
@@ -95,7 +97,7 @@ def _nearest(first: Boundary, second: Boundary, s: float, t: float, step: float)
         offsets = np.linspace(-step, step, 9)
         u, v = s + offsets, t + offsets
         a, b = first(u), second(v)
-        gaps = np.linalg.norm(a[:, None] - b[None], axis=2)
+        gaps = lengths(a[:, None] - b[None])
         i, j = np.unravel_index(int(gaps.argmin()), gaps.shape)
         s, t, step = float(u[i]), float(v[j]), step / 3
     return float(gaps.min()), a[i]
@@ -109,7 +111,7 @@ def alignment(first: Boundary, second: Boundary, signs: tuple[int, int], turn: b
     ways = [_fit(first, second.turned(backwards, 0.0)) for backwards in (False, True)]
     opposed, reason = _opposed(first, second, signs, ways)
     if not turn:
-        distance = float(np.linalg.norm(first(_samples(first)) - second(_samples(first)), axis=1).mean())
+        distance = float(lengths(first(_samples(first)) - second(_samples(first))).mean())
         return Alignment(False, 0.0, distance, opposed, reason)
     shift, distance = ways[int(opposed)]
     return Alignment(opposed, shift, distance, False, reason)
@@ -141,17 +143,18 @@ def _fit(first: Boundary, second: Boundary) -> tuple[float, float]:
     s = _samples(first)
     a, b = first(s), second(s)
     if not first.closed:
-        return 0.0, float(np.linalg.norm(a - b, axis=1).mean())
+        return 0.0, float(lengths(a - b).mean())
     from scipy.optimize import minimize_scalar
     from scipy.spatial.distance import cdist
 
     rows = np.arange(SAMPLES)
-    gaps = cdist(a, b)
+    power = exponent(np.concatenate([a, b]))
+    gaps = cdist(np.ldexp(a, -power), np.ldexp(b, -power))
     means = np.array([gaps[rows, (rows + k) % SAMPLES].mean() for k in range(SAMPLES)])
     start = int(means.argmin()) / SAMPLES if means.min() < means[0] * (1 - 1e-9) else 0.0
 
     def mean(shift: float) -> float:
-        return float(np.linalg.norm(a - second(s + shift), axis=1).mean())
+        return float(lengths(a - second(s + shift)).mean())
 
     width = 1.0 / SAMPLES
     found = minimize_scalar(mean, bounds=(start - width, start + width), method="bounded", options={"xatol": 1e-10})
@@ -177,7 +180,8 @@ def _turn(boundary: Boundary, sign: int) -> float:
     """The mean cosine between the vector area and the direction of travel across the curve."""
     s = _samples(boundary)
     points = boundary(s)
-    area = np.cross(points - points.mean(axis=0), boundary.derivative(s)).sum(axis=0)
+    rays, speeds = points - points.mean(axis=0), boundary.derivative(s)
+    area = np.cross(np.ldexp(rays, -exponent(rays)), np.ldexp(speeds, -exponent(speeds))).sum(axis=0)
     across = unit(boundary.across(s)).mean(axis=0)
-    length = float(np.linalg.norm(area))
+    length = float(lengths(area))
     return sign * float(area @ across) / length if length > 0 else 0.0

@@ -23,11 +23,12 @@ from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
 from pas.generatrix.boundary import Boundary
+from pas.generatrix.checks import closes
 from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
 from pas.generatrix.lengths import with_lengths
 from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.space import NAMES, space_curve
+from pas.generatrix.space import NAMES, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import checkpoint
 from pas.mesh.field import TriangleMesh
@@ -42,6 +43,10 @@ TRIALS, FINER, LONGEST = 0.05, 1.3, 8.0
 """Safe lengths are sought from the first of these times the mean distance, in steps of the second, up to the third."""
 
 BISECTIONS = 10
+
+TRIED = 16
+"""Generatrices that are tried when a blend is made."""
+
 UNIT_SQUARE = ((0, 1), (0, 1))
 
 
@@ -142,10 +147,10 @@ class GeneratrixBlend:
         return certify(self)
 
     def require(self) -> GeneratrixBlend:
-        """The blend itself; raises `NotProvedError` where a claim of its certificate is refuted."""
-        refuted = self.certificate.refuted
-        if refuted:
-            raise NotProvedError("; ".join(map(str, refuted)), self)
+        """The blend itself; raises `NotProvedError` where a claim of its certificate is refuted or measured to fail."""
+        failed = self.certificate.failed
+        if failed:
+            raise NotProvedError("; ".join(map(str, failed)), self)
         return self
 
     def largest_safe(self, number: int | None = None, size: tuple[int, int] = (96, 24)) -> float:
@@ -262,8 +267,13 @@ def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
 
 
 def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
+    """A blend whose shape fits its curves, and whose control points doubles hold."""
     if blend.closed:
         blend.shape.require_periodic()
+    with np.errstate(all="ignore"):
+        controls, slopes = blend.frames.controls(blend.shape, blend.frames.parameters(TRIED))
+    if not (np.isfinite(controls).all() and np.isfinite(slopes).all()):
+        raise GeometryError("the control points are beyond the range of doubles (1.8e308); give shorter l1, l2")
     return blend
 
 
@@ -271,10 +281,10 @@ def _middle(shape: GeneratrixShape, first: Boundary) -> ParametricSurface | None
     if shape.middle is None:
         return None
     curve = space_curve(shape.middle, "the middle curve")
-    ends = curve(np.array([[0.0, 0.0], [1.0, 0.0]]))
-    if not np.isfinite(curve(np.stack([np.linspace(0, 1, 65), np.zeros(65)], axis=-1))).all():
+    points = value_at(curve, np.linspace(0.0, 1.0, 65))
+    if not np.isfinite(points).all():
         raise GeometryError("the middle curve is not finite on all of [0, 1]")
-    if first.closed and np.abs(ends[1] - ends[0]).max() > 1e-9 * (1 + np.abs(ends).max()):
+    if first.closed and not closes(points):
         raise GeometryError("the boundaries are closed but the middle curve is not: it must end where it starts")
     return curve
 

@@ -16,12 +16,14 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
 from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
-from pas.generatrix.space import NAMES, read_path, unit, value_at
+from pas.generatrix.quadric import within_reach
+from pas.generatrix.space import NAMES, read_path, value_at
 from pas.parametric.curves import SurfaceCurve
 from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import composed
@@ -75,6 +77,8 @@ class Boundary:
     def __post_init__(self) -> None:
         if self.side not in (None, 1, -1):
             raise ValueError(f"side of {self.name} must be 1, -1 or None, not {self.side!r}")
+        if not self.closed and (self.phase, self.backwards) not in ((0.0, False), (1.0, True)):
+            raise ValueError(f"{self.name} is open: it starts at 0, or at 1 and runs backwards, not at {self.phase!r}")
         if not self.checked:
             if self.exact is not None:
                 self.exact.require_regular(self.name)
@@ -120,7 +124,7 @@ class Boundary:
 
         Raises `GeometryError` where it does not lie on it: exactly for rational curves.
         """
-        f = Polynomial(polynomial)
+        f = within_reach(Polynomial(polynomial))
         name = f"the boundary on {f} = 0" if name is None else name
         path = read_path(curve, interval, name)
         exact = None
@@ -160,8 +164,7 @@ class Boundary:
             first, second = ([c.diff(*o).substitute(t, h) for c in curve.surface.components] for o in ((1, 0), (0, 1)))
             x, y, z = (c.substitute(t, h) for c in curve.surface.components)
             exact = ExactCurve((x, y, z), exact_cross(first, second), True)
-        ends = curve(np.array([low, high]))
-        shut = closes(ends) if closed is None else closed
+        shut = closes(curve(np.linspace(low, high, SAMPLES))) if closed is None else closed
         return cls(
             lambda s: curve(own(s)),
             velocity,
@@ -243,7 +246,7 @@ class Boundary:
 
         if self.source is not None and self.source.get("by_length"):
             return self  # it is already
-        place, speed = by_length(lambda s: np.linalg.norm(self.velocity(s), axis=1), self.closed)
+        place, speed = by_length(lambda s: lengths(self.velocity(s)), self.closed)
         parameters = self.parameters
         return replace(
             self,
@@ -275,7 +278,7 @@ def _made(
     side: int | None,
     surface: Polynomial | None = None,
 ) -> Boundary:
-    shut = closes(value_at(path, np.array([0.0, 1.0]))) if closed is None else closed
+    shut = closes(value_at(path, np.linspace(0.0, 1.0, SAMPLES))) if closed is None else closed
     return Boundary(
         lambda s: value_at(path, s),
         lambda s: value_at(path, s, 1),

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -25,7 +26,6 @@ from pas.generatrix.exact import on_unit_interval
 from pas.generatrix.pencil import Rulings
 from pas.generatrix.quadric import Quadric, text, to_array
 from pas.generatrix.sections import Conic, ConicKind
-from pas.generatrix.space import unit
 
 STEP = 1e-5
 """Of the differences for the speed of a branch (not for its direction, which comes from the gradients)."""

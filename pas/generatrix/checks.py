@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
-from pas.generatrix.space import unit, value_at
+from pas.generatrix.space import value_at
 from pas.parametric.surface import ParametricSurface
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ SAMPLES = 257
 
 STILL = 1e-9
 """A derivative or field below this share of its largest value counts as zero: roundoff of differences is 1e-10."""
+
+SIZES = (1e-280, 1e280)
+"""Least size of a curve, and greatest coordinate: near the ends of the range of doubles digits are lost."""
 
 ON_SURFACE = 1e-8
 """Distance from its surface, over the curve's size, up to which a numeric curve counts as lying on it: data typed
@@ -34,11 +38,12 @@ def require_boundary(boundary: Boundary) -> None:
         bad = np.flatnonzero(~np.isfinite(array).all(axis=-1))
         if len(bad):
             raise GeometryError(f"{name}: {what} is not finite at s = {s[bad[0]]:.6g}; choose another interval")
-    speed, length = np.linalg.norm(velocity, axis=-1), np.linalg.norm(vectors, axis=-1)
+    _require_size(points, name)
+    speed, length = lengths(velocity), lengths(vectors)
     _require_positive(speed, s, f"{name}: the curve is not regular; its derivative vanishes")
     what = "surface's normal" if boundary.has_normal else "tangent vector given"
     _require_positive(length, s, f"{name}: the {what} vanishes")
-    sine = np.linalg.norm(np.cross(unit(vectors), unit(velocity)), axis=-1)
+    sine = lengths(np.cross(unit(vectors), unit(velocity)))
     if boundary.has_normal:
         slant = np.sqrt(np.maximum(0.0, 1.0 - sine**2))
         worst = int(slant.argmax())
@@ -53,20 +58,31 @@ def require_boundary(boundary: Boundary) -> None:
         _require_closed(points, velocity, vectors, name)
 
 
+def _require_size(points: Floats, name: str) -> None:
+    """Raise `GeometryError` for curves that doubles hold badly."""
+    size, far = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
+    if not (size == 0 or SIZES[0] <= size) or far > SIZES[1]:
+        raise GeometryError(
+            f"{name} is {size:.2g} long and {far:.2g} away from the origin; blends by a generatrix are made from "
+            f"{SIZES[0]:.0e} to {SIZES[1]:.0e}: choose another unit of length"
+        )
+
+
 def require_on(f: Polynomial, path: ParametricSurface, name: str) -> None:
     """Raise `GeometryError` where a numeric curve is off the surface f = 0."""
     s = np.linspace(0, 1, SAMPLES)
     points = value_at(path, s)
     with np.errstate(all="ignore"):
-        away = np.abs(f(points)) / np.maximum(np.linalg.norm(f.gradient(points), axis=-1), 1e-300)
+        away = np.abs(f(points)) / np.maximum(lengths(f.gradient(points)), 1e-300)
     worst = int(np.nanargmax(away))
-    if not away[worst] <= ON_SURFACE * (1.0 + np.abs(points).max()):
+    if not away[worst] <= 2 * ON_SURFACE * np.abs(points).max():
         raise GeometryError(f"{name}: the curve is off the surface by {away[worst]:.2g} at s = {s[worst]:.4g}")
 
 
-def closes(ends: Floats) -> bool:
-    """Whether the first and the last of some points agree."""
-    return bool(np.abs(ends[0] - ends[-1]).max() <= STILL * (1.0 + np.abs(ends).max()))
+def closes(points: Floats) -> bool:
+    """Whether the first and the last of the points (n, 3) along a curve agree, as measured by all of them."""
+    with np.errstate(all="ignore"):
+        return bool(np.abs(points[0] - points[-1]).max() <= STILL * np.abs(points).max())
 
 
 def _require_positive(values: Floats, s: Floats, message: str) -> None:
@@ -76,7 +92,7 @@ def _require_positive(values: Floats, s: Floats, message: str) -> None:
 
 
 def _require_closed(points: Floats, velocity: Floats, vectors: Floats, name: str) -> None:
-    if not closes(points[[0, -1]]):
+    if not closes(points):
         gap = float(np.linalg.norm(points[0] - points[-1]))
         raise GeometryError(f"{name} is called closed, but its ends are {gap:.3g} apart; say closed=False")
     first, last = unit(velocity[[0, -1]])

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
@@ -30,6 +31,8 @@ BLOCK = 1 << 18
 
 def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
     """Pairs (k, 2) of triangles that cross, and a point (k, 3) of each crossing."""
+    power = exponent(points)
+    points = np.ldexp(points, -power)
     pairs = _near_pairs(points[triangles])
     shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
@@ -40,7 +43,7 @@ def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
         hit, place = _cross(points[triangles[block[:, 0]]], points[triangles[block[:, 1]]])
         found.append(block[hit])
         places.append(place[hit])
-    return np.concatenate(found), np.concatenate(places)
+    return np.concatenate(found), np.ldexp(np.concatenate(places), power)
 
 
 def _near_pairs(corners: Floats) -> Integers:

@@ -12,8 +12,8 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.rational import rational, to_float
 from pas.errors import GeometryError
-from pas.parametric.data import real_roots
 from pas.parametric.rational_function import GENERATORS, RationalFunction, total
+from pas.parametric.roots import roots_between
 from pas.parametric.surface import Components
 
 
@@ -92,11 +92,11 @@ def in_s(polynomial: fmpq_mpoly) -> fmpq_poly:
 
 
 def zeros_in_unit_interval(polynomial: fmpq_poly) -> list[float]:
-    """The real zeros in [0, 1], rounded; the ends are decided exactly."""
+    """The real zeros in [0, 1], rounded; whether they lie there is decided exactly."""
     if polynomial.degree() < 1:
         return []
-    inner = [r for r in real_roots(polynomial) if 0.0 < r < 1.0]
-    return sorted({*inner, *(float(e) for e in (0, 1) if polynomial(e) == 0)})
+    ends = [float(e) for e in (0, 1) if polynomial(e) == 0]
+    return sorted([*ends, *roots_between(polynomial, fmpq(0), fmpq(1))])
 
 
 def _zeros(polynomials: Sequence[fmpq_mpoly]) -> list[float]:

@@ -13,10 +13,10 @@ from math import comb
 
 import numpy as np
 
+from pas.algebra.lengths import exponent, unit
 from pas.algebra.monomials import Floats
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
-from pas.generatrix.space import unit
 from pas.mesh.field import Integers
 from pas.parametric.surface import ParametricSurface
 
@@ -75,8 +75,8 @@ class Frames:
         if not first.has_normal:
             return False
         s = self.parameters(16)
-        made = np.cross(first.derivative(s), self.signs[0] * first.across(s))
-        return bool((made * first.field(s)).sum() < 0)
+        made = np.cross(unit(first.derivative(s)), self.signs[0] * unit(first.across(s)))
+        return bool((made * unit(first.field(s))).sum() < 0)
 
     def parameters(self, size: int) -> Floats:
         """`size` values of s, evenly: for closed curves without s = 1."""
@@ -129,12 +129,12 @@ class Frames:
         return np.stack([r[0] for r in rows]), np.stack([r[1] for r in rows])
 
     def sheet(self, shape: GeneratrixShape, size: tuple[int, int]) -> tuple[Floats, Floats]:
-        """Points and P_s x P_t (not of length one) on a grid: (n, m, 3) each."""
+        """Points and P_s x P_t over a common number on a grid: (n, m, 3) each."""
         s = self.grid(size[0])[0]
         controls, slopes = self.controls(shape, s, size[0])
         value, slope = bernstein(self.degree, size[1])
         points = _combined(value, controls)
-        across, along = _combined(value, slopes), _combined(slope, controls)
+        across, along = (_combined(b, np.ldexp(c, -exponent(c))) for b, c in ((value, slopes), (slope, controls)))
         return points, _crossed(across, along)
 
 

@@ -19,27 +19,38 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import exact, rational, to_fraction
+from pas.algebra.rational import exact, rational, to_float, to_fraction
 from pas.parametric.rational_function import RationalFunction, total
 from pas.parametric.regularity import positive_on_unit_square
 from pas.parametric.surface import ParametricSurface
 
-GRID = 9
+GRID = 5
+"""Places a side at which the mean tangents are taken."""
+
 SHORT = 64
 """Greatest denominator in a and b: any vectors near will do, and short ones keep the numbers short."""
 
 
 def is_injective(surface: ParametricSurface, effort: int = 4_000) -> bool:
-    """Whether it is proved that an exact surface over [0, 1]^2 takes no point twice; False says nothing."""
-    at = np.linspace(0.0, 1.0, GRID)
-    tangents = surface.tangents(np.stack(np.meshgrid(at, at, indexing="ij"), axis=-1)).reshape(-1, 2, 3)
-    if not np.isfinite(tangents).all():
+    """Whether it is proved that an exact surface over [0, 1]^2 takes no point twice; False says nothing.
+
+    Each coordinate is scaled exactly by the size of its mean slopes first: that changes nothing.
+    """
+    along, across = ([c.diff(*order) for c in surface.components] for order in ((1, 0), (0, 1)))
+    places = [fmpq(i, GRID - 1) for i in range(GRID)]
+    try:
+        means = [
+            [sum((rational(f.at(u, v)) for u in places for v in places), fmpq(0)) / GRID**2 for f in (s, t)]
+            for s, t in zip(along, across, strict=True)
+        ]
+    except ValueError:  # a pole
         return False
-    duals = np.linalg.pinv(tangents.mean(axis=0)).T
+    sizes = [max(map(abs, row)) or fmpq(1) for row in means]
+    tangents = np.array([[to_float(x / size) for x in row] for row, size in zip(means, sizes, strict=True)])
+    duals = np.linalg.pinv(tangents)
     if not np.abs(duals).max(axis=1).min() > 0:
         return False
-    first, second = (_short(row) for row in duals)
-    along, across = ([c.diff(*order) for c in surface.components] for order in ((1, 0), (0, 1)))
+    first, second = ([x / size for x, size in zip(_short(row), sizes, strict=True)] for row in duals)
     a, d = _product(first, along), _product(second, across)
     mixed = _product(first, across) + _product(second, along)
     return positive_on_unit_square(a, effort) and positive_on_unit_square(4 * a * d - mixed * mixed, effort)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.algebra.lengths import lengths as vector_lengths
 from pas.generatrix.frames import Frames
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 
@@ -25,7 +26,7 @@ def with_lengths(shape: GeneratrixShape, frames: Frames) -> GeneratrixShape:
         return shape
     s = frames.parameters(SAMPLES)
     first, second = frames.boundaries
-    distance = THIRD * np.linalg.norm(first(s) - second(s), axis=1)
+    distance = THIRD * vector_lengths(first(s) - second(s))
     mean = float(distance.mean())
     wave = complex(2 * (distance * np.exp(2j * np.pi * s)).mean())
     swing = min(abs(wave), MOST_SWING * mean)

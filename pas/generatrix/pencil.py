@@ -27,7 +27,7 @@ from pas.algebra.rational import exact, to_float
 from pas.errors import GeometryError
 from pas.generatrix.exact import square_root
 from pas.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
-from pas.parametric.data import real_roots
+from pas.parametric.roots import real_roots
 
 DEGREE = 4
 """Of D in cos a, sin a."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -18,7 +19,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, rational, to_float
+from pas.algebra.rational import Vector, rational, to_float, to_fraction
 
 Inertia = tuple[int, int]
 """Numbers of positive and of negative eigenvalues."""
@@ -42,6 +43,9 @@ class QuadricKind(Enum):
     POINT = "point"
     EMPTY = "empty set"
 
+
+REACH = (Fraction(1, 10**50), Fraction(10**50))
+"""Greatest coefficients of polynomials that are worked with as they are."""
 
 CURVED = frozenset(list(QuadricKind)[:9])
 
@@ -80,7 +84,7 @@ class Quadric:
         polynomial = Polynomial(expression)
         if polynomial.degree != 2:
             raise ValueError(f"{name} must be a polynomial of degree 2, not {polynomial} of degree {polynomial.degree}")
-        object.__setattr__(self, "polynomial", polynomial)
+        object.__setattr__(self, "polynomial", within_reach(polynomial))
 
     @cached_property
     def matrix(self) -> fmpq_mat:
@@ -106,6 +110,12 @@ class Quadric:
             )
 
 
+def within_reach(polynomial: Polynomial) -> Polynomial:
+    """The polynomial itself, or over its greatest coefficient where doubles would hold no products of that."""
+    greatest = max((abs(c) for c in polynomial.coefficients().values()), default=Fraction(1))
+    return polynomial if REACH[0] <= greatest <= REACH[1] else polynomial / greatest
+
+
 def kind_of(matrix: fmpq_mat) -> QuadricKind:
     """What the real zero set of the quadric with this matrix (not only of its last entry) is."""
     small = inertia(fmpq_mat([[matrix[i, j] for j in range(3)] for i in range(3)]))
@@ -123,14 +133,20 @@ def inertia(matrix: fmpq_mat) -> Inertia:
 
 
 def read_plane(plane: Any, name: str = "the plane") -> tuple[Vector, fmpq]:
-    """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1"."""
+    """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1".
+
+    The greatest entry of the normal is within `REACH`.
+    """
     polynomial = Polynomial(plane)
     if polynomial.degree != 1:
         raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {polynomial}")
     c = {e: rational(v) for e, v in polynomial.coefficients().items()}
     zero = fmpq(0)
     normal = (c.get((1, 0, 0), zero), c.get((0, 1, 0), zero), c.get((0, 0, 1), zero))
-    return normal, -c.get((0, 0, 0), zero)
+    greatest = to_fraction(max(map(abs, normal)))
+    scale = fmpq(1) if REACH[0] <= greatest <= REACH[1] else rational(greatest)
+    x, y, z = (n / scale for n in normal)
+    return (x, y, z), -c.get((0, 0, 0), zero) / scale
 
 
 def to_array(matrix: fmpq_mat) -> Floats:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_float, to_floats, vector
@@ -19,7 +20,6 @@ from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadric import text
 from pas.generatrix.sections import plane_section
 from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.space import unit
 from pas.generatrix.sphere_mesh import sphere_mesh
 from pas.mesh.field import TriangleMesh
 
@@ -75,7 +75,7 @@ class SphereBlend:
         return sphere_mesh(self.center, self.radius, [blend.mesh(size) for blend in self.blends], size)
 
     def require(self) -> SphereBlend:
-        """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted."""
+        """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted or measured to fail."""
         for blend in self.blends:
             blend.require()
         return self

@@ -9,6 +9,7 @@ arithmetic on the rounded vectors (`ellipse_bounds`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, cross, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
@@ -59,6 +61,9 @@ FUNCTIONS: dict[ConicKind, tuple[tuple[Function, Function], ...]] = {
 
 STEPS = 2048
 """Angles at which |grad f| is looked at for bounds."""
+
+SMALLEST = 1e-150
+"""Half-axis of a central conic at least: its square is still a double."""
 
 ROUNDED = 1.001
 """For the rounding of the bounds themselves."""
@@ -143,28 +148,51 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
 
     f is p0 + p1 cos + q1 sin + p2 cos 2 + q2 sin 2 with coefficients that are exact in the doubles m, a, b; the
     sums of their absolute values bound f and C' . grad f.  |C'| is at least the smaller half-axis, |grad f| the least
-    of its samples less what it can change by around each.
+    of its samples less what it can change by around each.  All is done in a unit of the size of the ellipse.
     """
-    rows = [[exact(float(x)) for x in v] for v in (conic.origin, conic.first, conic.second)]
+    power = exponent(np.stack([conic.first, conic.second]))
+    conic = Conic(conic.kind, *(np.ldexp(v, -power) for v in (conic.origin, conic.first, conic.second)))
+    matrix = _in_units(quadric.matrix, exact(math.ldexp(1.0, power)))
+    rows = [[exact(x) for x in v] for v in (conic.origin, conic.first, conic.second)]
     lift = fmpq_mat([[*row, fmpq(int(i == 0))] for i, row in enumerate(rows)])
-    form = lift * quadric.matrix * lift.transpose()
+    form = lift * matrix * lift.transpose()
     first = [abs(2 * form[0, i]) for i in (1, 2)]
     second = [abs(form[1, 1] - form[2, 2]) / 2, abs(form[1, 2])]
     constant = abs(form[0, 0] + (form[1, 1] + form[2, 2]) / 2)
     axes = np.stack([conic.first, conic.second])
-    speed = np.sqrt(np.linalg.eigvalsh(axes @ axes.T)[0]) / ROUNDED
+    speed = _smaller_half_axis(rows[1], rows[2]) / ROUNDED
     angle, half = np.linspace(0, 2 * np.pi, STEPS, endpoint=False), np.pi / STEPS
-    hessian = 2 * to_array(quadric.matrix)[:3, :3]
-    slopes = np.linalg.norm(quadric.polynomial.gradient(conic(angle)), axis=1)
+    whole = 2 * to_array(matrix)
+    hessian = whole[:3, :3]
+    slopes = np.linalg.norm(conic(angle) @ hessian + whole[3, :3], axis=1)
     turns = np.linalg.norm(conic(angle, 1) @ hessian, axis=1)
     bend = np.linalg.norm(axes @ hessian, axis=1).sum()
     slope = float((slopes - half * turns - half**2 / 2 * bend).min()) / ROUNDED
-    if not (speed > 0 and slope > 0):
+    if not (speed * slope > 0):
         return Bounds(np.inf, np.inf)
     steepest = to_float(sum(first, fmpq(0)) + 2 * sum(second, fmpq(0)))
     furthest = to_float(constant + sum(first, fmpq(0)) + sum(second, fmpq(0)))
     sine = steepest / float(speed * slope)
-    return Bounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, furthest / float(slope) * ROUNDED)
+    distance = furthest / float(slope) * ROUNDED
+    return Bounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, math.ldexp(distance, power))
+
+
+def _in_units(matrix: fmpq_mat, unit: fmpq) -> fmpq_mat:
+    """The matrix of a quadric where lengths are multiples of `unit`, over its greatest entry."""
+    scales = (unit, unit, unit, fmpq(1))
+    rows = [
+        [c * s * r for c, s in zip(row, scales, strict=True)] for row, r in zip(matrix.tolist(), scales, strict=True)
+    ]
+    greatest = max(abs(c) for row in rows for c in row)
+    return fmpq_mat([[c / greatest for c in row] for row in rows])
+
+
+def _smaller_half_axis(first: Sequence[fmpq], second: Sequence[fmpq]) -> float:
+    """Of the ellipse a cos + b sin: the root of the smaller eigenvalue of its Gram matrix, 2 det / (tr + sqrt(...))."""
+    a, b, c = dot(first, first), dot(first, second), dot(second, second)
+    trace, determinant = to_float(a + c), to_float(a * c - b * b)
+    root = to_float((a - c) ** 2 + 4 * b * b) ** 0.5
+    return float((2 * determinant / (trace + root)) ** 0.5) if trace > 0 else 0.0
 
 
 def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:
@@ -217,12 +245,20 @@ def _center(form: fmpq_mat, small: fmpq) -> tuple[fmpq, fmpq]:
 def _central(plane: _Plane, form: fmpq_mat, small: fmpq) -> Conic:
     """Ellipse or hyperbola: half-axes from the eigenvalues in unit coordinates."""
     center = _center(form, small)
-    value = to_float(form.det() / small)
+    greatest = max(abs(form[i, j]) for i in (0, 1) for j in (0, 1))
+    value = to_float(form.det() / small / greatest)
     lengths = [to_float(dot(v, v)) ** 0.5 for v in plane.basis]
-    unit = np.array([[to_float(form[i, j]) / (lengths[i] * lengths[j]) for j in (0, 1)] for i in (0, 1)])
+    unit = np.array([[to_float(form[i, j] / greatest) / (lengths[i] * lengths[j]) for j in (0, 1)] for i in (0, 1)])
     eigenvalues, vectors = np.linalg.eigh(unit)
-    axes = [plane.vector(*(vectors[:, i] / lengths)) * abs(value / eigenvalues[i]) ** 0.5 for i in (0, 1)]
+    with np.errstate(all="ignore"):
+        axes = [plane.vector(*(vectors[:, i] / lengths)) * np.abs(value / eigenvalues[i]) ** 0.5 for i in (0, 1)]
     origin = np.array(to_floats(plane.place(*center)))
+    sizes = [float(np.abs(axis).max()) for axis in axes]
+    if not (min(sizes) >= SMALLEST and max(sizes) <= 1 / SMALLEST):
+        raise GeometryError(
+            f"a plane section has half-axes of {sizes[1]:.2g} and {sizes[0]:.2g}; they are made from {SMALLEST:.0e} to "
+            f"{1 / SMALLEST:.0e}: choose another unit of length"
+        )
     if small > 0:
         return Conic(ConicKind.ELLIPSE, origin, axes[1], axes[0])
     across = 0 if -value / eigenvalues[0] > 0 else 1

@@ -17,12 +17,6 @@ from pas.parametric.surface import ParametricSurface
 NAMES: Names = ("s", "t")
 
 
-def unit(vectors: Floats) -> Floats:
-    """Vectors (..., 3) made of length one; nan for zero vectors."""
-    with np.errstate(all="ignore"):
-        return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
-
-
 def space_curve(expression: Any, name: str) -> ParametricSurface:
     """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
     if isinstance(expression, ParametricSurface):

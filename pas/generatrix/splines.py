@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import lengths as vector_lengths
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 
@@ -29,23 +31,22 @@ def splined(points: Any, normals: Any, closed: bool, name: str) -> tuple[Callabl
         raise ValueError(f"{name} has {len(p)} points but {len(n)} normals; give one for each")
     if closed:
         p, n = np.concatenate([p, p[:1]]), np.concatenate([n, n[:1]])
-    chords = np.linalg.norm(np.diff(p, axis=0), axis=1)
+    chords = vector_lengths(np.diff(p, axis=0))
     if not chords.min() > 1e-12 * chords.max():
         where = int(chords.argmin())
         raise GeometryError(f"{name}: points {where} and {(where + 1) % len(points)} coincide; leave one out")
-    lengths = np.linalg.norm(n, axis=1, keepdims=True)
-    if not lengths.min() > 0:
-        raise GeometryError(f"{name}: normal {int(lengths.argmin())} is zero")
+    sizes = vector_lengths(n)
+    if not sizes.min() > 0:
+        raise GeometryError(f"{name}: normal {int(sizes.argmin())} is zero")
     s = np.concatenate([[0.0], np.cumsum(chords)])
     s /= s[-1]
     kind = "periodic" if closed else "natural"
-    curve, field = CubicSpline(s, p, bc_type=kind), CubicSpline(s, n / lengths, bc_type=kind)
+    curve, field = CubicSpline(s, p, bc_type=kind), CubicSpline(s, unit(n), bc_type=kind)
     velocity = curve.derivative()
 
     def direction(at: Floats) -> Floats:
-        along, raw = velocity(at), field(at)
-        share = (raw * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300)
-        return np.asarray(raw - share[:, None] * along)
+        along, raw = np.nan_to_num(unit(velocity(at))), field(at)
+        return np.asarray(raw - (raw * along).sum(axis=1)[:, None] * along)
 
     return curve, velocity, direction
 

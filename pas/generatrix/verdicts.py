@@ -1,10 +1,13 @@
-"""What is proved, and what is only measured, of a generatrix blend.
+"""What is proved, and what is only measured, of a generatrix blend; the status of each verdict says which.
 
 Contact (G1): along its boundaries the blend has the tangents C' and 3 l T, T a combination of W and C'.  For rational
 data it is proved that these lie in the surface's tangent plane and span it: C' . N = W . N = 0 identically, no zero
 of C' or W in [0, 1], l > 0 and |lambda| < 1; an exact blend is also looked at itself, from its components.
 Ellipses in closed form have rounded vectors; what that does is bounded for all s.  For other numeric data the
 greatest angle between the two tangent planes is measured.
+
+Sense: open exact curves run the same way if their chords make an acute angle; where that agrees with what was found
+in aligning them, it is the proof.  Otherwise the finding, by samples of the curves, is a measurement.
 
 Regularity: exact blends by `pas.parametric.regularity`.  Else along many generatrices for all t at once: the
 normal is a polynomial in t of degree 2m - 1, whose Bernstein coefficients must be on one side of a plane
@@ -24,7 +27,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
+from pas.algebra.rational import dot, rational
 from pas.bernstein.signs import Status
 from pas.generatrix.align import alignment
 from pas.generatrix.crossings import crossings
@@ -44,6 +49,9 @@ FINE = (160, 40)
 
 GENERATRICES, DEEP = 256, 8
 """Generatrices along which the normal is examined, and halvings of t."""
+
+TILTED, APART = 1e-3, 1e-6
+"""Degrees between tangent planes, and distance of the curves over their size, above which a contact fails."""
 
 SMALL = 1e-9
 """Angle up to which a bound is as good as contact; larger ones come from badly scaled data, which are measured."""
@@ -133,17 +141,21 @@ def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdic
     s = np.linspace(0.0, 1.0, SAMPLES)
     places = np.stack([s, np.full(SAMPLES, float(number))], axis=-1)
     sines = np.linalg.norm(np.cross(blend.surface.normals(places), boundary.normals(s)), axis=-1)
-    gaps = np.linalg.norm(blend.surface(places) - boundary(s), axis=-1)
+    gaps = lengths(blend.surface(places) - boundary(s))
+    if not (np.isfinite(sines).all() and np.isfinite(gaps).all()):
+        i = int(np.flatnonzero(~np.isfinite(sines + gaps))[0])
+        return Verdict(Status.UNDECIDED, claim, f"numeric data; at s = {s[i]:.5g} the blend has no tangent plane")
     worst = float(np.degrees(np.arcsin(min(1.0, float(sines.max())))))
     reason = (
-        f"numeric data, measured at {SAMPLES} points: the tangent planes differ by {worst:.1e} degrees at most, the "
+        f"numeric data, at {SAMPLES} points: the tangent planes differ by {worst:.1e} degrees at most, the "
         f"curves by {gaps.max():.1e}"
     )
-    if worst > 1e-3:
-        i = int(sines.argmax())
+    extent = float(np.ptp(boundary(s), axis=0).max())
+    if worst > TILTED or gaps.max() > APART * extent:
+        i = int(sines.argmax() if worst > TILTED else gaps.argmax())
         x, y, z = map(float, boundary(s[i]))
-        return Verdict(Status.REFUTED, claim, reason, (x, y, z))
-    return Verdict(Status.UNDECIDED, claim, reason)
+        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))
+    return Verdict(Status.HOLDS_MEASURED, claim, reason)
 
 
 def sense_verdict(blend: GeneratrixBlend) -> Verdict:
@@ -151,13 +163,31 @@ def sense_verdict(blend: GeneratrixBlend) -> Verdict:
     # judged anew of the curves as they run now, since a blend from a file brings its own alignment
     found = alignment(*blend.boundaries, blend.frames.signs, turn=False)
     claim = "the two curves run the same way"
+    same = _chords_agree(blend)
+    proof = (
+        ""
+        if same is None or same is found.opposed
+        else f"their chords make {'an acute' if same else 'an obtuse'} angle"
+    )
     if found.opposed:
-        reason = f"{found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
-        return Verdict(Status.REFUTED, claim, reason)
-    reason = found.reason + ("; the second was reversed" if blend.alignment.reversed else "")
-    if blend.surface.is_exact:  # rounding is far below the margin by which directions are told apart
-        return Verdict(Status.PROVED, claim, reason)
-    return Verdict(Status.UNDECIDED, claim, f"measured: {reason}")
+        reason = (
+            f"{proof or found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
+        )
+        return Verdict(Status.REFUTED if proof else Status.FAILS_MEASURED, claim, reason)
+    reason = (proof or found.reason) + ("; the second was reversed" if blend.alignment.reversed else "")
+    return Verdict(Status.PROVED if proof else Status.HOLDS_MEASURED, claim, reason)
+
+
+def _chords_agree(blend: GeneratrixBlend) -> bool | None:
+    """Whether the chords of two open exact curves make an acute angle (exactly); None where that says nothing."""
+    chords = []
+    for boundary in blend.boundaries:
+        if boundary.closed or boundary.exact is None:
+            return None
+        start, end = (1, 0) if boundary.backwards else (0, 1)
+        chords.append([rational(c.at(end, 0)) - rational(c.at(start, 0)) for c in boundary.exact.curve])
+    product = dot(*chords)
+    return None if product == 0 else bool(product > 0)
 
 
 def regular_verdict(blend: GeneratrixBlend) -> Verdict:
@@ -165,30 +195,32 @@ def regular_verdict(blend: GeneratrixBlend) -> Verdict:
     claim = "regular"
     if blend.surface.is_exact:
         exact = regularity(blend.surface, EXACT_EFFORT)
-        if exact.status is not Status.UNDECIDED:
+        if exact.status in (Status.PROVED, Status.REFUTED):
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
     s = blend.frames.parameters(GENERATRICES)
     controls, slopes = blend.frames.controls(blend.shape, s)
-    forms = _normal_forms(controls, slopes)
+    forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
     settled, place = _avoid_origin(forms)
     points, normals = blend.frames.sheet(blend.shape, (GENERATRICES, 33))
-    lengths = np.linalg.norm(normals, axis=-1)
+    if not (np.isfinite(points).all() and np.isfinite(forms).all()):
+        return Verdict(Status.UNDECIDED, claim, "the blend is not finite on all generatrices tried; change l1, l2")
+    sizes = np.linalg.norm(normals, axis=-1)
     turn = _largest_turn(normals, blend.closed)
     if not settled.all():
         i = int(np.flatnonzero(~settled)[0])
         x, y, z = map(float, blend.surface([s[i], place[i]]))
         where = f"s = {s[i]:.5g}, t = {place[i]:.5g}"
-        reason = f"measured: the normal vanishes (to {DEEP} halvings of t) near {where}; change l1, l2"
-        return Verdict(Status.REFUTED, claim, reason, (x, y, z))
-    smallest = float(lengths.min() / np.median(lengths))
+        reason = f"the normal vanishes (to {DEEP} halvings of t) near {where}; change l1, l2"
+        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))
+    smallest = float(sizes.min() / np.median(sizes))
     measured = (
-        f"numeric data, measured: on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
+        f"on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
         f"{smallest:.2g} of the median, and between neighbours it turns by {turn[0]:.3g} degrees at most"
     )
     if turn[0] >= 90.0:
         x, y, z = map(float, points[turn[1]])
-        return Verdict(Status.REFUTED, claim, measured + ": the blend folds over; change l1, l2", (x, y, z))
-    return Verdict(Status.UNDECIDED, claim, measured)
+        return Verdict(Status.FAILS_MEASURED, claim, measured + ": the blend folds over; change l1, l2", (x, y, z))
+    return Verdict(Status.HOLDS_MEASURED, claim, measured)
 
 
 def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
@@ -257,20 +289,18 @@ def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verd
     pairs, places = crossings(mesh.points, mesh.triangles)
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):
-        return Verdict(Status.UNDECIDED, claim, f"measured, not proved: on {on} no triangles cross", measure=len(pairs))
+        return Verdict(Status.HOLDS_MEASURED, claim, f"on {on} no triangles cross")
     found = _double_point(blend, mesh.triangles, pairs, size)
     if found is None:
         x, y, z = map(float, places[0])
-        reason = (
-            f"measured: on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
-        )
-        return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
+        reason = f"on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
+        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z), len(pairs))
     (s, t, u, v), (x, y, z), gap = found
     reason = (
-        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}, measured; {len(pairs)} pairs of triangles cross on "
+        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}; {len(pairs)} pairs of triangles cross on "
         f"{on}; shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
     )
-    return Verdict(Status.REFUTED, claim, reason, (x, y, z), len(pairs))
+    return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z), len(pairs))
 
 
 def _double_point(
@@ -290,7 +320,7 @@ def _double_point(
         places[..., 0] = places[..., 0] % 1.0 if blend.closed else np.clip(places[..., 0], 0.0, 1.0)
         places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
     points = blend.surface(places)
-    gaps = np.linalg.norm(points[:, 0] - points[:, 1], axis=-1)
+    gaps = lengths(points[:, 0] - points[:, 1])
     extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
     apart = np.abs(places[:, 0] - places[:, 1])
     apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if blend.closed else apart[:, 0]

@@ -55,6 +55,9 @@ class ParametricBlend:
     surface: ParametricSurface
     weights: Weights | None = None
 
+    def __post_init__(self) -> None:
+        check_order(self.order)
+
     def all_solutions(self) -> ParametricSolutions:
         """Every rational blend of these data and this order: `surface + W (R1, R2, R3)`."""
         return ParametricSolutions(self.data, self.order, self.surface, polynomial=False)
@@ -151,7 +154,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
 
 def _surface(data: BlendingData, values: Values, source: Any) -> ParametricSurface:
     reason = next((f"surfaces[{i}]: {s.inexact}" for i, s in enumerate(data.surfaces) if not s.is_exact), "")
-    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.domain, reason)
+    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.ends, reason)
 
 
 def _weighted_values(data: BlendingData, weights: Weights) -> Values:

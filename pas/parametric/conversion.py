@@ -6,12 +6,13 @@ denominator has no zero they become positive (Farouki and Rajan 1988 on converge
 
 Guaranteed: `bezier_patches` are the surface, identically.  `fit_patch` of an exact surface is certified: S being the
 B-spline and N / D the surface, the Bernstein coefficients of N - D S over the least of D's bound the distance on each
-rectangle between knots (up to rounding, some 1e-12 of the coordinates).  For other surfaces the distance is measured
-at DENSE points for each of these and each parameter.
+rectangle between knots, and rounding is counted in.  For other surfaces the distance is measured at DENSE points for
+each of these and each parameter.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -22,17 +23,26 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import check_tolerance
+from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float, to_fraction
+from pas.algebra.rational import exact, plain, rational, to_float, to_fraction
+from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.parametric.meshing import RELATIVE, extent, finite_domain
-from pas.parametric.nets import ExactNet, Rectangle, Table, exact_net, halved, product, rectangle_of
+from pas.parametric.framed import Framed
+from pas.parametric.meshing import RELATIVE, exact_rectangle
+from pas.parametric.nets import ExactNet, Nets, Table, exact_net, product
 from pas.parametric.patches import ExactControl, Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 
 HALVINGS = 16
 """Halvings after which a denominator without positive coefficients is taken to have a zero."""
+
+LIGHTEST = fmpq(1, 10**100)
+"""Weights from this to its inverse are left as they are; doubles hold them and their products."""
+
+PRODUCT = 256 * UNIT_ROUNDOFF
+"""Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
 
 DEGREE = 3
 """Of B-splines in both parameters."""
@@ -96,7 +106,9 @@ def bezier_patches(surface: ParametricSurface, domain: Any = None) -> tuple[Rati
                 f"{name} = {to_float((a + b) / 2):.6g}"
                 for name, (a, b) in zip(surface.parameters, net.rectangle, strict=True)
             )
-            raise GeometryError(f"the surface has a pole or base point near {place}; give a domain that avoids it")
+            raise GeometryError(
+                f"the surface has, or nearly has, a pole or base point near {place}; give a domain that avoids it"
+            )
         splits = [_split(net, axis) for axis in (0, 1)]
         best = max(splits, key=lambda halves: min(_least(half) for half in halves))
         pending += [(half, depth + 1) for half in reversed(best)]
@@ -127,45 +139,58 @@ def fit_patch(surface: ParametricSurface | HasSurface, tolerance: Any = None, do
     Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
     """
     whole = surface_of(surface)
-    rectangle = finite_domain(whole, domain)
-    bounded = whole.with_domain(rectangle)
-    aim = RELATIVE * extent(bounded) if tolerance is None else check_tolerance(tolerance)
-    spans = [_spans(bounded, axis, aim * SHARE) for axis in (0, 1)]
+    rectangle = exact_rectangle(whole, domain)
+    framed = Framed.of(whole.with_domain(rectangle))
+    aim = RELATIVE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
+    nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
+    spans = [_spans(framed.surface, axis, aim * SHARE) for axis in (0, 1)]
     while True:
-        knots, points = _interpolated(bounded, spans)
-        deviation = _bound(bounded, knots, points) if bounded.is_exact else _compared(bounded, knots, points)
-        if deviation <= aim:
-            return FittedPatch(points, np.ones(points.shape[:2]), knots, None, deviation, bounded.is_exact)
+        knots, points = _interpolated(framed.surface, spans)
+        outer = tuple(_outer(k, e) for k, e in zip(knots, rectangle, strict=True))
+        away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, outer)
+        deviation = framed.outside(away)
+        if away <= aim:
+            ends, control = (outer[0].knots, outer[1].knots), framed.points_outside(points)
+            return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
         if max(spans) >= MOST:
             raise GeometryError(
-                f"the tolerance {aim:.3g} needs more than {MOST} spans; {deviation:.2g} is reached with "
-                f"{spans[0]} x {spans[1]}; fit parts of the surface, or give a larger tolerance"
+                f"the tolerance {framed.outside(aim):.3g} needs more than {MOST} spans; {deviation:.2g} is reached "
+                f"with {spans[0]} x {spans[1]}; fit parts of the surface, or give a larger tolerance"
             )
         spans = [2 * s for s in spans]
 
 
-def exact_rectangle(surface: ParametricSurface, domain: Any) -> Rectangle:
-    """The rectangle to convert: rational numbers as they are given, completed by the surface's own domain."""
-    rounded = rectangle_of(finite_domain(surface, domain))
-    result = []
-    for axis, (low, high) in enumerate(rounded):
-        given = None if domain is None else domain[axis]
-        ends = (None, None) if given is None else given
-        first, last = (own if end is None else rational(end) for end, own in zip(ends, (low, high), strict=True))
-        result.append((first, last))
-    return result[0], result[1]
-
-
 def _patch(net: ExactNet) -> RationalPatch:
-    weights = np.array([[to_fraction(w) for w in row] for row in net.below], dtype=object)
+    scale = _weight_scale(net)
+    weights = np.array([[to_fraction(w / scale) for w in row] for row in net.below], dtype=object)
     points = np.empty((*weights.shape, 3), dtype=object)
     for axis, table in enumerate(net.tops):
         for i, (row, below) in enumerate(zip(table, net.below, strict=True)):
             points[i, :, axis] = [to_fraction(c / w) for c, w in zip(row, below, strict=True)]
     ends = np.array([[to_fraction(e) for e in interval] for interval in net.rectangle], dtype=object)
-    knots = tuple(np.repeat(e.astype(float), size) for e, size in zip(ends, weights.shape, strict=True))
+    knots = tuple(np.repeat(e, size) for e, size in zip(_doubles(ends), weights.shape, strict=True))
     exact = ExactControl(points, weights, ends)
-    return RationalPatch(points.astype(float), weights.astype(float), (knots[0], knots[1]), exact)
+    return RationalPatch(_doubles(points), _doubles(weights), (knots[0], knots[1]), exact)
+
+
+def _weight_scale(net: ExactNet) -> fmpq:
+    """What the weights are divided by: 1, or the greatest of them where doubles would not hold them as they are."""
+    weights = [w for row in net.below for w in row]
+    least, greatest = min(weights), max(weights)
+    if least / greatest < LIGHTEST:
+        raise GeometryError(
+            f"the weights of this patch differ by more than a factor of {to_float(1 / LIGHTEST):.0e}; convert a part "
+            "of the domain where the denominators vary less"
+        )
+    return fmpq(1) if least > LIGHTEST and greatest < 1 / LIGHTEST else greatest
+
+
+def _doubles(numbers: Any) -> Floats:
+    """An array of fractions in doubles; raises `GeometryError` where one is beyond their range."""
+    found = np.vectorize(lambda x: to_float(rational(x)), otypes=[float])(numbers)
+    if not np.isfinite(found).all():
+        raise GeometryError("a control point is beyond the range of doubles (1.8e308); scale the surface")
+    return np.asarray(found)
 
 
 def _split(net: ExactNet, axis: int) -> tuple[ExactNet, ExactNet]:
@@ -264,29 +289,53 @@ def _compared(surface: ParametricSurface, knots: Knots, points: Floats) -> float
     return worst
 
 
-def _bound(surface: ParametricSurface, knots: Knots, points: Floats) -> float:
-    """The greatest coefficient of N - D S over the least of D's, over all rectangles between knots."""
-    nets = exact_net(surface, rectangle_of(surface.domain)).rounded[None]
+@dataclass(frozen=True)
+class _Outer:
+    """Knots in the surface's own parameter, rounded, and by what share of their distance that moves them at most."""
+
+    knots: Floats
+    moved: float
+
+
+def _outer(knots: Floats, interval: tuple[fmpq, fmpq]) -> _Outer:
+    low, high = interval
+    true = [low + (high - low) * exact(k) for k in knots]
+    rounded = np.array([to_float(k) for k in true])
+    spans = len(knots) - 2 * DEGREE - 1
+    worst = max(abs(exact(r) - k) for r, k in zip(rounded, true, strict=True))
+    return _Outer(rounded, to_float(worst * spans / (high - low)))
+
+
+def _bound(nets: Nets, knots: Knots, points: Floats, outer: Sequence[_Outer]) -> float:
+    """The greatest coefficient of N - D S over the least of D's, over all rectangles between knots, and rounding.
+
+    Knots that move by a share e of their distance change each of de Boor's weights by 3 e at most, and the spline by
+    3 DEGREE e times the greatest step between control points (here taken twice).
+    """
     first, second = (_extraction(k) for k in knots)
     strips = _spread(nets, 0, len(first))
     worst = 0.0
-    for number, strip in enumerate(strips):
+    for number in range(len(strips)):
         checkpoint("bounding the distance of a B-spline", number / len(strips))
-        cells = _spread(strip[None], 1, len(second))
+        cells = _spread(strips.part([number]), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
-        weights = cells[..., 3:]
-        least = weights.min(axis=(1, 2, 3))
+        tops, weights = cells.table[..., :3], cells.table[..., 3:]
+        least = weights.min(axis=(1, 2, 3)) - cells.off
         if not (least > 0).all():
             return float("inf")
-        errors = product(cells[..., :3], np.ones((1, DEGREE + 1, DEGREE + 1, 1))) - product(weights, pieces)
-        worst = max(worst, float((np.linalg.norm(errors, axis=-1).max(axis=(1, 2)) / least).max()))
-    return worst
+        errors = product(tops, np.ones((1, DEGREE + 1, DEGREE + 1, 1))) - product(weights, pieces)
+        far = 1.0 + np.abs(pieces).max(axis=(1, 2, 3))
+        slack = 2 * far * (cells.off + PRODUCT * np.abs(cells.table).max(axis=(1, 2, 3)))
+        worst = max(worst, float(((lengths(errors).max(axis=(1, 2)) + slack) / least).max()))
+    steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
+    return worst + sum(6 * DEGREE * o.moved * step for o, step in zip(outer, steps, strict=True))
 
 
-def _spread(nets: Floats, axis: int, count: int) -> Floats:
+def _spread(nets: Nets, axis: int, count: int) -> Nets:
     """A net over `count` (a power of 2) equal parts of its interval, in order."""
     while len(nets) < count:
-        nets = np.stack(halved(nets, axis), axis=1).reshape(-1, *nets.shape[1:])
+        order = np.arange(2 * len(nets)).reshape(2, -1).T.ravel()
+        nets = nets.halves(axis).part(order)
     return nets
 
 

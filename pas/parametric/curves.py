@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.inputs import check_derivative
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.parametric.callables import component
@@ -79,7 +80,7 @@ class SurfaceCurve:
 
     def tangents(self, s: Any) -> Floats:
         """Unit tangents at `s` (...): (..., 3); nan where the curve stops."""
-        return _unit(self.derivative(s))
+        return unit(self.derivative(s))
 
     def normals(self, s: Any) -> Floats:
         """The surface's unit normals along the curve at `s` (...): (..., 3)."""
@@ -87,7 +88,7 @@ class SurfaceCurve:
 
     def across(self, s: Any) -> Floats:
         """Unit vectors in the tangent plane across the curve, normal x tangent, at `s` (...): (..., 3)."""
-        return _unit(np.cross(self.normals(s), self.tangents(s)))
+        return unit(np.cross(self.normals(s), self.tangents(s)))
 
 
 def iso_curve(surface: ParametricSurface, t: Any = None, h: Any = None) -> SurfaceCurve:
@@ -116,8 +117,3 @@ def _of_two(expression: Any) -> Any:
     ):
         return lambda s, _: expression(s)
     return expression
-
-
-def _unit(vectors: Floats) -> Floats:
-    with np.errstate(all="ignore"):
-        return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

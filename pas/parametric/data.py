@@ -21,8 +21,10 @@ from flint import fmpq, fmpq_poly
 from pas.algebra.inputs import MOST_SURFACES
 from pas.algebra.rational import plain, to_float, to_fraction
 from pas.errors import GeometryError
+from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.hermite import distinct
 from pas.parametric.rational_function import ONE, RationalFunction
+from pas.parametric.roots import real_roots
 from pas.parametric.series import taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
@@ -101,13 +103,23 @@ class BlendingData:
         return all(surface.is_exact for surface in self.surfaces)
 
     @property
-    def domain(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest."""
-        low = max(surface.domain[0][0] for surface in self.surfaces)
-        high = min(surface.domain[0][1] for surface in self.surfaces)
-        if not low < high:
-            raise GeometryError(f"the domains of the surfaces have no t in common (from {low:.6g} to {high:.6g})")
-        return (low, high), (to_float(min(self.values)), to_float(max(self.values)))
+    def ends(self) -> ExactDomain:
+        """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest; exact."""
+        lows, highs = ([s.ends[0][side] for s in self.surfaces] for side in (0, 1))
+        low, high = (
+            max((e for e in lows if e is not None), default=None),
+            min((e for e in highs if e is not None), default=None),
+        )
+        if low is not None and high is not None and not low < high:
+            raise GeometryError(
+                f"the domains of the surfaces have no t in common (from {float(low):.6g} to {float(high):.6g})"
+            )
+        return (low, high), (to_fraction(min(self.values)), to_fraction(max(self.values)))
+
+    @property
+    def domain(self) -> Domain:
+        """The same in doubles."""
+        return read_domain(self.ends, self.surfaces[0].parameters)[0]
 
     @property
     def degrees(self) -> tuple[int, ...]:
@@ -217,14 +229,6 @@ def _isolated(
                 text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
                 found.append(IsolatedPoint(number, axis, root, value, text, kind))
     return sorted(found, key=lambda p: p.t)
-
-
-def real_roots(polynomial: fmpq_poly) -> list[float]:
-    """The distinct real roots, in order (isolated with certainty, then rounded)."""
-    if polynomial.degree() < 1:
-        return []
-    pairs: Any = polynomial.complex_roots()
-    return sorted(float(root.real) for root, _ in pairs if root.imag == 0)
 
 
 def _samples(surface: ParametricSurface) -> list[float]:

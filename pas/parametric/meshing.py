@@ -7,8 +7,9 @@ parameters: B differs by q/4 from its own linear interpolant (the variance of a 
 and both this and B miss P by e.  That holds whatever points of its sides a cell shares with smaller neighbours.
 
 Guaranteed: for exact surfaces e is a bound, the greatest Bernstein coefficient of the numerator of P - B over the
-least weight (up to rounding, some 1e-12 of the coordinates).  For others it is measured at SAMPLES^2 points a cell;
-features between these are missed.  Sides that close up share their vertices, sides and lines that shrink to a point
+least weight, and rounding is counted in, that of the vertices too.  For others it is measured at points of each cell;
+features between these are missed.  All is done in the surface's own frame (`framed`), so that neither its units nor
+those of the parameters matter.  Sides that close up share their vertices, sides and lines that shrink to a point
 have one vertex, no triangle has two equal vertices, and triangles are oriented along dP/dt x dP/dh.  Not
 guaranteed: that the surface does not pass through itself.
 """
@@ -16,7 +17,6 @@ guaranteed: that the surface does not pass through itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,24 +24,22 @@ import numpy as np
 
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
+from pas.algebra.rational import rational
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers, TriangleMesh
 from pas.mesh.triangulate import MeshError
-from pas.parametric.nets import exact_net, halved, product, rectangle_of
-from pas.parametric.tiling import GRID, assemble
+from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
+from pas.parametric.domain import Domain
+from pas.parametric.framed import Framed
+from pas.parametric.nets import Nets, Rectangle, exact_net
+from pas.parametric.tiling import GRID, SEAM, Placing, assemble
 
 if TYPE_CHECKING:
-    from pas.parametric.surface import Domain, ParametricSurface
+    from pas.parametric.surface import ParametricSurface
 
 RELATIVE = 1e-3
 """The tolerance over the surface's extent where none is given."""
-
-SAMPLES = 5
-"""Points a side of a cell at which a surface that is not exact is compared."""
-
-SAFETY = 1.1
-"""On what is measured at them: of a parabola they may miss a sixteenth."""
 
 FIRST = 3
 """Halvings each way before anything measured is believed."""
@@ -55,15 +53,15 @@ DEEPEST = 40
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
 
-HIGHEST = 3000
-"""Bernstein coefficients of one coordinate up to which bounds are worked out; above, they are measured."""
+HIGHEST, LONGEST = 3000, 500
+"""Bernstein coefficients of one coordinate, and of these along one parameter, up to which bounds are worked out; above,
+they are measured."""
+
+ROUNDED = 1 + 2.0**-40
+"""On a sum of bounds, for its own rounding."""
 
 BATCH = 1 << 21
 """Numbers held in one batch of cells."""
-
-Nets = Floats
-Look = Callable[[Floats, Integers], tuple[Floats, Floats]]
-"""From nets and cells to the errors P - B (C, a, b, 3), first and last rows on the sides, and corners (C, 2, 2, 3)."""
 
 
 @dataclass(frozen=True)
@@ -86,18 +84,46 @@ class ParametricMesh(TriangleMesh):
 
 def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
     """The mesh of a surface over its domain, or another; see `ParametricSurface.mesh`."""
-    rectangle = finite_domain(surface, domain)
-    bounded = surface.with_domain(rectangle)
-    size = extent(bounded)
-    tolerance = RELATIVE * size if tolerance is None else check_tolerance(tolerance, size)
-    net = exact_net(bounded, rectangle_of(rectangle)).rounded if bounded.is_exact else None
-    certified = net is not None and net[..., 0].size <= HIGHEST
-    if net is not None and certified:
-        leaves, worst = _leaves(net[None], _bounded, tolerance, bounded)
+    rectangle = exact_rectangle(surface, domain)
+    framed = Framed.of(surface.with_domain(rectangle))
+    wanted = (
+        RELATIVE * framed.size
+        if tolerance is None
+        else framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
+    )
+    welding = min(SEAM * framed.size, wanted / 16)
+    aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
+    nets = _nets(framed, rectangle)
+    look: Looking
+    place: Placing
+    if nets is None:
+        look, place = measured(framed.surface), surface_points(framed.surface)
     else:
-        leaves, worst = _leaves(np.zeros((1, 1, 1, 4)), _measured(bounded), tolerance, bounded)
-    points, triangles, normals, parameters = assemble(bounded, leaves, size)
-    return ParametricMesh(points, triangles, normals, parameters, worst, certified)
+        look, place = bounded, NetPoints(framed, nets.table[0], welding)
+    leaves, worst = _leaves(nets, look, aim, framed)
+    tiles = assemble(framed.surface, leaves, place, framed.size)
+    if not len(tiles.triangles):
+        raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
+    deviation = framed.outside((worst + tiles.away) * ROUNDED)
+    if tiles.away > wanted - worst:
+        raise MeshError(too_fine(framed.outside(wanted)))
+    return ParametricMesh(
+        framed.points_outside(tiles.points),
+        tiles.triangles,
+        tiles.normals,
+        framed.parameters_outside(tiles.shares),
+        deviation,
+        nets is not None,
+    )
+
+
+def _nets(framed: Framed, rectangle: Rectangle) -> Nets | None:
+    """The net of an exact surface that is not too large to work with."""
+    if not framed.bounded.is_exact:
+        return None
+    exact = exact_net(framed.bounded, rectangle)
+    sides = len(exact.below), len(exact.below[0])
+    return exact.rounded(framed.unit) if sides[0] * sides[1] <= HIGHEST and max(sides) <= LONGEST else None
 
 
 def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
@@ -110,7 +136,7 @@ def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
     result = []
     for name, own, (low, high) in zip(surface.parameters, surface.domain, given, strict=True):
         ends = own[0] if math.isinf(low) else low, own[1] if math.isinf(high) else high
-        if not (math.isfinite(ends[0]) and math.isfinite(ends[1])):
+        if not math.isfinite(ends[1] - ends[0]):
             raise ValueError(
                 f"the domain of {name} is infinite ({ends[0]:g} to {ends[1]:g}); "
                 f"give a finite one, such as domain={_example(surface)}"
@@ -124,15 +150,14 @@ def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
     return result[0], result[1]
 
 
-def extent(surface: ParametricSurface) -> float:
-    """The longest side of the box around a few points of a surface on a finite domain."""
-    t, h = (np.linspace(low, high, 17) for low, high in surface.domain)
-    points = surface.on_grid(t, h).reshape(-1, 3)
-    points = points[np.isfinite(points).all(axis=1)]
-    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    if not 0 < size < math.inf:
-        raise GeometryError("the surface is a single point, or has no finite points, on this domain")
-    return size
+def exact_rectangle(surface: ParametricSurface, domain: Any = None) -> Rectangle:
+    """The same in exact numbers, as they are given."""
+    finite_domain(surface, domain)
+    result = []
+    for own, given in zip(surface.ends, surface.with_domain(domain).ends, strict=True):
+        lows, highs = ([rational(e[side]) for e in (own, given) if e[side] is not None] for side in (0, 1))
+        result.append((max(lows), min(highs)))  # a double given for an end may lie outside by its rounding
+    return result[0], result[1]
 
 
 def _example(surface: ParametricSurface) -> str:
@@ -140,7 +165,7 @@ def _example(surface: ParametricSurface) -> str:
     return f"({', '.join(sides)})"
 
 
-def _leaves(nets: Nets, look: Look, tolerance: float, surface: ParametricSurface) -> tuple[Integers, float]:
+def _leaves(nets: Nets | None, look: Looking, aim: float, framed: Framed) -> tuple[Integers, float]:
     """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound."""
     pending = [(nets, np.array([[0, GRID, 0, GRID]]), 0)]
     leaves: list[Integers] = []
@@ -149,37 +174,27 @@ def _leaves(nets: Nets, look: Look, tolerance: float, surface: ParametricSurface
         nets, cells, depth = pending.pop()
         checkpoint(f"meshing a surface ({count} cells)")
         with np.errstate(all="ignore"):
-            bounds, axes = _judged(*look(nets, cells))
-        if look is not _bounded and depth < 2 * FIRST:
+            seen = look(nets, cells)
+            bounds, axes = seen.judged
+        if nets is None and depth < 2 * FIRST:
             bounds[:] = math.inf
         axes[~np.isfinite(bounds)] = depth % 2
-        good = bounds <= tolerance
+        good = bounds <= aim
         leaves.append(cells[good])
         worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
         if good.all():
             continue
-        _require_hope(bounds[~good], cells[~good], depth, count + len(cells), surface, tolerance)
+        if 2 * float(seen.least[~good].max(initial=0.0)) > aim:
+            raise MeshError(too_fine(framed.outside(aim)))
+        _require_hope(bounds[~good], cells[~good], depth, count + len(cells), framed, aim)
         for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile
             rest = np.flatnonzero(~good & (axes == axis) & (np.isfinite(bounds) == finite))
-            step = max(1, BATCH // max(1, nets[0].size * 8))
+            step = max(1, BATCH // ((4 if nets is None else nets.table[0].size) * 8))
             for start in range(0, len(rest), step):
                 part = rest[start : start + step]
-                children = np.concatenate(halved(nets[part], axis)) if look is _bounded else nets[:1]
+                children = None if nets is None else nets.part(part).halves(axis)
                 pending.append((children, _halves(cells[part], axis), depth + 1))
     return np.concatenate(leaves), worst
-
-
-def _judged(errors: Floats, corners: Floats) -> tuple[Floats, Integers]:
-    """The bound 2 e + q/4 of each cell, and the axis across which to halve it."""
-    lengths = np.linalg.norm(errors, axis=-1)
-    twist = np.linalg.norm(corners[:, 0, 0] - corners[:, 0, 1] - corners[:, 1, 0] + corners[:, 1, 1], axis=-1)
-    largest = lengths.max(axis=(1, 2))
-    bounds = 2 * largest + twist / 4
-    along_t, along_h = lengths[:, :, [0, -1]].max(axis=(1, 2)), lengths[:, [0, -1]].max(axis=(1, 2))
-    sides = [np.linalg.norm(np.diff(corners, axis=axis), axis=-1).sum(axis=(1, 2)) for axis in (1, 2)]
-    clear = np.maximum(along_t, along_h) > np.maximum(largest / 2, twist / 8)
-    wider = np.where(clear, along_t < along_h, sides[0] < sides[1])
-    return np.where(np.isfinite(bounds), bounds, math.inf), wider.astype(np.intp)
 
 
 def _halves(cells: Integers, axis: int) -> Integers:
@@ -189,50 +204,21 @@ def _halves(cells: Integers, axis: int) -> Integers:
     return np.concatenate([left, right])
 
 
-def _bounded(nets: Nets, cells: Integers) -> tuple[Floats, Floats]:
-    """Of exact surfaces: coefficients of P - B over the least weight, infinite where that is not positive."""
-    points, weights = nets[..., :3], nets[..., 3:]
-    with np.errstate(all="ignore"):
-        corners = points[:, [0, 0, -1, -1], [0, -1, 0, -1]] / weights[:, [0, 0, -1, -1], [0, -1, 0, -1]]
-        corners = corners.reshape(-1, 2, 2, 3)
-        errors = product(points, np.ones((1, 2, 2, 1))) - product(weights, corners)
-        least = weights.min(axis=(1, 2), keepdims=True)
-        return np.where(least > 0, errors / least, math.inf), corners
+def too_fine(tolerance: float) -> str:
+    """That a tolerance cannot be met in doubles."""
+    return f"the tolerance {tolerance:.3g} is finer than doubles resolve on this surface; give a larger one"
 
 
-def _measured(surface: ParametricSurface) -> Look:
-    """Of other surfaces: P - B at points of each cell."""
-    share = np.linspace(0.0, 1.0, SAMPLES)
-    (low, high), (bottom, top) = surface.domain
-
-    def look(_: Nets, cells: Integers) -> tuple[Floats, Floats]:
-        places = cells / GRID
-        t, h = (places[:, i, None] * (1 - share) + places[:, i + 1, None] * share for i in (0, 2))
-        t, h = low + (high - low) * t[:, :, None], bottom + (top - bottom) * h[:, None, :]
-        points = np.stack(np.broadcast_arrays(t, h), axis=-1)
-        points[..., 0] = np.clip(points[..., 0], low, high)
-        points[..., 1] = np.clip(points[..., 1], bottom, top)
-        values = surface(points)
-        corners = values[:, [0, 0, -1, -1], [0, -1, 0, -1]].reshape(-1, 2, 2, 3)
-        hats = np.stack([1 - share, share])
-        errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, corners)
-        return np.where(np.isfinite(errors), SAFETY * errors, math.inf), np.nan_to_num(corners)
-
-    return look
-
-
-def _require_hope(
-    bounds: Floats, cells: Integers, depth: int, count: int, surface: ParametricSurface, tolerance: float
-) -> None:
+def _require_hope(bounds: Floats, cells: Integers, depth: int, count: int, framed: Framed, aim: float) -> None:
     """Raise the error that says why halving on would be in vain."""
     lost = cells if depth >= DEEPEST else cells[~np.isfinite(bounds)]
     if len(lost) and (depth >= LOST or count > LARGEST):
-        middles = [(lost[0, 2 * i] + lost[0, 2 * i + 1]) / (2 * GRID) for i in (0, 1)]
-        place = ", ".join(
-            f"{name} = {low + (high - low) * share:.6g}"
-            for name, share, (low, high) in zip(surface.parameters, middles, surface.domain, strict=True)
-        )
+        middle = np.array([(lost[0, 2 * i] + lost[0, 2 * i + 1]) / (2 * GRID) for i in (0, 1)])
+        values = framed.parameters_outside(middle)
+        place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(framed.bounded.parameters, values, strict=True))
         what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
         raise GeometryError(f"{what} near {place}; give a domain that avoids it")
     if count > LARGEST:
-        raise MeshError(f"the tolerance {tolerance:.3g} needs more than {2 * LARGEST} triangles; give a larger one")
+        raise MeshError(
+            f"the tolerance {framed.outside(aim):.3g} needs more than {2 * LARGEST} triangles; give a larger one"
+        )

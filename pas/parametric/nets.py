@@ -1,4 +1,4 @@
-"""Bernstein nets: polynomials and exact surfaces over rectangles, exact, and halved in doubles.
+"""Bernstein nets: polynomials and exact surfaces over rectangles, exact, and halved in doubles with bounds on rounding.
 
 Over [0, 1]^2 a polynomial has the coefficients b_ij = sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq in the
 basis B_i(u) B_j(v) and its values lie between them (Farin 2002, chapters 6 and 13).  A rational surface over one
@@ -11,17 +11,21 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational, to_float
+from pas.algebra.rational import to_float
+from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.parametric.rational_function import GENERATORS, ONE, RING, lcm
 
 if TYPE_CHECKING:
-    from pas.parametric.surface import Domain, ParametricSurface
+    from pas.parametric.surface import ParametricSurface
+
+SMALLEST = math.ulp(0.0)
+"""By which the smallest numbers err that doubles hold."""
 
 Table = list[list[fmpq]]
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
@@ -38,20 +42,44 @@ class ExactNet:
     below: Table
     rectangle: Rectangle
 
-    @property
-    def rounded(self) -> Floats:
-        """The net in doubles (m+1, n+1, 4), weights last, scaled to weights of at most 1."""
+    def rounded(self, unit: fmpq | int = 1) -> Nets:
+        """The net in doubles, scaled exactly to weights of at most 1, lengths over `unit`, as one cell."""
         scale = max(abs(w) for row in self.below for w in row)
-        return np.stack(
-            [np.array([[to_float(c / scale) for c in row] for row in table]) for table in (*self.tops, self.below)],
+        scales = (*(scale * unit,) * 3, scale)
+        tables = (*self.tops, self.below)
+        net = np.stack(
+            [
+                np.array([[to_float(c / s) for c in row] for row in table])
+                for table, s in zip(tables, scales, strict=True)
+            ],
             axis=-1,
         )
+        return Nets(net[None], np.array([UNIT_ROUNDOFF * np.abs(net).max() + SMALLEST]))
 
 
-def rectangle_of(domain: Domain) -> Rectangle:
-    """A finite domain as exact numbers."""
-    (a, b), (c, d) = domain
-    return (rational(a), rational(b)), (rational(c), rational(d))
+@dataclass(frozen=True)
+class Nets:
+    """Nets of cells in doubles (C, m+1, n+1, 4), weights last, and what any coefficient of a cell may be off by (C,).
+
+    Coefficients err by 2^-53 of the greatest of their cell when they are rounded, and halving, a product with weights
+    of sum 1, adds (n+3) times that, n the degree (Higham 2002, section 3.1).
+    """
+
+    table: Floats
+    off: Floats
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def part(self, chosen: Any) -> Nets:
+        """Some of the cells."""
+        return Nets(self.table[chosen], self.off[chosen])
+
+    def halves(self, axis: int) -> Nets:
+        """The first halves of all cells along a parameter, then the second ones."""
+        greatest = np.abs(self.table).max(axis=(1, 2, 3))
+        off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * greatest
+        return Nets(np.concatenate(halved(self.table, axis)), np.concatenate([off, off]))
 
 
 def exact_net(surface: ParametricSurface, rectangle: Rectangle) -> ExactNet:

@@ -77,7 +77,7 @@ class ParametricSolutions:
         reason = next((p.reason for p in parts if p.exact is None), "")
         exact = self.particular.is_exact and not reason
         return ParametricSurface.from_parts(
-            values, source if exact else None, names, self.particular.domain, reason or self.particular.inexact
+            values, source if exact else None, names, self.particular.ends, reason or self.particular.inexact
         )
 
     def coordinates(self, surface: ParametricSurface) -> Components | None:

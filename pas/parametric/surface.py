@@ -11,7 +11,6 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -22,11 +21,13 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import check_derivative
+from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, plain, rational, to_float, vector
+from pas.algebra.rational import Vector, plain, to_float, vector
 from pas.limits import checkpoint
 from pas.parametric.callables import Values, component, from_derivatives
+from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.expressions import Names, as_text
 from pas.parametric.horner import Bundle
 from pas.parametric.jets import Jet, variables
@@ -37,9 +38,6 @@ if TYPE_CHECKING:
     from pas.parametric.meshing import ParametricMesh
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
-Interval = tuple[float, float]
-Domain = tuple[Interval, Interval]
-PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
 CHUNK = 1 << 14
 """Points evaluated at once: some dozen intermediate arrays of this length fit into the caches."""
@@ -52,7 +50,8 @@ class ParametricSurface:
     Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a
     number, or a callable of two numpy arrays.  It is exact where all three are rational functions
     with rational coefficients.  `domain` is a pair of closed intervals, `((0, 1), (None, 2))`,
-    None for an end at infinity; without it the domain is the whole plane.
+    None for an end at infinity; without it the domain is the whole plane.  It is kept in doubles,
+    and `ends` has the exact numbers, None for infinite ones.
 
     Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary
     functions, else by central differences (relative error about 1e-10 for the first, 1e-7 for the
@@ -64,6 +63,7 @@ class ParametricSurface:
 
     parameters: Names
     domain: Domain
+    ends: ExactDomain
     values: Values
     source: Callable[[], Components] | None
     inexact: str
@@ -202,10 +202,9 @@ class ParametricSurface:
 
     def normals(self, points: Any) -> Floats:
         """Unit normals, along dP/dt x dP/dh, at `points` (..., 2): (..., 3); nan where that is zero."""
-        tangents = self.tangents(points)
-        normal = np.cross(tangents[..., 0, :], tangents[..., 1, :])
+        tangents = scaled(self.tangents(points))
         with np.errstate(all="ignore"):
-            return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+            return unit(np.cross(tangents[..., 0, :], tangents[..., 1, :]))
 
     def at(self, t: Any, h: Any) -> tuple[Fraction, Fraction, Fraction]:
         """The exact point at rational parameters; raises `ValueError` at a pole."""
@@ -216,7 +215,7 @@ class ParametricSurface:
         """The exact partial derivative as a surface of its own."""
         orders = check_derivative(first, "first"), check_derivative(second, "second")
         x, y, z = (c.diff(*orders) for c in self.components)
-        return ParametricSurface(x, y, z, self.parameters, self.domain)
+        return ParametricSurface(x, y, z, self.parameters, self.ends)
 
     def implicit_residual(self, polynomial: Any) -> RationalFunction:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
@@ -256,16 +255,16 @@ class ParametricSurface:
 
         made = source if self.is_exact else None
         text = None if self.text is None else _moved_text(self.text, rows, shift)
-        return ParametricSurface.from_parts(values, made, self.parameters, self.domain, self.inexact, text)
+        return ParametricSurface.from_parts(values, made, self.parameters, self.ends, self.inexact, text)
 
     def with_domain(self, domain: Any) -> ParametricSurface:
         """The same surface on another domain."""
         return replace_domain(self, domain)
 
     def contains(self, value: fmpq, axis: int) -> bool:
-        """Whether a value of parameter number `axis` lies in the domain."""
+        """Whether a value of parameter number `axis` lies in the domain, as doubles go."""
         low, high = self.domain[axis]
-        return (math.isinf(low) or value >= rational(low)) and (math.isinf(high) or value <= rational(high))
+        return low <= to_float(value) <= high
 
     def __str__(self) -> str:
         if not self.is_exact:
@@ -327,7 +326,8 @@ def _fill(
     inexact: str,
     text: tuple[str, str, str] | None = None,
 ) -> None:
-    fields = {"parameters": parameters, "domain": _domain(domain, parameters), "values": values}
+    rounded, ends = read_domain(domain, parameters)
+    fields = {"parameters": parameters, "domain": rounded, "ends": ends, "values": values}
     for name, value in (fields | {"source": source, "inexact": inexact, "text": text}).items():
         object.__setattr__(surface, name, value)
 
@@ -354,26 +354,3 @@ def _names(parameters: Any) -> Names:
     if len(names) != 2 or names[0] == names[1] or not all(isinstance(n, str) and n.isidentifier() for n in names):
         raise ValueError(f"parameters must be two different names such as ('t', 'h'), not {parameters!r}")
     return names[0], names[1]
-
-
-def _domain(domain: Any, names: Names) -> Domain:
-    if domain is None:
-        return PLANE
-    if not hasattr(domain, "__len__") or len(domain) != 2:
-        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {domain!r}")
-    intervals = []
-    for name, given in zip(names, domain, strict=True):
-        interval = (None, None) if given is None else given
-        if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
-            raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {interval!r}")
-        low, high = (_end(end, sign, name) for end, sign in zip(interval, (-1, 1), strict=True))
-        if not low < high:
-            raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {interval!r}")
-        intervals.append((low, high))
-    return intervals[0], intervals[1]
-
-
-def _end(end: Any, sign: int, name: str) -> float:
-    if end is None or (isinstance(end, float) and math.isinf(end)):
-        return sign * math.inf
-    return to_float(rational(end, f"an end of the domain of {name}"))

@@ -1,4 +1,4 @@
-"""From rectangles of parameters of different sizes to triangles without gaps, seams and collapsed edges.
+"""From rectangles of the unit square of different sizes to triangles without gaps, seams and collapsed edges.
 
 A rectangle whose sides carry further vertices, of smaller neighbours, becomes a fan about its middle; any other is
 cut along its shorter diagonal.
@@ -6,15 +6,21 @@ cut along its shorter diagonal.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers, edge_table
 
 if TYPE_CHECKING:
     from pas.parametric.surface import ParametricSurface
+
+Placing = Callable[[Integers], tuple[Floats, Floats]]
+"""From places (N, 2) on the grid to points (N, 3) and what they may be off by (N,)."""
 
 GRID = 1 << 26
 """Steps of the finest grid each way, twice as fine as rectangles get, so that their middles are on it."""
@@ -34,33 +40,40 @@ INNER = 0.487
 """A place inside the domain, over its width, where lines of symmetry do not pass."""
 
 
-def assemble(surface: ParametricSurface, cells: Integers, size: float) -> tuple[Floats, Integers, Floats, Floats]:
-    """Points, triangles, normals and parameters for rectangles (C, 4) that fill the domain; `size` is the extent."""
+@dataclass(frozen=True)
+class Tiles:
+    """Points, triangles, normals and parameters in the unit square; `away`: how far vertices may be from P there."""
+
+    points: Floats
+    triangles: Integers
+    normals: Floats
+    shares: Floats
+    away: float
+
+
+def assemble(surface: ParametricSurface, cells: Integers, place: Placing, size: float) -> Tiles:
+    """Triangles for rectangles (C, 4) that fill the unit square, the domain of `surface`; `size` is its extent.
+
+    `place` gives the points at places of the grid.
+    """
     places, triangles = _triangles(surface, cells, [_closes(surface, axis, size) for axis in (0, 1)])
-    parameters = _parameters(surface, places)
-    points = surface(parameters)
-    same = _merged(points, triangles, places, surface, size)
+    points, off = place(places)
+    same = _merged(points, triangles, places, size)
     kept, first = np.unique(same, return_index=True)
     number = np.searchsorted(kept, same)
     triangles = number[triangles]
-    normals = _normals(surface, parameters, number, len(kept))
+    shares = places / GRID
+    normals = _normals(surface, shares, number, len(kept))
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return points[first], triangles, normals, parameters[first]
-
-
-def _parameters(surface: ParametricSurface, places: Integers) -> Floats:
-    low, high = np.array(surface.domain).T
-    return np.asarray(np.clip(low + (high - low) * (places / GRID), low, high))
+    away = float((lengths(points - points[first][number]) + off).max(initial=0.0))
+    return Tiles(points[first], triangles, normals, shares[first], away)
 
 
 def _closes(surface: ParametricSurface, axis: int, size: float) -> bool:
     """Whether the sides at both ends of a parameter are one curve."""
-    share = np.linspace(0.0, 1.0, 65)
-    low, high = surface.domain[1 - axis]
-    free = low + (high - low) * share
-    grid = (surface.domain[0], free) if axis == 0 else (free, surface.domain[1])
-    values = surface.on_grid(*grid)
+    ends, free = (0.0, 1.0), np.linspace(0.0, 1.0, 65)
+    values = surface.on_grid(ends, free) if axis == 0 else surface.on_grid(free, ends)
     first, last = (values[0], values[-1]) if axis == 0 else (values[:, 0], values[:, -1])
     return bool((np.abs(first - last) <= SEAM * size).all())
 
@@ -113,27 +126,29 @@ def _side(
 def _cut(surface: ParametricSurface, places: Integers, quads: Integers) -> Integers:
     if not len(quads):
         return np.empty((0, 3), dtype=np.intp)
-    p = surface(_parameters(surface, places[quads]))
+    p = surface(places[quads] / GRID)
     shorter = ((p[:, 0] - p[:, 2]) ** 2).sum(axis=-1) <= ((p[:, 1] - p[:, 3]) ** 2).sum(axis=-1)
     a, b = quads[shorter], quads[~shorter]
     return np.concatenate([a[:, [0, 1, 2]], a[:, [0, 2, 3]], b[:, [0, 1, 3]], b[:, [1, 2, 3]]])
 
 
-def _merged(points: Floats, triangles: Integers, places: Integers, surface: ParametricSurface, size: float) -> Integers:
+def _merged(points: Floats, triangles: Integers, places: Integers, size: float) -> Integers:
     """For each vertex the least number of those that are the same point: across seams and collapsed edges."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     edges = edge_table(triangles)[0]
-    pairs = [edges[np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1) <= COLLAPSED * size]]
+    pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= COLLAPSED * size]]
     order = np.argsort(places[:, 0] * ROW + places[:, 1])
     keys = (places[:, 0] * ROW + places[:, 1])[order]
     for axis in (0, 1):
-        if _closes(surface, axis, size):
-            start = np.flatnonzero(places[:, axis] == 0)
-            other = places[start].copy()
-            other[:, axis] = GRID
-            pairs.append(np.stack([start, order[np.searchsorted(keys, other[:, 0] * ROW + other[:, 1])]], axis=1))
+        start = np.flatnonzero(places[:, axis] == 0)
+        other = places[start].copy()
+        other[:, axis] = GRID
+        wanted = other[:, 0] * ROW + other[:, 1]
+        found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        if (keys[found] == wanted).all() and (np.abs(points[start] - points[order[found]]) <= SEAM * size).all():
+            pairs.append(np.stack([start, order[found]], axis=1))
     rows, columns = np.concatenate(pairs).T
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(points), len(points)))
     _, labels = connected_components(graph, directed=False)
@@ -142,21 +157,16 @@ def _merged(points: Floats, triangles: Integers, places: Integers, surface: Para
     return least[labels]
 
 
-def _normals(surface: ParametricSurface, parameters: Floats, number: Integers, count: int) -> Floats:
+def _normals(surface: ParametricSurface, shares: Floats, number: Integers, count: int) -> Floats:
     """Unit normals of the vertices after merging, as means of those before."""
-    tangents = surface.tangents(parameters)
-    cross = np.cross(tangents[:, 0], tangents[:, 1])
-    length = np.linalg.norm(cross, axis=1)
-    products = np.linalg.norm(tangents, axis=-1)
-    doubtful = ~(length > ASIDE * products.prod(axis=1)) | (products < ASIDE * np.nanmedian(products, axis=0)).any(
-        axis=1
-    )
+    tangents = surface.tangents(shares)
+    ways, sizes = scaled(tangents), lengths(tangents)
+    cross = np.cross(ways[:, 0], ways[:, 1])
+    doubtful = ~(lengths(cross) > ASIDE * lengths(ways).prod(axis=1))
+    doubtful |= (sizes < ASIDE * np.nanmedian(sizes, axis=0)).any(axis=1)
     if doubtful.any():
-        low, high = np.array(surface.domain).T
-        aside = parameters[doubtful] + ASIDE * (low + INNER * (high - low) - parameters[doubtful])
-        moved = surface.tangents(aside)
+        moved = scaled(surface.tangents(shares[doubtful] + ASIDE * (INNER - shares[doubtful])))
         cross[doubtful] = np.cross(moved[:, 0], moved[:, 1])
-    cross /= np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-300)
     total = np.zeros((count, 3))
-    np.add.at(total, number, np.nan_to_num(cross))
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
+    np.add.at(total, number, np.nan_to_num(unit(cross)))
+    return np.asarray(np.nan_to_num(unit(total)))

@@ -26,10 +26,10 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, shown, whole
 from pas.algebra.rational import plain, rational, to_float
-from pas.parametric.data import real_roots
 from pas.parametric.hermite import distinct
 from pas.parametric.jets import power
 from pas.parametric.rational_function import RationalFunction
+from pas.parametric.roots import roots_and_sides
 from pas.parametric.series import univariate
 
 
@@ -91,13 +91,13 @@ class Weights:
 
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
-        low, high = to_float(min(self.values)), to_float(max(self.values))
-        found, known = [], dict[str, list[float]]()
+        low, high = min(self.values), max(self.values)
+        found, known = [], dict[str, list[tuple[float, bool]]]()
         for i, f in enumerate(self.functions):
             key = str(f.denominator)
             if key not in known:  # normalised weights share theirs
-                known[key] = real_roots(_in_h(f))
-            found += [WeightPole(i, root, low < root < high) for root in known[key]]
+                known[key] = roots_and_sides(_in_h(f), low, high)
+            found += [WeightPole(i, root, inner) for root, inner in known[key]]
         return tuple(found)
 
     def __call__(self, h: Any) -> list[Any]:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.frames import connectivity
-from pas.generatrix.space import unit
 from pas.mesh.field import TriangleMesh
 from pas.parametric.surface import ParametricSurface
 

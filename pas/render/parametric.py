@@ -13,8 +13,10 @@ from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.field import TriangleMesh
 from pas.parametric.blends import ParametricBlend
-from pas.parametric.meshing import ParametricMesh, extent, finite_domain
-from pas.parametric.surface import Domain, ParametricSurface
+from pas.parametric.domain import Domain
+from pas.parametric.framed import extent
+from pas.parametric.meshing import ParametricMesh, finite_domain
+from pas.parametric.surface import ParametricSurface
 from pas.render.generatrix import generatrix_layers, sphere_layers
 from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
 

@@ -18,6 +18,7 @@ class Verdict:
     `claim` says what was to be proved, `reason` in words why it is so; `witness` is a point
     (x, y, z) where a refuted claim fails, None where there is no single such point.
     `measure` counts the simplices that branch and bound examined (0 for exact algebra alone).
+    A claim that was only measured is neither proved nor refuted, whatever the samples say: its status says so.
     """
 
     status: Status
@@ -30,6 +31,16 @@ class Verdict:
     def proved(self) -> bool:
         """Whether the claim holds beyond doubt."""
         return self.status is Status.PROVED
+
+    @property
+    def measured(self) -> bool:
+        """Whether the verdict rests on samples alone, so that it proves nothing either way."""
+        return self.status in (Status.HOLDS_MEASURED, Status.FAILS_MEASURED)
+
+    @property
+    def failed(self) -> bool:
+        """Whether the claim is refuted, or fails as measured."""
+        return self.status in (Status.REFUTED, Status.FAILS_MEASURED)
 
     def __bool__(self) -> bool:
         raise TypeError("a verdict is proved, refuted or undecided; ask for .proved or .status")
@@ -76,8 +87,13 @@ class Verdicts(ABC):
 
     @property
     def refuted(self) -> tuple[Verdict, ...]:
-        """The verdicts that failed."""
+        """The verdicts whose claim is false beyond doubt."""
         return tuple(v for v in self.verdicts if v.status is Status.REFUTED)
+
+    @property
+    def failed(self) -> tuple[Verdict, ...]:
+        """The verdicts whose claim is refuted, or fails as measured."""
+        return tuple(v for v in self.verdicts if v.failed)
 
     def __bool__(self) -> bool:
         raise TypeError("a certificate has several verdicts; ask for .proved or .refuted")

@@ -1,0 +1,45 @@
+"""Lengths and directions of vectors of any size that doubles hold.
+
+The squares of numbers below 1e-162 or above 1e154 leave the range of doubles; a scale by a power of two before
+squaring, which rounds nothing, keeps them in (Higham 2002, section 27.8).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+
+
+def lengths(vectors: Floats) -> Floats:
+    """Euclidean lengths along the last axis, (..., n) to (...); infinite or nan where a coordinate is."""
+    small, exponents = _scaled(vectors)
+    with np.errstate(all="ignore"):
+        return np.asarray(np.ldexp(np.sqrt((small * small).sum(axis=-1)), exponents))
+
+
+def unit(vectors: Floats) -> Floats:
+    """Vectors (..., n) made of length one; nan for zero vectors and ones that are not finite."""
+    small = scaled(vectors)
+    with np.errstate(all="ignore"):
+        return np.asarray(small / np.sqrt((small * small).sum(axis=-1, keepdims=True)))
+
+
+def scaled(vectors: Floats) -> Floats:
+    """The same directions, each vector times a power of two so that its greatest coordinate is in [1/2, 1)."""
+    return _scaled(vectors)[0]
+
+
+def exponent(numbers: Floats) -> int:
+    """The least e with all finite numbers below 2^e in absolute value; 0 where they are all zero."""
+    array = np.asarray(numbers, dtype=float)
+    return int(np.frexp(np.abs(array[np.isfinite(array)]).max(initial=0.0))[1])
+
+
+def _scaled(vectors: Floats) -> tuple[Floats, NDArray[np.intc]]:
+    """The scaled vectors, and the exponents of the powers of two taken out."""
+    array = np.asarray(vectors, dtype=float)
+    _, exponents = np.frexp(np.abs(array).max(axis=-1, initial=0.0))
+    with np.errstate(under="ignore"):
+        return np.ldexp(array, -exponents[..., None]), exponents
