@@ -32,7 +32,7 @@ from flint import fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, exact, to_floats
+from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
 from pas.surface.certificate import Certificate, Verdict
@@ -153,7 +153,7 @@ def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignR
 
 def _unused(surface: PiecewiseSurface, point: Floats) -> bool:
     """Whether a local point (3,) is beyond a clip that passes through the region."""
-    place = [exact(c) for c in point.tolist()]
+    place = exact_vector(point.tolist())
     return any(join.contact.clip.raw(*place) > 0 for join in surface.joins if not join.confined)
 
 
