@@ -93,6 +93,12 @@ def exact(value: float) -> fmpq:
     return fmpq(*float(value).as_integer_ratio())
 
 
+def exact_vector(values: Sequence[float]) -> Vector:
+    """Three doubles as the binary fractions that they are."""
+    x, y, z = map(exact, values)
+    return x, y, z
+
+
 def vector(value: Any, name: str = "vector") -> Vector:
     """Three exact rationals from any sequence of three numbers."""
     if isinstance(value, str) or not hasattr(value, "__len__"):

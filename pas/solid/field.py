@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import exact, to_float
+from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
 from pas.mesh.remesh import grouped
 from pas.solid.pieces import polynomials_of
@@ -42,10 +42,10 @@ class SolidField:
         seams: Sequence[tuple[Polynomial, Polynomial]],
         special_points: Floats,
     ) -> None:
-        center = tuple(exact(float(c)) for c in np.round(box.mean(axis=0), 6))
+        center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         extra: list[Function] = [f for pair in seams for f in pair]
-        self.program = Program(tree, center, scale, tuple(extra))  # type: ignore[arg-type]
+        self.program = Program(tree, center, scale, tuple(extra))
         self.box = self.program.local(box)
         self.special_points = self.program.local(special_points)
         self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]

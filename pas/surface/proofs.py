@@ -33,7 +33,7 @@ from flint import fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, to_floats, vector
+from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
 from pas.surface.certificate import Certificate, Verdict
@@ -154,8 +154,8 @@ def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignR
 
 def _unused(surface: PiecewiseSurface, point: Floats) -> bool:
     """Whether a local point (3,) is beyond a clip that passes through the region."""
-    exact = vector(point.tolist())
-    return any(join.contact.clip.raw(*exact) > 0 for join in surface.joins if not join.confined)
+    place = exact_vector(point.tolist())
+    return any(join.contact.clip.raw(*place) > 0 for join in surface.joins if not join.confined)
 
 
 def _where_used(surface: PiecewiseSurface, result: SignResult) -> SignResult:

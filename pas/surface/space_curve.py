@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, to_floats, vector
+from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded_forms
 from pas.bernstein.signs import Status, prove_apart, prove_positive
 from pas.partition.cells import Partition
@@ -92,7 +92,7 @@ class Curve:
         """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
         a common zero of f and d."""
         along_f, along_d, _ = _dual(_scaled(self.f).gradient(point[None]), _scaled(self.d).gradient(point[None]))
-        p, u, w = (vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
+        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
         a, b, c, e = (_moved(p, u, s, w, t) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
         f, d = self.f.raw, self.d.raw
         met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
