@@ -7,7 +7,7 @@ of the surface, which is not known beforehand: see `pas.fairing.exchange`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ class Margins:
     `sheet`: `grad f . (x - O) >= sheet * r * |x - O| / R` where `|f| <= band * r`, and `wall`: `f >= wall * r`, with
     r the smallest distance of a contact's tangent planes from the centre O (a pipe's radius), R the
     radius of the region and f of unit mean gradient on the contact curves; `alpha >= alpha` with mean 1.
+    `depth`: `f <= -depth * r` at O, so that the surface keeps away from the centre.
     `everywhere` asks the sheet condition at lattice points of all cells, not only near the surface.
     """
 
@@ -35,20 +36,18 @@ class Margins:
     wall: float
     alpha: float
     band: float
+    depth: float
     everywhere: bool = False
 
 
-LADDER = (
-    Margins(sheet=0.1, wall=0.03, alpha=0.05, band=0.005),
-    Margins(sheet=0.01, wall=0.003, alpha=0.005, band=0.0005),
-    Margins(sheet=0.1, wall=0.03, alpha=0.05, band=0.005, everywhere=True),
-    Margins(sheet=0.01, wall=0.003, alpha=0.005, band=0.0005, everywhere=True),
-)
+WIDE = Margins(sheet=0.1, wall=0.03, alpha=0.05, band=0.005, depth=0.1)
+SLIM = Margins(sheet=0.01, wall=0.003, alpha=0.005, band=0.0005, depth=0.01)
+LADDER = (WIDE, SLIM, replace(WIDE, everywhere=True), replace(SLIM, everywhere=True))
 """Tried in turn.  Asking the sheet condition only near the surface leaves the shape its freedom: the
 energy of the unequal GC^2 corner at degree 5 is 101, and 4923 with the condition everywhere.  Slim
 margins exist in lower degrees; the condition everywhere is safer where the exchange wanders."""
 
-SLIMMEST = LADDER[1]
+SLIMMEST = SLIM
 """What cannot be met with these margins cannot be met with any of the others."""
 
 
@@ -129,8 +128,8 @@ class Guard:
         self.radius = float(_lengths(surface.local.points).max())
 
     def initial(self, margins: Margins) -> Rows:
-        """Rows on lattices of the walls and the clip faces, and of the cells where these are asked for."""
-        rows = self.edges(EDGE_LATTICE, margins)
+        """Rows on lattices of the walls and the clip faces, at the centre, and of the cells where these are asked for."""
+        rows = self.edges(EDGE_LATTICE, margins) + self._depth(margins)
         if margins.everywhere:
             local = self.surface.local
             for number, cell in enumerate(local.cells):
@@ -150,6 +149,12 @@ class Guard:
             rows.append(alpha.rows(weights @ alpha.corners))
             at_least.append(margins.alpha)
         return Rows(np.concatenate(rows), np.repeat(at_least, len(weights)))
+
+    def _depth(self, margins: Margins) -> Rows:
+        """The row at the centre, if there is one; all pieces have the same value there."""
+        if self.surface.partition.center is None:
+            return Rows.none(self.basis.size)
+        return Rows(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
 
     def sheet(self, piece: int, points: Floats, margin: float) -> Rows:
         """Rows of the sheet condition at points (N, 3) of a piece."""
