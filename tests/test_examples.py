@@ -13,16 +13,16 @@ import pas
 
 CORNERS = ROOT / "examples/corners"
 ENERGIES = {
-    "equal_gc1": (3, 3, 38.04),
-    "equal_gc2": (4, 3, 84.68),
-    "equal_gc3": (6, 12, 71.28),
+    "equal_gc1": (3, 3, 38.66),
+    "equal_gc2": (4, 3, 85.58),
+    "equal_gc3": (6, 12, 71.44),
     "published_a": (3, 3, 24.365),
     "published_b": (3, 3, 465.28),
     "published_c": (3, 3, 11.328),
-    "published_proved": (3, 3, 22.82),
+    "published_proved": (3, 3, 23.20),
     "three_pipes": (6, 59, 14.70),
     "unequal_gc1": (4, 25, 20.63),
-    "unequal_gc2": (5, 10, 102.48),
+    "unequal_gc2": (5, 10, 102.34),
 }
 """Degree, dimension and energy of each problem file."""
 

@@ -104,7 +104,7 @@ def test_pyvista_mesh_has_normals():
 
 
 def test_surfaces_that_are_refuted_are_meshed_all_the_same():
-    good = solved(EQUAL, 1).surface
+    good = solved(UNEQUAL, 1).surface
     bubble = pas.Polynomial("(x - 1/20)^2 + y^2 + z^2 - 1/100")
     wrong = pas.PiecewiseSurface.from_polynomials(
         good.partition, good.contacts, 1, [c.polynomial * bubble for c in good.cells]
