@@ -19,7 +19,7 @@ from pas.algebra.zeros import RealZero
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
 from pas.solid.nearby import Nearby
-from pas.solid.reading import Leaf, Reading
+from pas.solid.reading import Reading
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -37,14 +37,14 @@ class Border:
 class Arc:
     """A point of the curve with the `borders` of the solid there and, alike, all along its arc.
 
-    The sweeping form has the value `plane` there.  `unknown` is a leaf on which the borders depend, but of
-    which it is not known whether it holds there.
+    The sweeping form has the value `plane` there.  `unknown` is a leaf, by number, on which the borders
+    depend, but of which it is not known whether it holds there.
     """
 
     point: RealZero
     plane: fmpq
     borders: tuple[Border, ...]
-    unknown: Leaf | None
+    unknown: int | None
 
 
 def arcs(sheets: Sheets, solid: Reading, nearby: Nearby, names: Sequence[str]) -> list[Arc]:
@@ -85,8 +85,7 @@ class Around:
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
         """What is on the boundary along the arc, if there is no doubt."""
         borders = tuple(self._borders(names)) if self.nearby.may_hold(self.point) else ()
-        unknown = next((self.solid.leaves[n] for n in sorted(self.doubts)), None)
-        return Arc(self.point, plane, borders, unknown)
+        return Arc(self.point, plane, borders, min(self.doubts, default=None))
 
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""

@@ -208,17 +208,13 @@ class _Proof:
 
     def _doubts(self) -> Verdict | None:
         """Of all of the curve it is known what is there."""
-        for stretch in self.stretches:
-            leaf = stretch.arc.unknown
-            if leaf is not None:
-                name = leaf.face or "a wall"
-                reason = (
-                    "may cross the curve, and is no polynomial"
-                    if leaf.number < 0
-                    else "is singular all along the curve"
-                )
-                return self._undecided(f"{name} {reason}", stretch.arc.point.point)
-        return None
+        unknown = [(s.arc.unknown, s.arc.point) for s in self.stretches if s.arc.unknown is not None]
+        if not unknown:
+            return None
+        number, point = min(unknown, key=lambda pair: self.nearby.distance(*pair))
+        leaf = self.solid.leaves[number]
+        reason = "may cross the curve, and is no polynomial" if leaf.number < 0 else "is singular all along the curve"
+        return self._undecided(f"{leaf.face or 'a wall'} {reason}", point.point)
 
     def _singular(self) -> Verdict | None:
         """Neither has a singular point on the curve."""
