@@ -2,9 +2,8 @@
 
 A linear form whose planes cut the curve in finitely many points, everywhere and at infinity, sweeps
 over it.  Between the values at which the curve is singular or touches the plane, it consists of arcs
-along which the form rises, one through each point of any plane in between (Cucker, Pedersen, Roy and
-Szpirglas; see Basu, Pollack and Roy 2006, chapter 11).  More values may cut the arcs: those at which
-some polynomial changes its sign.
+along which the form rises, one through each point of any plane in between (Basu, Pollack and Roy 2006,
+chapter 11).  More values may cut the arcs: those at which some polynomial changes its sign.
 
 Guaranteed: every arc has its point, and all numbers are exact.  A curve that is not cut out
 transversally says so (`Part.turns` is None).

@@ -19,7 +19,7 @@ from pas.algebra.zeros import RealZero
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
 from pas.solid.nearby import Nearby
-from pas.solid.reading import Leaf, Reading
+from pas.solid.reading import Reading
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -37,14 +37,14 @@ class Border:
 class Arc:
     """A point of the curve with the `borders` of the solid there and, alike, all along its arc.
 
-    The sweeping form has the value `plane` there.  `unknown` is a leaf on which the borders depend, but of
-    which it is not known whether it holds there.
+    The sweeping form has the value `plane` there.  `unknown` is a leaf, by number, on which the borders
+    depend, but of which it is not known whether it holds there.
     """
 
     point: RealZero
     plane: fmpq
     borders: tuple[Border, ...]
-    unknown: Leaf | None
+    unknown: int | None
 
 
 def arcs(sheets: Sheets, solid: Reading, nearby: Nearby, names: Sequence[str]) -> list[Arc]:
@@ -85,8 +85,7 @@ class Around:
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
         """What is on the boundary along the arc, if there is no doubt."""
         borders = tuple(self._borders(names)) if self.nearby.may_hold(self.point) else ()
-        unknown = next((self.solid.leaves[n] for n in sorted(self.doubts)), None)
-        return Arc(self.point, plane, borders, unknown)
+        return Arc(self.point, plane, borders, min(self.doubts, default=None))
 
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""
@@ -107,7 +106,7 @@ class Around:
     def _borders(self, names: Sequence[str]) -> Iterator[Border]:
         for sheet, regular in enumerate(self.sheets.regular):
             if not regular:  # where its rays are is not known
-                self._says(dict.fromkeys(range(len(self.sheets.regular))), ())
+                self.doubts |= {n for n in self._across(sheet) if self.may_matter(n)}
             for side in (1, -1) if regular else ():
                 ray = Ray(sheet, side)
                 signs = self.sheets.signs(ray, self.point)
@@ -115,14 +114,14 @@ class Around:
                 plain = [self._says(there, ()) for there in sides]
                 if plain[0] is plain[1]:
                     continue
-                turned = {n: [self._says(there, self._own(sheet, n)) for there in sides] for n in names}
+                own = {n: [i for i in self._across(sheet) if self.solid.leaves[i].face == n] for n in names}
+                turned = {n: [self._says(there, leaves) for there in sides] for n, leaves in own.items()}
                 yield Border(ray, frozenset(n for n, found in turned.items() if found != plain))
 
-    def _own(self, sheet: int, name: str) -> list[int]:
-        """The leaves of a face that change their truth across a sheet."""
+    def _across(self, sheet: int) -> list[int]:
+        """The leaves that change their truth across a sheet, by number."""
         powers = {number: dict(f.sheets).get(sheet, 0) for number, f in self.sheets.factors.items()}
-        leaves = enumerate(self.solid.leaves)
-        return [i for i, leaf in leaves if leaf.face == name and powers.get(leaf.number, 0) % 2]
+        return [i for i, leaf in enumerate(self.solid.leaves) if powers.get(leaf.number, 0) % 2]
 
     def _says(self, signs: dict[int, int | None], turned: Sequence[int]) -> bool | None:
         """Whether the solid is where sheets have given signs, with some leaves' truth turned round; notes doubts."""
@@ -150,11 +149,11 @@ class Around:
             sign = self._sign(leaf.number)
             return leaf.holds(sign) if sign else None
         sign = factors.sign
-        for sheet, power in factors.sheets:
+        for sheet in (sheet for sheet, power in factors.sheets if power % 2):
             found = signs[sheet]
             if found is None:
                 return None
-            sign *= found**power
+            sign *= found
         for other, power in factors.others:
             sign *= self.point.sign(other) ** power
         return leaf.holds(sign) if sign else None

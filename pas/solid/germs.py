@@ -110,6 +110,11 @@ class Sheets:
         """The order of contact of two different regular sheets."""
         return self.contacts[min(i, j), max(i, j)].order
 
+    def singular_points(self, number: int) -> list[RealZero]:
+        """The real points of the curve where a sheet of a polynomial has no gradient, if it has one elsewhere."""
+        sheets = (sheet for sheet, _ in self.factors[number].sheets if self.regular[sheet])
+        return [p for sheet in sheets for p in self.part.singular_points(self.polynomials[sheet])]
+
     def parallel(self, i: int, j: int, at: RealZero) -> int:
         """Whether the gradients of two sheets that touch point the same way (1) or opposite ways (-1)."""
         return at.sign(dot(gradient(self.polynomials[i]), gradient(self.polynomials[j])))

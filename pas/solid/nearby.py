@@ -56,6 +56,11 @@ class Nearby:
         inside, outside = self._fields[number].decided(np.array([point.point]), half)
         return bool(inside[0]) != self._outside[number] if inside[0] or outside[0] else None
 
+    def distance(self, number: int, point: RealZero) -> float:
+        """About how far the zeros of a leaf's function are from a point; 0 for polynomials."""
+        field = self._fields.get(number)
+        return 0.0 if field is None else abs(float(field.jets(np.array([point.point]))[0, 0]))
+
     def cuts(self, number: int) -> list[RealRoot]:
         """The ends of the intervals in which a leaf's truth is unknown."""
         return [end for interval in self._unknown[number] for end in interval]

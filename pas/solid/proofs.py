@@ -29,6 +29,9 @@ from pas.solid.reading import Reading
 from pas.solid.tree import Tree
 from pas.surface.certificate import Verdict
 
+HIGHEST_POWER = 12
+"""Of a clip, up to which membership in ideals is looked at; it is told, but proves nothing more."""
+
 
 def prove(joint: Joint, tree: Tree, box: Callable[[], Floats]) -> Verdict:
     """The verdict on a joint of the solid with that tree.
@@ -97,6 +100,8 @@ class _Proof:
                 parts += part.split(splits.polynomial)
 
     def _look(self, part: Part) -> None:
+        if part.ideal.is_whole_ring:
+            return
         if part.turns is None:
             self.is_reduced = False
             return
@@ -112,19 +117,9 @@ class _Proof:
 
     def verdict(self) -> Verdict:
         """The first of all rules that does not hold refutes, unless something is not known."""
-        for rule in (
-            self._curve,
-            self._faces,
-            self._contact,
-            self._sides,
-            self._coverage,
-            self._doubts,
-            self._singular,
-        ):
-            found = rule()
-            if found is not None:
-                return found
-        return Verdict(Status.PROVED, self.joint.claim, self._grounds())
+        rules = (self._curve, self._faces, self._contact, self._sides, self._coverage, self._doubts, self._singular)
+        found = next((verdict for rule in rules if (verdict := rule()) is not None), None)
+        return Verdict(Status.PROVED, self.joint.claim, self._grounds()) if found is None else found
 
     def _refuted(self, reason: str, stretch: _Stretch | None = None) -> Verdict:
         place = None if stretch is None else stretch.arc.point.point
@@ -161,17 +156,13 @@ class _Proof:
 
     def _contact(self) -> Verdict | None:
         """Where they are joined they have contact of the order claimed, and do not turn back."""
-        orders = [(s.order, s) for s in self._joined]
-        lowest, stretch = min(
-            ((o, s) for o, s in orders if o is not None), key=lambda pair: pair[0], default=(None, None)
-        )
-        if lowest is not None and lowest < self.joint.order:
-            return self._refuted(f"they meet with GC^{lowest} there", stretch)
-        if self.joint.order > 0:
-            for stretch in self._joined:
-                if not stretch.is_flat:
-                    return self._refuted("the two faces go the same way from the curve, in a cusp", stretch)
-        return None
+        orders = [(stretch.order, stretch) for stretch in self._joined if stretch.order is not None]
+        lowest, where = min(orders, key=lambda pair: pair[0], default=(self.joint.order, None))
+        if lowest < self.joint.order:
+            return self._refuted(f"they meet with GC^{lowest} there", where)
+        cusp = next((s for s in self._joined if self.joint.order > 0 and not s.is_flat), None)
+        reason = "the two faces go the same way from the curve, in a cusp"
+        return None if cusp is None else self._refuted(reason, cusp)
 
     def _sides(self) -> Verdict | None:
         """Nowhere are both on the boundary without the solid on one side of them."""
@@ -208,17 +199,13 @@ class _Proof:
 
     def _doubts(self) -> Verdict | None:
         """Of all of the curve it is known what is there."""
-        for stretch in self.stretches:
-            leaf = stretch.arc.unknown
-            if leaf is not None:
-                name = leaf.face or "a wall"
-                reason = (
-                    "may cross the curve, and is no polynomial"
-                    if leaf.number < 0
-                    else "is singular all along the curve"
-                )
-                return self._undecided(f"{name} {reason}", stretch.arc.point.point)
-        return None
+        unknown = [(s.arc.unknown, s.arc.point) for s in self.stretches if s.arc.unknown is not None]
+        if not unknown:
+            return None
+        number, point = min(unknown, key=lambda pair: self.nearby.distance(*pair))
+        leaf = self.solid.leaves[number]
+        reason = "may cross the curve, and is no polynomial" if leaf.number < 0 else "is singular all along the curve"
+        return self._undecided(f"{leaf.face or 'a wall'} {reason}", point.point)
 
     def _singular(self) -> Verdict | None:
         """Neither has a singular point on the curve."""
@@ -226,22 +213,19 @@ class _Proof:
             for number, leaf in enumerate(self.solid.leaves):
                 if leaf.face not in self.names or leaf.number not in sheets.factors:
                     continue
-                for sheet, _ in sheets.factors[leaf.number].sheets:
-                    for point in sheets.part.singular_points(sheets.polynomials[sheet]):
-                        around = Around(sheets, self.solid, self.nearby, point, (None, None))
-                        if around.may_matter(number):
-                            return self._undecided(f"{leaf.face} is singular at a point of the curve", point.point)
+                for point in sheets.singular_points(leaf.number):
+                    if Around(sheets, self.solid, self.nearby, point, (None, None)).may_matter(number):
+                        return self._undecided(f"{leaf.face} is singular at a point of the curve", point.point)
         return None
 
     def _grounds(self) -> str:
-        g, h = self.joint.along
-        ideal = Ideal(g, h ** (self.joint.order + 1))
-        orders = [s.order for s in self._joined]
-        finite = [order for order in orders if order is not None]
-        exactly = f"exactly GC^{min(finite)}" if finite else "the same surface"
-        carriers = {(s.sheets.polynomials[b.ray.sheet]) for s in self._joined for b in s.arc.borders}
-        if all(ideal.contains(p) for p in carriers):
-            return f"both in <{_short(g)}, ({_short(h)})^{self.joint.order + 1}>, {exactly}"
+        """Membership in the ideal of the claim, where it is so, and the order."""
+        (g, h), power = self.joint.along, self.joint.order + 1
+        orders = [s.order for s in self._joined if s.order is not None]
+        exactly = f"exactly GC^{min(orders)}" if orders else "the same surface"
+        carriers = {s.sheets.polynomials[border.ray.sheet] for s in self._joined for border in s.arc.borders}
+        if power <= HIGHEST_POWER and all(map(Ideal(g, h**power).contains, carriers)):
+            return f"both in <{_short(g)}, ({_short(h)})^{power}>, {exactly}"
         return f"they have contact all along the curve, {exactly}"
 
 
