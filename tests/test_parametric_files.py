@@ -44,7 +44,8 @@ def test_surfaces_come_back(tmp_path, name):
     surface = SURFACES[name]
     found = pas.load(pas.save_parametric(surface, tmp_path / "a.pas.json"))
     assert isinstance(found, pas.ParametricSurface)
-    assert (found.parameters, found.domain, found.is_exact) == (surface.parameters, surface.domain, surface.is_exact)
+    assert (found.parameters, found.ends, found.is_exact) == (surface.parameters, surface.ends, surface.is_exact)
+    assert found.domain == surface.domain
     if surface.is_exact:
         assert found.components == surface.components
         assert str(found) == str(surface)
@@ -77,7 +78,7 @@ def test_blends_come_back(tmp_path, name):
     found = pas.load(path)
     assert isinstance(found, pas.ParametricBlend)
     assert (found.order, found.weights, found.data.values) == (blend.order, blend.weights, blend.data.values)
-    assert found.surface.domain == blend.surface.domain
+    assert (found.surface.domain, found.surface.ends) == (blend.surface.domain, blend.surface.ends)
     if blend.surface.is_exact:
         assert found.surface.components == blend.surface.components
         assert all(v.proved for v in found.prove(effort=1).contacts)

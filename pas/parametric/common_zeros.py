@@ -191,6 +191,8 @@ class _Search:
         """A zero in some cells, if one is met, and what is open and to be renewed, or is when the effort is spent."""
         left: list[_Cell] = []
         while pending:
+            if self.cells >= effort:
+                return None, [*left, *pending]
             cell = pending.pop()
             self.cells += 1
             if self.cells % 256 == 0:
@@ -204,11 +206,11 @@ class _Search:
             located = cell.depth >= LOCATED and cell.depth % 8 == 0
             if located and len(self.polynomials) == 1 and _changes_sign(self.polynomials[0], cell):
                 return Outcome(Status.REFUTED, cell.middle, False, self.cells), left
-            if cell.halvings < RENEWED and not cell.is_worn and self.cells < effort:
+            if cell.halvings < RENEWED and not cell.is_worn:
                 pending += cell.halves()
                 continue
             left.append(cell)
-            if self.cells >= effort or len(left) > RENEWALS:
+            if len(left) > RENEWALS:
                 break
         return None, left
 

@@ -135,15 +135,15 @@ def arch(l1: object = 1, l2: object = 1, lean: int = 1, **options: object) -> pa
     """Two parallel edges three apart; their tangents lean upwards."""
     first = Boundary.along(("s", "0", "0"), tangent=("0", "1", str(lean)), name="one")
     second = options.pop("second", None) or Boundary.along(("s", "3", "0"), tangent=("0", "-1", str(lean)), name="two")
-    return generatrix_blend(first, second, GeneratrixShape(l1, l2), unit=False, **options)
+    return generatrix_blend(first, second, GeneratrixShape(l1, l2), **({"unit": False} | options))
 
 
 BACK = Boundary.along(("1 - s", "3", "2*s"), tangent=("0", "-1", "1"), name="two")
 
 
-def off_plane(number: int) -> pas.GeneratrixBlend:
+def off_plane(number: int, unit: bool = False) -> pas.GeneratrixBlend:
     """A boundary whose field is not perpendicular to its curve."""
-    blend = arch()
+    blend = arch(unit=unit)
     exact = blend.boundaries[number].exact
     bad = ExactCurve(
         exact.curve, tuple(n + v / 10**40 for n, v in zip(exact.normal, exact.velocity, strict=True)), True
@@ -179,6 +179,15 @@ def test_each_claim_alone(name):
     else:
         assert verdicts[number].status is status
         assert all(v.proved for v in verdicts[:3] if v is not verdicts[number])
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_fields_off_the_plane_of_a_blend_that_is_not_exact(number):
+    """Of vectors made of length one only the data are exact; they are looked at."""
+    blend = off_plane(number, unit=True)
+    assert not blend.surface.is_exact
+    wanted = [Status.REFUTED if i == number else Status.PROVED for i in (0, 1)]
+    assert [contact_verdict(blend, i).status for i in (0, 1)] == wanted
 
 
 def test_sense_of_curves_whose_chords_are_perpendicular_is_measured():

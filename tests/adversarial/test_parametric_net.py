@@ -34,7 +34,7 @@ def require_right(made: Case) -> Status:
     verdict = regularity(made.surface, EFFORT)
     wrong = Status.REFUTED if made.regular else Status.PROVED
     assert verdict.status is not wrong, f"{made.kind}: {verdict}"
-    assert not verdict.measured and verdict.reason
+    assert not verdict.measured or "too high for a proof" in verdict.reason
     if verdict.status is Status.REFUTED and " at " in verdict.reason:
         require_singular(made.surface, verdict.reason)
     return verdict.status

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
+from random import Random
 
+import numpy as np
 import pytest
+from exact_distances import off_spline, square_distance
 from flint import fmpq, fmpq_poly
 from parametric_cases import ONE, H, T
 
@@ -13,12 +17,18 @@ import pas
 from pas.bernstein.signs import Status
 from pas.generatrix.injective import is_injective
 from pas.parametric.blends import ParametricBlend, hermite_blend
-from pas.parametric.common_zeros import UNIT_SQUARE, without_common_zero
+from pas.parametric.bounds import NetPoints, bounded
+from pas.parametric.common_zeros import UNIT_SQUARE, _avoids_origin, _halved, _rounding, without_common_zero
+from pas.parametric.conversion import FittedPatch, _bound, _knots, _outer
 from pas.parametric.data import BlendingData
+from pas.parametric.framed import Framed
+from pas.parametric.meshing import exact_rectangle
+from pas.parametric.nets import exact_net
 from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import positive_on_unit_square, regularity
 from pas.parametric.roots import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
+from pas.parametric.tiling import GRID
 
 UNIT = ((0, 1), (0, 1))
 TINY = Fraction(1, 10**40)
@@ -156,6 +166,12 @@ DOUBLE = {
     "a loop": ("(2*t-1)^2", "(2*t-1)^3 - (2*t-1)/4", "h"),
     "closed": ("t*(1 - t)", "h", "t*(1-t)*(t-1/2)"),
     "a square": ("t^2", "h", "0"),
+    "monotone in one direction alone": ("t", "2*h^2 - h", "0"),
+    "a turn": (
+        "((2*t - 1) + 3)^5 - 10*((2*t - 1) + 3)^3*(6*h - 3)^2 + 5*((2*t - 1) + 3)*(6*h - 3)^4",
+        "h*(h - 1)",
+        "0",
+    ),
     "a pole": ("1/(t - 1/2)", "h", "0"),
 }
 
@@ -166,6 +182,131 @@ def test_double_points_are_never_proved_away(name):
         x, y, z = (pas.RationalFunction(c) * scale for c in DOUBLE[name])
         assert not is_injective(ParametricSurface(x, y, z, domain=UNIT))
         assert not is_injective(ParametricSurface(z, x, y, domain=UNIT))
+
+
+@pytest.mark.parametrize("degrees", [(1, 1), (2, 5), (9, 3)])
+def test_rounding_is_bounded(degrees):
+    """Coefficients rounded and halved again and again stay within the bound, which is as large as the theorem says."""
+    draw = Random(sum(degrees))
+    n, m = degrees
+    exact = [[Fraction(draw.randint(-(10**20), 10**20), 10**20) for _ in range(m + 1)] for _ in range(n + 1)]
+    net = np.array([[float(c) for c in row] for row in exact])[..., None]
+    for count in range(1, 31):
+        axis, side = count % 2, draw.randrange(2)
+        net = _halved(net, axis)[side]
+        rows = exact if axis else [list(r) for r in zip(*exact, strict=True)]
+        rows = [halved_row(row, side) for row in rows]
+        exact = rows if axis else [list(r) for r in zip(*rows, strict=True)]
+        error = max(abs(Fraction(float(net[i, j, 0])) - exact[i][j]) for i in range(n + 1) for j in range(m + 1))
+        assert error <= Fraction(_rounding(count, [n, m]))
+        assert _rounding(count, [n, m]) >= (2 + count * (max(degrees) + 1)) * 2.0**-53
+    assert not _avoids_origin(np.full((2, 2, 1), 0.9 * _rounding(7, [1, 1])), _rounding(7, [1, 1]))
+    assert _avoids_origin(np.full((2, 2, 1), 1.1 * _rounding(7, [1, 1])), _rounding(7, [1, 1]))
+
+
+def halved_row(row: list[Fraction], side: int) -> list[Fraction]:
+    """De Casteljau's subdivision in the middle."""
+    found = []
+    while row:
+        found.append(row[-1 if side else 0])
+        row = [(a + b) / 2 for a, b in pairwise(row)]
+    return found[::-1] if side else found
+
+
+@pytest.mark.parametrize("far", [0, 10**6, 10**12])
+@pytest.mark.parametrize("weight", ["1", "1 + 10^4*t^2", "1 + (t - h)^2"])
+def test_bounds_of_cells_count_their_rounding(far, weight):
+    """|P - B| for the bilinear B of the rounded corners, exactly, on cells halved down to a small one."""
+    surface = ParametricSurface(f"{far} + t/(3*({weight}))", f"{far}/7 + h/3", f"t*(1-h)/({weight})", domain=UNIT)
+    exact = exact_net(surface, ((fmpq(0), fmpq(1)), (fmpq(0), fmpq(1))))
+    nets, low, size, draw = exact.rounded(), [Fraction(0), Fraction(0)], [Fraction(1), Fraction(1)], Random(far)
+    for step in range(12):
+        look = bounded(nets, np.zeros((1, 4), dtype=int))
+        if np.isfinite(look.slack).all():
+            reach = Fraction(float(np.linalg.norm(look.errors[0], axis=-1).max())) + Fraction(float(look.slack[0]))
+            for _ in range(6):
+                u, v = (Fraction(draw.randint(0, 8), 8) for _ in range(2))
+                shares = ((1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v)
+                corners = look.corners[0].reshape(4, 3)
+                middle = [
+                    sum(s * Fraction(float(c)) for s, c in zip(shares, corners[:, k], strict=True)) for k in range(3)
+                ]
+                point = surface.at(low[0] + size[0] * u, low[1] + size[1] * v)
+                assert square_distance(point, middle) <= reach**2
+        axis, side = step % 2, draw.randrange(2)
+        nets = nets.halves(axis).part([side])
+        size[axis] /= 2
+        low[axis] += side * size[axis]
+
+
+@pytest.mark.parametrize("far", [0, 10**7])
+def test_vertices_count_their_rounding(far):
+    """Points from a net, summed or exact, are within what is said of them."""
+    surface = ParametricSurface(f"{far} + (t - 40)^12/10^9", "h/(1 + t^2)", "t*h", domain=((39, 42), (0, "1/3")))
+    framed = Framed.of(surface)
+    net = exact_net(surface, exact_rectangle(surface)).rounded(framed.unit)
+    places = np.random.default_rng(1).integers(0, GRID + 1, (40, 2))
+    for allowed in (1.0, 0.0):
+        points, off = NetPoints(framed, net.table[0], allowed)(places)
+        for point, bound, place in zip(points, off, places, strict=True):
+            at = framed.exact_parameters([fmpq(int(k), GRID) for k in place])
+            true = [c.numerator(*at) / c.denominator(*at) / framed.unit for c in surface.components]
+            exact = [Fraction(int(x.p), int(x.q)) for x in true]
+            assert square_distance([Fraction(float(x)) for x in point], exact) <= Fraction(float(bound)) ** 2
+            assert bound < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("surface", "tolerance"),
+    [
+        (ParametricSurface("t - 10^6", "h", "t*h/10^9", domain=(("1000000.3", "3000004/3"), ("1/3", "2/3"))), 1e-6),
+        (ParametricSurface("t/(1 + 100*t^2)", "h/(1 + 100*t^2)", "t", domain=((0, 1), (0, 1))), 0.1),
+        (ParametricSurface("t", "h", "1/(20000*(1001/1000 - t))", domain=((0, 1), (0, 1))), 5),
+    ],
+    ids=["knots", "weights", "near a pole"],
+)
+def test_bounds_of_splines(surface, tolerance):
+    """Exactly: where knots are rounded, and where weights differ within a span."""
+    patch, draw = pas.fit_patch(surface, tolerance), Random(1)
+    assert patch.certified and patch.deviation <= tolerance
+    assert max(off_spline(surface, patch, draw) for _ in range(60)) <= Fraction(patch.deviation) ** 2
+
+
+def test_bounds_of_splines_count_their_knots():
+    """Control points as good as can be, but knots of 10^6 and some thirds, which no doubles are."""
+    interval = fmpq(3000001, 3), fmpq(3000004, 3)
+    surface = ParametricSurface("t - 10^6", "h", "0", domain=(("3000001/3", "3000004/3"), (0, 1)))
+    knots = _knots((0.0, 1.0), 1), _knots((0.0, 1.0), 1)
+    sites = np.array([0.0, 1 / 3, 2 / 3, 1.0])
+    points = np.stack(np.broadcast_arrays(1 / 3 + sites[:, None], sites[None, :], 0.0), axis=-1)
+    outer = _outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1)))
+    away = _bound(exact_net(surface, (interval, (fmpq(0), fmpq(1)))).rounded(), knots, points, outer)
+    patch = FittedPatch(points, np.ones((4, 4)), (outer[0].knots, outer[1].knots), None, away, True)
+    assert max(off_spline(surface, patch, Random(2)) for _ in range(20)) <= Fraction(away) ** 2
+    assert away < 1e-8
+
+
+@pytest.mark.parametrize("effort", [1, 2, 3, 10, 30, 100, 300])
+def test_effort_that_is_spent_proves_nothing(effort):
+    polynomials = [p.numerator for p in (T * T - Fraction(1, 2), H * H - T * T)]
+    outcome = without_common_zero(polynomials, UNIT_SQUARE, effort)
+    assert outcome.status is Status.UNDECIDED and outcome.cells <= effort
+    assert without_common_zero(polynomials, UNIT_SQUARE, 0).status is Status.UNDECIDED
+
+
+def test_factors_that_are_multiple_and_irrational():
+    """Without their multiplicity they change sign where they vanish."""
+    stopped = ParametricSurface("t^5/5 - t^3/3 + t/4", "h", "h^2", domain=UNIT)  # dx/dt = (t^2 - 1/2)^2
+    pole = ParametricSurface("t", "h", "1/(t^2 - 1/2)^2", domain=UNIT)
+    for surface in (stopped, pole):
+        verdict = regularity(surface)
+        assert verdict.status is Status.REFUTED and "near t = 0.707" in verdict.reason
+
+
+def test_a_saddle_over_one_cell():
+    """The bilinear interpolant is the surface, the two triangles are not: off by a quarter of the twist."""
+    mesh = ParametricSurface("t", "h", "t*h", domain=UNIT).mesh(0.3)
+    assert len(mesh.triangles) == 2 and 0.25 <= mesh.deviation <= 0.251
 
 
 ROOTS = [0, 1, TINY, 1 - TINY, -TINY, 1 + TINY, Fraction(1, 10**1000), 1 - Fraction(1, 10**1000), Fraction(1, 3)]
