@@ -1,7 +1,7 @@
 """Runs commands of `pas` in one process with limited memory, one after another: the other half of `test_files`.
 
-Each line on stdin is a list of seconds allowed (or null) and arguments, each reply a line of JSON: exit code (None where
-an exception escaped), what was printed, and how much work it was.
+Each line on stdin is a list of seconds allowed (or null) and arguments, each reply a line of JSON: exit code (None
+where an exception escaped), what was printed, and how much work it was.
 """
 
 from __future__ import annotations
