@@ -168,9 +168,9 @@ def problems() -> list[Base]:
 
 def projects(folder: Path) -> list[Base]:
     """Project files of every kind, written to a folder."""
-    check, rough = ("check", "{}"), ("--tolerance", "0.2", "-o", "a.stl")
+    check, rough = ("check", "{}"), ("--tolerance", "0.4", "-o", "a.stl")
     independent, as_json = ("check", "{}", "--independent"), ("check", "{}", "--json")
-    mesh, convert = ("mesh", "{}", *rough), ("convert", "{}", "--tolerance", "0.2", "a.ply")
+    mesh, convert = ("mesh", "{}", *rough), ("convert", "{}", "--tolerance", "0.4", "a.ply")
     corner = solved(EQUAL, 1)
     elbow = pas.blend(
         [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")],
@@ -181,7 +181,7 @@ def projects(folder: Path) -> list[Base]:
     joined = halves.joined("top", "bottom", ("x^2 + y^2 + z^2 - 1", "z"), 1)
     part = solid.box((0, 0, 0), (1, 1, 1)) - solid.ball((1, 1, 1), "1/2")
     bent = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", interval=(0, 3))
-    hollow = solid.ball((0, 0, 0), 1).shell(0.1, tolerance=0.1).rotate((1, 1, 0), 33)
+    hollow = solid.ball((0, 0, 0), 1).shell(0.2, tolerance=0.4).rotate((1, 1, 0), 33)
     tetra = solid.SolidMesh.from_triangles(
         [(0, 0, 0), (1 / 3, 0, 0), (0, 0.1, 0), (0, 0, 1e-7)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], "tetra"
     )
