@@ -14,8 +14,8 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.independent.signs import RING, Point, on_simplex
 
-HIGHEST_ORDER = 60
-"""Orders above are surely slips, and could exhaust memory before anything is said."""
+HIGHEST_ORDER, HIGHEST_DEGREE = 20, 20
+"""Beyond these, exact arithmetic on all of a region takes minutes; corners of order 4 have degree 8."""
 
 Face = tuple[tuple[int, ...], int]
 """Three point numbers, and the cell from which the face is looked at."""
@@ -39,6 +39,10 @@ class Surface:
             raise ValueError("a clip must cut its surface in a curve")
         self.contacts = [(_homogeneous(f, f.degree), _homogeneous(h, h.degree)) for f, h in given]
         patches = [Polynomial({(i, j, k): c for i, j, k, c in terms}) for terms in record["patches"]]
+        if any(len({tuple(term[:3]) for term in terms}) < len(terms) for terms in record["patches"]):
+            raise ValueError("a patch has two terms with the same exponents")
+        if any(p.degree > HIGHEST_DEGREE for p in (*patches, *(p for contact in given for p in contact))):
+            raise ValueError(f"the independent checker serves degrees up to {HIGHEST_DEGREE}")
         self.patches = [_homogeneous(p, max(p.degree for p in patches)) for p in patches]
         self.points, cells, pieces, self.centre = _partition(record["partition"])
         self.cells = [tuple(map(index, cell)) for cell in cells]
