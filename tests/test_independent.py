@@ -412,7 +412,8 @@ VERTICES = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 2), (0, 0, -1), (
 def test_cells_without_a_centre(cells, status, tmp_path):
     partition = {"kind": "tetrahedra", "center": None, "vertices": VERTICES, "cells": cells}
     partition["pieces"] = [[i] for i in range(len(cells))]
-    record = {"order": 1, "contacts": [], "patches": [[[0, 0, 0, "1"]]] * len(cells), "partition": partition}
+    record = {"order": 1, "degree": 0, "contacts": [], "patches": [[[0, 0, 0, "1"]]] * len(cells)}
+    record["partition"] = partition
     assert findings(record, tmp_path)["region"].status == status
 
 
@@ -640,6 +641,8 @@ def test_the_command(good, tmp_path, capsys):
         ({"partition": None}, "cannot be understood"),
         ({"patches": [[[0, 0, 0, "1/0"]]] * 6}, "cannot be understood"),
         ({"patches": [[[0, 0, -1, "1"]]] * 6}, "cannot be understood"),
+        ({"patches": [[[0, 0, 0, "1"], [0, 0, 0, "-1"]]] * 6}, "the same exponents"),
+        ({"patches": [[[0, 9, 50, "1"]]] * 6}, "degrees up to"),
     ],
 )
 def test_files_that_make_no_sense(good, change, words, tmp_path):

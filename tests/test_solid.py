@@ -138,7 +138,9 @@ def test_joints_that_are_not_there_say_which_order_there_is():
 def test_singular_points_on_a_joint_are_found():
     cone = "x^2 + y^2 - z^2"
     shape = solid.patch("cone", cone, "z", "1 - z") | solid.patch("other", cone, "-z", "z + 1")
-    verdict = shape.joined("cone", "other", (cone, "x - y"), 0).verdicts[0]
+    assert not shape.joined("cone", "other", (cone, "x - y"), 0).verdicts[0].proved  # they meet in the apex alone
+    whole = solid.patch("cone", cone, "x", "2 - x^2 - z^2") | solid.patch("other", cone, "-x", "2 - x^2 - z^2")
+    verdict = whole.joined("cone", "other", (cone, "x"), 1).verdicts[0]
     assert not verdict.proved
     assert "singular" in verdict.reason
 

@@ -33,8 +33,8 @@ from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Part, Point, on_simplex, positive
 
-SIDE_BUDGET = 2_000
-"""Simplices for questions on the way: the sign of a factor, a place where a contact is missed."""
+SIDE_BUDGET = 100_000
+"""B-coefficients for questions on the way: the sign of a factor, a place where a contact is missed."""
 
 SAID = {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open whether "}
 """Of a condition."""
