@@ -128,7 +128,7 @@ class Guard:
         self.radius = float(_lengths(surface.local.points).max())
 
     def initial(self, margins: Margins) -> Rows:
-        """Rows on lattices of the walls and the clip faces, at the centre, and of the cells where these are asked for."""
+        """Rows on lattices of the walls and clip faces, at the centre, and of the cells where these are asked for."""
         rows = self.edges(EDGE_LATTICE, margins) + self._depth(margins)
         if margins.everywhere:
             local = self.surface.local
