@@ -105,9 +105,9 @@ def test_contact_with_a_surface_that_is_not_defined_there():
 @pytest.mark.parametrize("order", [-1, True, 0.5, "1"])
 def test_orders_are_checked(order):
     blend = base()
-    with pytest.raises((TypeError, ValueError), match="order must be a whole number"):
+    with pytest.raises((ValueError, TypeError), match="order must be"):
         contact_verdicts(blend.surface, blend.data, order)
-    with pytest.raises((TypeError, ValueError), match="order must be a whole number"):
+    with pytest.raises((ValueError, TypeError), match="order must be"):
         replace(blend, order=order)
 
 
