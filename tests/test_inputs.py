@@ -312,3 +312,10 @@ def test_functions_that_doubles_cannot_hold_bound_no_solid(polynomial):
     ):
         solid.patch("a", polynomial)
     assert solid.patch("a", "1e299*x - 1").faces == ("a",)
+
+
+@pytest.mark.parametrize("piece", [-1, 6, True, "0", 0.0])
+def test_pieces_of_energies(piece):
+    with pytest.raises((TypeError, ValueError), match=r"^piece must be a whole number from 0 to "):
+        box = pas.Box((0, 0, 0), (1, 1, 1))
+        pas.blend(pipes(EQUAL), 1, 3, energy=pas.ThinPlate(box, piece), prove=False)

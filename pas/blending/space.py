@@ -182,7 +182,8 @@ class SolutionSpace:
     def exact_energy(self, energy: ThinPlate) -> fmpq_mat:
         """`energy_matrix` as a matrix of python-flint, times the energy's weight."""
         if energy.domain is not None:
-            return box_products([m[energy.piece].raw for m in self.basis], energy.domain) * energy.weight
+            piece = energy.piece_of(len(self.patches))
+            return box_products([m[piece].raw for m in self.basis], energy.domain) * energy.weight
         total = fmpq_mat(self.dimension, self.dimension)
         for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True):
             patches = [m[piece].raw for m in self.basis]

@@ -17,6 +17,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 from scipy.special import roots_jacobi, roots_legendre
 
+from pas.algebra.inputs import MOST_PIECES, whole
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, cross, dot, rational, vector
 from pas.bernstein.forms import b_form, on_simplex
@@ -56,10 +57,15 @@ class ThinPlate:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weight", rational(self.weight, "weight"))
+        whole(self.piece, "piece", 0, MOST_PIECES - 1)
         if self.weight < 0:
             raise ValueError(f"weight must not be negative, and is {self.weight}")
         if self.domain is not None and not isinstance(self.domain, Box):
             raise TypeError(f"domain must be a pas.Box or None, not {self.domain!r}")
+
+    def piece_of(self, pieces: int) -> int:
+        """The number of the piece whose patch counts, of so many; raises `ValueError` where there is none such."""
+        return whole(self.piece, "piece", 0, pieces - 1, "the pieces of the partition, from 0")
 
 
 def second_derivatives(patch: fmpq_mpoly) -> list[tuple[fmpq_mpoly, int]]:

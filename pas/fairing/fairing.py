@@ -101,7 +101,7 @@ class Fairing:
         else:
             frame = self.partition.frame
             box = Box(frame.local_point(self.energy.domain.lower), frame.local_point(self.energy.domain.upper))
-            factor = self.basis.box_energy(self.energy.piece, box)
+            factor = self.basis.box_energy(self.energy.piece_of(len(self.partition.pieces)), box)
         return factor.T @ factor * (to_float(self.energy.weight) / to_float(self.partition.frame.scale))
 
     def energy_of(self, working: fmpq_mat) -> float:
