@@ -87,7 +87,9 @@ class NormalFormSystem:
 
 
 @limited("solving for all surfaces", "a lower degree")
-def normal_form_system(contacts: Sequence[Any], order: int, degree: int, *, seconds: float | None = None, progress: Report | None = None) -> NormalFormSystem:
+def normal_form_system(
+    contacts: Sequence[Any], order: int, degree: int, *, seconds: float | None = None, progress: Report | None = None
+) -> NormalFormSystem:
     """The linear system of the normal form conditions of G^`order` on one g of degree <= `degree`.
 
     `contacts` are pipes, contacts or pairs (surface, clip).  For orders above 1 the conditions

@@ -87,7 +87,9 @@ def save(blend: Blend, path: str | Path) -> Path:
 
 @limited("reading a project file", "")
 def load(
-    path: str | Path, *, edited: bool = False,
+    path: str | Path,
+    *,
+    edited: bool = False,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend | GeneratrixBlend:

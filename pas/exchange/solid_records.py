@@ -99,7 +99,9 @@ def storable(kind: Class) -> Class:
 
 
 @limited("writing a project file", "")
-def save_solid(shape: Solid | Assembly, path: str | Path, *, seconds: float | None = None, progress: Report | None = None) -> Path:
+def save_solid(
+    shape: Solid | Assembly, path: str | Path, *, seconds: float | None = None, progress: Report | None = None
+) -> Path:
     """Write a solid or an assembly, exactly; returns the path.
 
     Raises `ValueError` unless the name ends in `.pas.json`, and for a function that is no polynomial
@@ -116,7 +118,9 @@ def save_solid(shape: Solid | Assembly, path: str | Path, *, seconds: float | No
 
 
 @limited("reading a project file", "")
-def load_solid(path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None) -> Solid | Assembly:
+def load_solid(
+    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
+) -> Solid | Assembly:
     """Read a solid or an assembly back; with `edited`, whatever its checksum.
 
     Raises `ProjectFileError` (see `pas.exchange.container.read`), also for a file of another kind, or

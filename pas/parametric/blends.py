@@ -71,7 +71,9 @@ class ParametricBlend:
         return ParametricSolutions(self.data, self.order, start.surface, polynomial=True)
 
     @limited("proving a blend", "less effort or a smaller domain")
-    def prove(self, domain: Any = None, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None) -> ParametricCertificate:
+    def prove(
+        self, domain: Any = None, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricCertificate:
         """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
 
         `effort` bounds the cells that the proof of regularity may examine.
@@ -86,7 +88,9 @@ class ParametricBlend:
         return self.prove()
 
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
-    def mesh(self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> ParametricMesh:
+    def mesh(
+        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricMesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
 
@@ -96,7 +100,9 @@ class ParametricBlend:
 
 
 @limited("finding a parametric blend", "a lower order")
-def hermite_blend(data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None) -> ParametricBlend:
+def hermite_blend(
+    data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None
+) -> ParametricBlend:
     """The Hermite blend: polynomial in h of degree at most n(k+1) - 1.
 
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can

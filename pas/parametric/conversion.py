@@ -88,7 +88,9 @@ def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatc
 
 
 @limited("splitting a surface into patches", "a smaller domain")
-def bezier_patches(surface: ParametricSurface, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> tuple[RationalPatch, ...]:
+def bezier_patches(
+    surface: ParametricSurface, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+) -> tuple[RationalPatch, ...]:
     """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
 
     Raises what `bezier_patch` raises, but `GeometryError` only for a pole.
@@ -133,7 +135,14 @@ def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
 
 
 @limited("fitting a patch", "a coarser tolerance or a smaller domain")
-def fit_patch(surface: ParametricSurface | HasSurface, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> FittedPatch:
+def fit_patch(
+    surface: ParametricSurface | HasSurface,
+    tolerance: Any = None,
+    domain: Any = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> FittedPatch:
     """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
 
     For a blend, of its `surface`.  It interpolates at the Greville abscissae of uniform knots.

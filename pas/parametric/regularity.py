@@ -37,7 +37,9 @@ STILL, FLAT = 1e-9, 1e-6
 
 
 @limited("proving that a surface is regular", "less effort or a smaller domain")
-def regularity(surface: ParametricSurface, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
+def regularity(
+    surface: ParametricSurface, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
     `effort` bounds the rectangles examined; the verdict's `measure` counts them.

@@ -222,7 +222,9 @@ class ParametricSurface:
         return composed(Polynomial(polynomial), self.components)
 
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
-    def mesh(self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> ParametricMesh:
+    def mesh(
+        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricMesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
         The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a

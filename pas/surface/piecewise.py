@@ -232,7 +232,9 @@ class PiecewiseSurface:
         return self.certify()
 
     @limited("meshing a surface", "a coarser tolerance")
-    def triangulate(self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None) -> TriangleMesh:
+    def triangulate(
+        self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None
+    ) -> TriangleMesh:
         """A triangle mesh as plain arrays; see `mesh`."""
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
