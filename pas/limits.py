@@ -1,36 +1,62 @@
 """How long a computation may take, and how far it has come: a deadline and a progress line.
 
-Exact computations can grow without warning.  Inside `with limit(seconds=..., progress=...)` the
-long loops of this package look at the clock through `checkpoint`: past the deadline they raise
-`LimitError`, which says what was being done; on the way they report to `progress`, not more
-often than twice a second and only after the first second.  Without a limit nothing is said.
+Exact computations and meshes can grow without warning.  Inside `with limit(seconds=..., progress=...)`
+the long loops of this package look at the clock through `checkpoint`: past the deadline they raise
+`LimitError`, which says what was being done and what helps; on the way they report to `progress`, not
+more often than twice a second and only after the first second.  Without a limit nothing is said.
 
-Nothing is half-done afterwards: results are built aside and handed over whole.
+Long public functions are `limited`: they take `seconds` and `progress` themselves.
+
+Nothing is half-done afterwards: results are built aside and handed over whole.  Between two looks at the clock
+lies one call of a library or one pass over large arrays, some tenths of a second as a rule.
 """
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import wraps
+from numbers import Real
+from typing import Any, ParamSpec, TypeVar
 
 from pas.errors import LimitError
 
-Report = Callable[[str], None]
-"""Called with one line on what is being done."""
+P = ParamSpec("P")
+R = TypeVar("R")
+
+Report = Callable[[str], Any]
+"""Called with one line on what is being done, such as `print`."""
 
 FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
 
+LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.limit(seconds, progress)`."
+"""Added to the docstrings of limited functions."""
+
+
+@dataclass
+class _Reports:
+    """A listener, when it began to listen, and when it is told next."""
+
+    listener: Report
+    started: float
+    next_one: float
+
 
 @dataclass
 class _Limit:
+    """What holds inside a `limit`: `seconds` is what the user set who set the deadline, `task` what was last said."""
+
     seconds: float | None
-    started: float
-    progress: Report | None
-    next_report: float
+    deadline: float
+    reports: _Reports | None
+    work: str
+    advice: str
+    task: str
 
 
 _CURRENT: ContextVar[_Limit | None] = ContextVar("limit", default=None)
@@ -40,37 +66,107 @@ _CURRENT: ContextVar[_Limit | None] = ContextVar("limit", default=None)
 def limit(seconds: float | None = None, progress: Report | None = None) -> Iterator[None]:
     """Limit what is done inside to `seconds` (None: no limit) and report to `progress`.
 
-    An inner limit cannot outlast an outer one.  Raises `ValueError` for a limit that is not
-    positive.
+    An inner limit cannot outlast an outer one; without a `progress` of its own it reports to the outer one's.
+    Raises `ValueError` for a limit that is not positive, `TypeError` for one that is no number and for a
+    `progress` that cannot be called with one line of text.
     """
-    if seconds is not None and not seconds > 0:
-        raise ValueError(f"seconds must be a positive number or None, not {seconds!r}")
+    with _limit(seconds, progress):
+        yield
+
+
+def limited(work: str, advice: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A decorator: what the function does is limited by its own arguments `seconds` and `progress`.
+
+    `work` says what it does ("meshing a solid"), `advice` what makes it faster ("a coarser tolerance"); both are
+    for the sentence of a `LimitError`.  The function must have the two keywords and need not look at them.
+    """
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        found = {p.name for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY}
+        if not {"seconds", "progress"} <= found:
+            raise TypeError(f"{function.__qualname__} must take the keywords seconds and progress to be limited")
+
+        @wraps(function)
+        def run(*args: P.args, **kwargs: P.kwargs) -> R:
+            with _limit(kwargs.get("seconds"), kwargs.get("progress"), work, advice):  # type: ignore[arg-type]
+                return function(*args, **kwargs)
+
+        run.__doc__ = f"{inspect.getdoc(function)}\n\n{LIMITED}"
+        return run
+
+    return decorate
+
+
+def checkpoint(task: str = "", done: float | None = None) -> None:
+    """Called inside long loops: raises `LimitError` past the deadline, and reports.
+
+    `task` says what is being done ("eliminating 1620 x 1000"), `done` the share done, 0 to 1.  Loops far below,
+    which do not know what they are part of, give no task: then what was said last still holds.
+    """
+    current = _CURRENT.get()
+    if current is None:
+        return
+    task = current.task = task or current.task or current.work or "computing"
+    now = time.monotonic()
+    if now > current.deadline:
+        work = f"{current.work} ({task})" if current.work not in ("", task) else task
+        raise LimitError(
+            f"gave up after {float(current.seconds or 0):.3g} s while {work}; allow more seconds{current.advice}"
+        )
+    reports = current.reports
+    if reports is not None and now >= reports.next_one:
+        reports.next_one = now + REPORT_EVERY
+        work = f"{current.work}: {task}" if current.work not in ("", task) else task
+        share = "" if done is None else f" ({100 * done:.0f}%)"
+        reports.listener(f"{work}{share}, {now - reports.started:.0f} s")
+
+
+def note(line: str) -> None:
+    """Report something that is done, at once, but for what was quick: the first second passes without a word."""
+    current = _CURRENT.get()
+    reports = None if current is None else current.reports
+    if reports is not None and time.monotonic() >= reports.started + FIRST_REPORT:
+        reports.listener(line)
+
+
+def stage_line(stage: str, seconds: float) -> str:
+    """How a stage that is done and its seconds are reported."""
+    return f"{stage:<48} {seconds:7.2f} s"
+
+
+@contextmanager
+def _limit(seconds: float | None, progress: Report | None, work: str = "", advice: str = "") -> Iterator[None]:
+    _check(seconds, progress)
     now = time.monotonic()
     outer = _CURRENT.get()
-    if outer is not None and outer.seconds is not None:
-        left = max(outer.started + outer.seconds - now, 1e-9)
-        seconds = left if seconds is None else min(seconds, left)
-    if progress is None and outer is not None:
-        progress = outer.progress
-    token = _CURRENT.set(_Limit(seconds, now, progress, now + FIRST_REPORT))
+    deadline = float("inf") if seconds is None else now + float(seconds)
+    reports = None if progress is None else _Reports(progress, now, now + FIRST_REPORT)
+    inner = _Limit(seconds, deadline, reports, work, f" or {advice}" if advice else "", "")
+    if outer is not None:
+        if outer.deadline < deadline:
+            inner.seconds, inner.deadline = outer.seconds, outer.deadline
+        inner.reports = reports or outer.reports
+        if not work:
+            inner.work, inner.advice, inner.task = outer.work, outer.advice, outer.task
+    token = _CURRENT.set(inner)
     try:
         yield
     finally:
         _CURRENT.reset(token)
 
 
-def checkpoint(task: str, done: float | None = None) -> None:
-    """Called inside long loops: raises `LimitError` past the deadline, and reports.
-
-    `task` says what is being done ("eliminating 1620 x 1000"), `done` the share done, 0 to 1.
-    """
-    current = _CURRENT.get()
-    if current is None:
+def _check(seconds: Any, progress: Any) -> None:
+    if seconds is not None and (isinstance(seconds, bool) or not isinstance(seconds, Real)):
+        raise TypeError(f"seconds must be a positive number or None, not {seconds!r}")
+    if seconds is not None and not float(seconds) > 0:
+        raise ValueError(f"seconds must be a positive number or None, not {seconds!r}")
+    if progress is None:
         return
-    now = time.monotonic()
-    if current.seconds is not None and now > current.started + current.seconds:
-        raise LimitError(f"gave up after {current.seconds:.3g} s while {task}; allow more seconds or a lower degree")
-    if current.progress is not None and now >= current.next_report:
-        current.next_report = now + REPORT_EVERY
-        share = "" if done is None else f" ({100 * done:.0f}%)"
-        current.progress(f"{task}{share}, {now - current.started:.0f} s")
+    if not callable(progress):
+        raise TypeError(f"progress must be a function of one line of text, such as print, not {progress!r}")
+    try:
+        inspect.signature(progress).bind("")
+    except TypeError:
+        raise TypeError(f"progress must be a function of one line of text, such as print, not {progress!r}") from None
+    except ValueError:  # a builtin that does not say what it takes
+        pass

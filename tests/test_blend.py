@@ -173,7 +173,7 @@ def test_without_proof_the_certificate_waits_until_asked():
 
 def test_progress_and_timings():
     seen = []
-    blend = pas.blend(pipes(EQUAL), 1, progress=lambda stage, seconds: seen.append((stage, seconds)))
+    blend = pas.blend(pipes(EQUAL), 1, on_stage=lambda stage, seconds: seen.append((stage, seconds)))
     assert [s for s, _ in seen][-2:] == ["fit (degree 3, dimension 3)", "prove"]
     assert set(blend.timings) == {"partition", "solve", "fit", "prove"}
 

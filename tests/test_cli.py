@@ -33,7 +33,8 @@ def test_blend_writes_three_files(made):
     assert sorted(p.name for p in made.iterdir()) == ["equal_gc1.pas.json", "equal_gc1.png", "equal_gc1.stl"]
 
 
-def test_blend_prints_a_summary_and_progress(tmp_path, capsys):
+def test_blend_prints_a_summary_and_progress(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("pas.limits.FIRST_REPORT", 0.0)  # stages are told after the first second only
     code, out, err = run(capsys, "blend", PROBLEM, "-o", tmp_path, "--no-picture", "--tolerance", "0.01")
     assert code == 0
     for words in ("six tetrahedra", "GC^1", "degree", "dimension", "energy", "triangles", "seconds: mesh", "one sheet"):

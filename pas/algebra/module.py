@@ -16,12 +16,19 @@ from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_s
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
 
 
-def syzygies(polynomials: Sequence[Any], degree: int | None = None) -> tuple[Syzygy, ...]:
+@limited("finding syzygies", "a lower degree")
+def syzygies(
+    polynomials: Sequence[Any],
+    degree: int | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> tuple[Syzygy, ...]:
     """All relations `a_1 v_1 + .. + a_m v_m = 0` with polynomial coefficients.
 
     `polynomials` are m polynomials (anything that `Polynomial` takes) or m tuples of equally many

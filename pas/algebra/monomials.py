@@ -12,6 +12,8 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.limits import checkpoint
+
 Exponents = tuple[int, ...]
 Floats = NDArray[np.float64]
 
@@ -87,6 +89,7 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
     result = np.empty((len(flat), coefficients.shape[1]))
     step = max(1, CHUNK_ENTRIES // size)
     for start in range(0, len(flat), step):
+        checkpoint()
         block = flat[start : start + step]
         result[start : start + step] = monomial_values(block, degree).T @ coefficients
     return result.reshape(*np.shape(points)[:-1], coefficients.shape[1])

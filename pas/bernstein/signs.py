@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.subdivision import edges, halving
+from pas.limits import checkpoint
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -122,6 +123,7 @@ def prove_positive(
     degrees = [_degree(c.shape[1], corners.shape[1]) for c in (value, *zeros)]
     found, examined, halved, witness = _Findings(), 0, 0, None
     while len(batch):
+        checkpoint(f"proving signs ({examined} simplices examined)")
         examined += len(batch)
         bound = rounding_bound(max(degrees), halved)
         batch = batch.select(~_settled(batch, bound))

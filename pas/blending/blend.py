@@ -27,6 +27,7 @@ from pas.fairing.constraints import Constraints, Normalization
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import ThinPlate
 from pas.fairing.fairing import Choice
+from pas.limits import Report, checkpoint, limited, note, stage_line
 from pas.partition.cells import Partition
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
@@ -35,7 +36,7 @@ from pas.surface.piecewise import PiecewiseSurface
 DEGREES_TRIED = 4
 """Degrees with regular members that are tried before giving up; corners needed at most three."""
 
-Progress = Callable[[str, float], None]
+OnStage = Callable[[str, float], None]
 """Called at the end of each stage with its name and seconds."""
 
 
@@ -78,18 +79,20 @@ class Wishes:
 class Stages:
     """Seconds spent in each stage, told to a listener as they end."""
 
-    listener: Progress | None = None
+    listener: OnStage | None = None
     seconds: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
     def stage(self, name: str, detail: str = "") -> Iterator[None]:
         """Count the time of a block as stage `name`."""
+        checkpoint(f"{name}{detail}")
         start = time.perf_counter()
         try:
             yield
         finally:
             spent = time.perf_counter() - start
             self.seconds[name] = self.seconds.get(name, 0.0) + spent
+            note(stage_line(f"{name}{detail}", spent))
             if self.listener is not None:
                 self.listener(f"{name}{detail}", spent)
 
@@ -157,7 +160,8 @@ class Blend:
 
         return body(self.surface, length, names)
 
-    def save(self, path: str | Path) -> Path:
+    @limited("writing a project file", "")
+    def save(self, path: str | Path, *, seconds: float | None = None, progress: Report | None = None) -> Path:
         """Write the project file (`.pas.json`); returns its path."""
         from pas.blending.project import save
 
@@ -173,6 +177,7 @@ class Blend:
         return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}>"
 
 
+@limited("finding a blend", "a lower order")
 def blend(
     contacts: Sequence[Any],
     order: int,
@@ -191,7 +196,9 @@ def blend(
     prove: bool = True,
     guard: bool = True,
     basis: Sequence[Sequence[Any]] | None = None,
-    progress: Progress | None = None,
+    on_stage: OnStage | None = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Blend:
     """Find, choose and prove the blend of three pipes or contacts.
 
@@ -206,7 +213,8 @@ def blend(
 
     With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
     the optimum under sampled conditions, or with `guard=False` under the points alone, and its
-    certificate is worked out when asked for.
+    certificate is worked out when asked for.  `on_stage` is told the name and the seconds of each stage
+    at its end.
 
     Raises `GeometryError` (contacts that do not fit), `NoSolutionError` (no usable surface),
     `InfeasibleError` (constraints that contradict), `NotProvedError`; `ValueError` and
@@ -228,7 +236,7 @@ def blend(
     )
     if basis is not None and degree is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
-    stages = Stages(progress)
+    stages = Stages(on_stage)
     with stages.stage("partition"):
         region, turned = place(contacts, partition)
         check_wishes(wishes.constraints, region, turned, proved=prove)
@@ -250,7 +258,15 @@ def blend(
     raise _given_up(attempts, failure, order)
 
 
-def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: Any) -> Blend:
+@limited("choosing a surface", "a lower degree")
+def fit(
+    space: SolutionSpace,
+    *,
+    on_stage: OnStage | None = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
+    **options: Any,
+) -> Blend:
     """Choose one member of a solution space.
 
     `options` are those of `blend` that shape the surface: `energy`, `inside`, `outside`, `through`,
@@ -260,7 +276,7 @@ def fit(space: SolutionSpace, *, progress: Progress | None = None, **options: An
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
     wishes = Wishes.of(**options)
     check_wishes(wishes.constraints, space.partition, space.contacts, proved=wishes.prove)
-    return _fit(space, wishes, [], Stages(progress))
+    return _fit(space, wishes, [], Stages(on_stage))
 
 
 def _spaces(

@@ -29,6 +29,7 @@ from pas.algebra.polynomial import VARIABLES
 from pas.algebra.rational import rational
 from pas.algebra.remainders import Remainders, Terms, membership_rows, power
 from pas.errors import GeometryError
+from pas.limits import Report, limited
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,16 @@ class Existence:
         return "\n\n".join(case._repr_latex_() for case in self.cases)
 
 
-def existence(contacts: Sequence[Any], order: int, degree: int, parameters: Sequence[Any]) -> Existence:
+@limited("solving with parameters", "a lower degree")
+def existence(
+    contacts: Sequence[Any],
+    order: int,
+    degree: int,
+    parameters: Sequence[Any],
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> Existence:
     """The conditions under which a polynomial of degree <= `degree` meets all contacts with GC^`order`.
 
     `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the

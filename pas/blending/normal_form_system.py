@@ -28,7 +28,7 @@ from pas.algebra.monomials import count, exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 from pas.surface.contact import Contact, as_contact
 
 Form = Mapping[int, fmpq]
@@ -86,7 +86,10 @@ class NormalFormSystem:
         )
 
 
-def normal_form_system(contacts: Sequence[Any], order: int, degree: int) -> NormalFormSystem:
+@limited("solving for all surfaces", "a lower degree")
+def normal_form_system(
+    contacts: Sequence[Any], order: int, degree: int, *, seconds: float | None = None, progress: Report | None = None
+) -> NormalFormSystem:
     """The linear system of the normal form conditions of G^`order` on one g of degree <= `degree`.
 
     `contacts` are pipes, contacts or pairs (surface, clip).  For orders above 1 the conditions

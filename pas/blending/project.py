@@ -31,6 +31,7 @@ from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Tab
 from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
 from pas.generatrix.blend import GeneratrixBlend
+from pas.limits import Report, limited
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
 from pas.solid.assembly import Assembly
@@ -84,8 +85,13 @@ def save(blend: Blend, path: str | Path) -> Path:
     return write(path, content, f"pas {__version__}")
 
 
+@limited("reading a project file", "")
 def load(
-    path: str | Path, *, edited: bool = False
+    path: str | Path,
+    *,
+    edited: bool = False,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend | GeneratrixBlend:
     """Read a project file back: whatever it holds, exactly as it was written.
 

@@ -15,7 +15,7 @@ from pas.blending.net import Net
 from pas.blending.place import place
 from pas.blending.single import METHODS, members
 from pas.blending.space import SolutionSpace
-from pas.limits import Report, checkpoint, limit
+from pas.limits import Report, checkpoint, limited
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import joins
@@ -28,6 +28,7 @@ PIECEWISE = ("linear", "syzygy")
 """The methods that serve several pieces."""
 
 
+@limited("solving for all surfaces", "a lower degree")
 def solutions(
     contacts: Sequence[Any],
     order: int,
@@ -52,28 +53,25 @@ def solutions(
     space of that degree; `degrees_tried` has the dimensions found.
 
     `method` is "linear", "syzygy", and for a single cell also "normal-form" and "intersection": the
-    same space by different ways, with different bases.  After `seconds` it gives up;
-    `progress` is called with a line now and then.
+    same space by different ways, with different bases.
 
-    Raises `GeometryError` where the contacts do not fit, `LimitError` past the seconds,
-    `ValueError` or `TypeError` for a wrong argument.
+    Raises `GeometryError` where the contacts do not fit, `ValueError` or `TypeError` for a wrong argument.
     """
     check_order(order)
     check_degree(highest_degree, "highest_degree")
-    with limit(seconds, progress):
-        region, turned = place(contacts, partition)
-        check_method(method, region)
-        if degree is not None:
-            return solve(region, turned, order, check_degree(degree), method)
-        tried: dict[int, int] = {}
-        for candidate in range(1, highest_degree + 1):
-            checkpoint(f"solving for degree {candidate}")
-            space = solve(region, turned, order, candidate, method)
-            tried[candidate] = space.dimension
-            if space.dimension and (space.regular or not regular):
-                break
-        space.degrees_tried = tried
-        return space
+    region, turned = place(contacts, partition)
+    check_method(method, region)
+    if degree is not None:
+        return solve(region, turned, order, check_degree(degree), method)
+    tried: dict[int, int] = {}
+    for candidate in range(1, highest_degree + 1):
+        checkpoint(f"solving for degree {candidate}")
+        space = solve(region, turned, order, candidate, method)
+        tried[candidate] = space.dimension
+        if space.dimension and (space.regular or not regular):
+            break
+    space.degrees_tried = tried
+    return space
 
 
 def solve(

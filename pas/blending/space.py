@@ -17,6 +17,7 @@ from pas.fairing.constraints import Handle
 from pas.fairing.energy import ThinPlate, box_products, tetrahedron_products
 from pas.fairing.fairing import Fairing
 from pas.fairing.functionals import Functional, value_at
+from pas.limits import Report, limited
 from pas.partition.cells import Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import Join, joins
@@ -196,7 +197,15 @@ class SolutionSpace:
 
         return fit(self, **options)
 
-    def optimum(self, energy: ThinPlate | None = None, **options: Any) -> Optimum:
+    @limited("finding the optimum", "a lower degree")
+    def optimum(
+        self,
+        energy: ThinPlate | None = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
+        **options: Any,
+    ) -> Optimum:
         """The exact member of least energy, with its certificate of optimality.
 
         `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),

@@ -16,8 +16,10 @@ from pas.cli.common import DONE as DONE
 from pas.cli.common import FAILED as FAILED
 from pas.cli.common import INTERRUPTED as INTERRUPTED
 from pas.cli.common import WRONG as WRONG
+from pas.cli.common import tell
 from pas.cli.parser import parser
 from pas.errors import InputError, PasError
+from pas.limits import limit
 
 LONGEST = 600
 """Characters of an error that are printed."""
@@ -34,7 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reader.print_help()
         return WRONG
     try:
-        return int(options.run(options))
+        with limit(options.seconds, tell):
+            return int(options.run(options))
     except KeyboardInterrupt:
         print("pas: interrupted; nothing was left half-written", file=sys.stderr)
         return INTERRUPTED

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pas.algebra.inputs import check_tolerance
 from pas.cli import parametric
-from pas.cli.common import DONE, FAILED, output_folder, problem_file, progress, project_file
+from pas.cli.common import DONE, FAILED, output_folder, passed, problem_file, project_file
 from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ def run_blend(options: argparse.Namespace) -> int:
     """`pas blend`."""
     from pas.blending.blend import blend
     from pas.blending.summary import summary
+    from pas.exchange.files import together
     from pas.exchange.meshes import write_mesh
     from pas.exchange.problem import read_problem
 
@@ -33,19 +34,17 @@ def run_blend(options: argparse.Namespace) -> int:
         problem.contacts,
         problem.order if options.order is None else options.order,
         problem.degree if options.degree is None else options.degree,
-        progress=progress,
         **problem.options,
     )
     start = time.perf_counter()
     mesh = result.surface.triangulate(tolerance)
-    result.timings["mesh"] = time.perf_counter() - start
-    progress(f"mesh ({len(mesh.triangles)} triangles)", result.timings["mesh"])
-    folder.mkdir(parents=True, exist_ok=True)
-    base = folder / problem.name
-    written = [result.save(f"{base}.pas.json"), write_mesh(mesh, f"{base}.stl")]
-    notes = "" if options.no_picture else _draw(result, mesh, base, written)
+    result.timings["mesh"] = passed(f"mesh ({len(mesh.triangles)} triangles)", start) - start
+    with together(folder) as place:
+        base = place / problem.name
+        written = [result.save(f"{base}.pas.json"), write_mesh(mesh, f"{base}.stl")]
+        notes = "" if options.no_picture else _draw(result, mesh, base, written)
     print(summary(result, {"mesh": f"{len(mesh.triangles)} triangles, within {tolerance:g} of the surface"}))
-    print("\nwritten:", *written, sep="\n  ")
+    print("\nwritten:", *(folder / path.name for path in written), sep="\n  ")
     if notes:
         print(f"pas: no picture: {notes}", file=sys.stderr)
         return FAILED
@@ -57,19 +56,17 @@ def run_solve(options: argparse.Namespace) -> int:
     from pas.blending.report import report
     from pas.blending.solutions import solutions
     from pas.exchange.problem import read_problem
-    from pas.limits import limit
 
     problem = read_problem(problem_file(options.problem))
-    with limit(options.seconds, lambda line: print(line, file=sys.stderr, flush=True)):
-        space = solutions(
-            problem.contacts,
-            problem.order if options.order is None else options.order,
-            problem.degree if options.degree is None else options.degree,
-            problem.partition,
-            method=options.method,
-            regular=options.regular,
-        )
-        print(report(space, options.form, module=options.generators))
+    space = solutions(
+        problem.contacts,
+        problem.order if options.order is None else options.order,
+        problem.degree if options.degree is None else options.degree,
+        problem.partition,
+        method=options.method,
+        regular=options.regular,
+    )
+    print(report(space, options.form, module=options.generators))
     return DONE
 
 
@@ -82,8 +79,7 @@ def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) ->
         written.append(draw(result.surface, f"{base}.png", mesh=mesh))
     except MissingLibraryError as error:
         return str(error)
-    result.timings["picture"] = time.perf_counter() - start
-    progress("picture", result.timings["picture"])
+    result.timings["picture"] = passed("picture", start) - start
     return ""
 
 
@@ -199,6 +195,7 @@ def run_convert(options: argparse.Namespace) -> int:
 
 def run_teapot(options: argparse.Namespace) -> int:
     """`pas teapot`."""
+    from pas.exchange.files import together
     from pas.exchange.solid_records import save_solid
     from pas.exchange.solids import write_solid
     from pas.render.parts import Look, draw_parts
@@ -213,16 +210,15 @@ def run_teapot(options: argparse.Namespace) -> int:
         spout_tilt=options.spout_tilt,
         handle_size=options.handle_size,
     )
-    progress("build and prove", time.perf_counter() - start)
-    start = time.perf_counter()
+    start = passed("build and prove", start)
     mesh = pot.solid.mesh(tolerance)
-    progress(f"mesh ({len(mesh.triangles)} triangles)", time.perf_counter() - start)
-    folder.mkdir(parents=True, exist_ok=True)
-    written = [write_solid(mesh, folder / "teapot.stl"), save_solid(pot.assembly, folder / "teapot.pas.json")]
+    passed(f"mesh ({len(mesh.triangles)} triangles)", start)
+    with together(folder) as place:
+        written = [write_solid(mesh, place / "teapot.stl"), save_solid(pot.assembly, place / "teapot.pas.json")]
+        try:
+            written.append(draw_parts(mesh, place / "teapot.png", look=Look.FOUR_VIEWS))
+        except MissingLibraryError as error:
+            print(f"pas: no picture: {error}", file=sys.stderr)
     print(pot.solid)
-    try:
-        written.append(draw_parts(mesh, folder / "teapot.png", look=Look.FOUR_VIEWS))
-    except MissingLibraryError as error:
-        print(f"pas: no picture: {error}", file=sys.stderr)
-    print("\nwritten:", *written, sep="\n  ")
+    print("\nwritten:", *(folder / path.name for path in written), sep="\n  ")
     return DONE if pot.solid.proved else FAILED

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 
 from pas.exchange.files import check_folder, source
+from pas.limits import note, stage_line
 
 FILES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".3mf", ".step", ".png", ".json", ".toml")
 """Endings that no folder has: who names such a one means a file."""
@@ -42,6 +44,13 @@ def problem_file(name: str) -> str:
     return name
 
 
-def progress(stage: str, seconds: float) -> None:
-    """Say on stderr how long a stage took."""
-    print(f"{stage:<48} {seconds:7.2f} s", file=sys.stderr, flush=True)
+def tell(line: str) -> None:
+    """Say on stderr what is being done; nothing but results goes to stdout."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def passed(stage: str, start: float) -> float:
+    """Say how long a stage took since `start`; returns the time that it is now."""
+    now = time.perf_counter()
+    note(stage_line(stage, now - start))
+    return now

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from pas.algebra.inputs import check_tolerance
 from pas.bernstein.signs import Status
-from pas.cli.common import DONE, FAILED, output_folder, problem_file, progress
+from pas.cli.common import DONE, FAILED, output_folder, passed, problem_file
 from pas.errors import MissingLibraryError
 from pas.surface.certificate import Verdict
 
@@ -44,6 +44,7 @@ WORDS = {
 
 def run_parametric(options: argparse.Namespace) -> int:
     """`pas parametric`."""
+    from pas.exchange.files import together
     from pas.exchange.meshes import write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem
     from pas.exchange.parametric_records import save_parametric
@@ -56,18 +57,18 @@ def run_parametric(options: argparse.Namespace) -> int:
     tolerance = None if tolerance is None else check_tolerance(tolerance)
     start = time.perf_counter()
     blend = _blend(problem)
-    start = _passed("blend", start)
+    start = passed("blend", start)
     certificate = prove(blend)
-    start = _passed("proofs", start)
+    start = passed("proofs", start)
     print(f"{blend}\n\n{certificate}\n")
     made = blend.surface.mesh(tolerance)
-    _passed(f"mesh ({len(made.triangles)} triangles)", start)
-    folder.mkdir(parents=True, exist_ok=True)
-    base = folder / problem.name
-    written = [save_parametric(blend, f"{base}.pas.json", certificate), write_mesh(made, f"{base}.stl")]
-    notes = "" if options.no_picture else _draw(problem, blend, made, base, written)
+    passed(f"mesh ({len(made.triangles)} triangles)", start)
+    with together(folder) as place:
+        base = place / problem.name
+        written = [save_parametric(blend, f"{base}.pas.json", certificate), write_mesh(made, f"{base}.stl")]
+        notes = "" if options.no_picture else _draw(problem, blend, made, base, written)
     print(f"mesh: {size_of(made)}")
-    print("\nwritten:", *written, sep="\n  ")
+    print("\nwritten:", *(folder / path.name for path in written), sep="\n  ")
     if notes:
         print(f"pas: no picture: {notes}", file=sys.stderr)
         return FAILED
@@ -161,10 +162,5 @@ def _draw(problem: Problem, blend: Made, mesh: ParametricMesh, base: Path, writt
         written.append(draw(blend, f"{base}.png", style=style, mesh=known, view=problem.view))
     except MissingLibraryError as error:
         return str(error)
-    _passed("picture", start)
+    passed("picture", start)
     return ""
-
-
-def _passed(stage: str, start: float) -> float:
-    progress(stage, time.perf_counter() - start)
-    return time.perf_counter()

@@ -66,6 +66,7 @@ def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
     return parser
 
 
@@ -137,7 +138,6 @@ def _solve_parser(added: Commands) -> None:
     parser.add_argument("--method", default="linear", help="linear, syzygy, normal-form or intersection")
     parser.add_argument("--regular", action="store_true", help="the lowest degree with regular solutions")
     parser.add_argument("--generators", action="store_true", help="of several pieces: the generators of the module too")
-    parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
     form = parser.add_mutually_exclusive_group()
     for name in ("json", "latex", "sympy"):
         form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")

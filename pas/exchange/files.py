@@ -97,6 +97,20 @@ def replacing(path: str | Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+@contextmanager
+def together(folder: Path) -> Iterator[Path]:
+    """A temporary folder whose files move to `folder`, which need not exist, when the block ends.
+
+    When the block raises, none of them does.
+    """
+    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    with tempfile.TemporaryDirectory(prefix=".pas-", dir=existing) as name:
+        yield Path(name)
+        folder.mkdir(parents=True, exist_ok=True)
+        for file in Path(name).iterdir():
+            file.replace(folder / file.name)
+
+
 def _short(name: str) -> str:
     return repr(name if len(name) <= 60 else f"{name[:40]}...{name[-17:]}")
 

@@ -31,7 +31,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pas.errors import PasError
+from pas.errors import LimitError, PasError
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
 from pas.exchange.picture_options import PictureReader, View
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
@@ -103,6 +103,8 @@ class GeneratrixReader(PictureReader):
             made = boundary_from(table, GENERATRIX_METHODS[method])
             if method == "quadrics" and not made.closed:
                 raise ValueError('the section is an open curve; blend it by method = "generatrix"')
+        except LimitError:
+            raise
         except (ValueError, TypeError, PasError) as error:
             key = next((k for k in table if str(error).startswith(f"{k} ")), None)
             raise self.error(f"boundary {index + 1}: {error}", "boundaries", index, key) from None

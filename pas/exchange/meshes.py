@@ -10,6 +10,7 @@ import numpy as np
 from pas.exchange.files import replacing, target
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
+from pas.limits import Report, limited
 from pas.mesh.field import Floats, Integers, TriangleMesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
@@ -22,12 +23,15 @@ def check_mesh_suffix(path: str | Path) -> str:
     return target(path, SUFFIXES, "a mesh", {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"})
 
 
+@limited("writing a mesh", "a coarser tolerance")
 def write_mesh(
     shape: TriangleMesh | ParametricSurface | ParametricBlend | GeneratrixBlend | SphereBlend,
     path: str | Path,
     *,
     tolerance: Any = None,
     domain: Any = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Write a mesh with its normals (STL has those of its facets only); returns the path.
 

@@ -35,7 +35,7 @@ from typing import Any, ClassVar
 
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import rational
-from pas.errors import PasError
+from pas.errors import LimitError, PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS, GeneratrixProblem, GeneratrixReader
 from pas.exchange.picture_options import PictureReader
 from pas.exchange.tables import read_toml
@@ -109,6 +109,8 @@ class _Reader(PictureReader):
         surfaces = [self._surface(i, entry, names) for i, entry in enumerate(data["surfaces"])]
         try:
             blending = BlendingData(surfaces, data.get("values"))
+        except LimitError:
+            raise
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "", 0, "values") from None
         style, view = self.picture(data)
@@ -150,6 +152,8 @@ class _Reader(PictureReader):
             own = blending.ends
             given = _intervals([table.get(name, list(ends)) for name, ends in zip(names, own, strict=True)])
             return blending.surfaces[0].with_domain(None).with_domain(given).ends
+        except LimitError:
+            raise
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "domain", 0) from None
 

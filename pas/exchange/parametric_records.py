@@ -25,6 +25,7 @@ from pas.exchange.records import VERDICT
 from pas.exchange.schema import ANYTHING, NUMBER, TEXT, WHOLE, Choice, List, Maybe, Row, Table, TableOf, check
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.verdicts import GeneratrixCertificate
+from pas.limits import Report, limited
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.methods import blend_by, method_of
@@ -66,10 +67,14 @@ CONTENTS = {
 """What project files of parametric surfaces and blends hold, by kind."""
 
 
+@limited("writing a project file", "")
 def save_parametric(
     thing: ParametricSurface | ParametricBlend | GeneratrixBlend,
     path: str | Path,
     certificate: ParametricCertificate | GeneratrixCertificate | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Write a parametric surface or blend, or a blend by a generatrix, as a project file; returns the path.
 

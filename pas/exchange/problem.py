@@ -44,7 +44,7 @@ from typing import Any
 
 from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
-from pas.errors import PasError
+from pas.errors import LimitError, PasError
 from pas.exchange.records import NORMALIZATIONS, read_energy, read_normalization
 from pas.exchange.tables import TableReader, read_toml
 from pas.fairing.constraints import Constraints, Normalization
@@ -155,6 +155,8 @@ class _Reader(TableReader):
         make: Callable[..., Pipe | Contact] = Pipe if kind == "pipes" else Contact
         try:
             return make(**entry)
+        except LimitError:
+            raise
         except (ValueError, TypeError, PasError) as error:
             places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
             key = min(places, key=places.__getitem__) if places else None
@@ -166,6 +168,8 @@ class _Reader(TableReader):
         self.check(data[table], table, 0)
         try:
             return make(data[table])
+        except LimitError:
+            raise
         except (ValueError, TypeError, PasError) as error:
             key = next((k for k in data[table] if re.match(rf"{k}\b", str(error))), None)
             raise self.error(f"[{table}]: {error}", table, 0, key) from None

@@ -27,6 +27,7 @@ from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.records import partition_record, read_partition
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
+from pas.limits import Report, limited
 from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
@@ -97,7 +98,10 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def save_solid(shape: Solid | Assembly, path: str | Path) -> Path:
+@limited("writing a project file", "")
+def save_solid(
+    shape: Solid | Assembly, path: str | Path, *, seconds: float | None = None, progress: Report | None = None
+) -> Path:
     """Write a solid or an assembly, exactly; returns the path.
 
     Raises `ValueError` unless the name ends in `.pas.json`, and for a function that is no polynomial
@@ -113,7 +117,10 @@ def save_solid(shape: Solid | Assembly, path: str | Path) -> Path:
     return write(path, content, f"pas {__version__}")
 
 
-def load_solid(path: str | Path, *, edited: bool = False) -> Solid | Assembly:
+@limited("reading a project file", "")
+def load_solid(
+    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
+) -> Solid | Assembly:
     """Read a solid or an assembly back; with `edited`, whatever its checksum.
 
     Raises `ProjectFileError` (see `pas.exchange.container.read`), also for a file of another kind, or

@@ -29,6 +29,7 @@ import numpy as np
 from pas.exchange.files import replacing, target
 from pas.exchange.meshes import binary_stl
 from pas.exchange.threemf import UNITS, require_library, write_3mf
+from pas.limits import Report, limited
 from pas.mesh.field import Floats, Integers
 from pas.solid.assembly import COLORS, Assembly
 from pas.solid.mesh import SolidMesh
@@ -44,12 +45,15 @@ class Piece:
     mesh: SolidMesh
 
 
+@limited("writing a solid", "a coarser tolerance")
 def write_solid(
     shape: Solid | SolidMesh | Assembly,
     path: str | Path,
     *,
     tolerance: float | None = None,
     unit: str = "millimeter",
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Write a solid, a mesh of one or an assembly as triangles; returns the path.
 

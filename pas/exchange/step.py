@@ -21,6 +21,7 @@ from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
 from pas.exchange.files import replacing, target
 from pas.generatrix.blend import GeneratrixBlend
+from pas.limits import Report, limited
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.patches import RationalPatch
@@ -45,6 +46,7 @@ FORMAT = "%.16E"
 suppression of zeros must stay off: it drops exponents of this format."""
 
 
+@limited("writing a STEP file", "fewer patches")
 def write_step(
     patches: Shape | Sequence[Shape],
     path: str | Path,
@@ -52,6 +54,8 @@ def write_step(
     domain: Any = None,
     sew: float | None = None,
     unit: str = "millimeter",
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Write patches, exact surfaces and exact blends as the faces of a STEP file; returns the path.
 

@@ -15,10 +15,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+SAID, GLANCE = "said.txt", 0.2
+"""The file that takes what the other process writes as errors, and seconds between two looks at it."""
 
 
 def require_library() -> None:
@@ -47,23 +51,41 @@ def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> t
         folder = Path(name)
         np.save(folder / "points.npy", np.ascontiguousarray(points, dtype=np.float64))
         np.save(folder / "triangles.npy", np.ascontiguousarray(triangles, dtype=np.int32))
-        done = subprocess.run(
-            [sys.executable, "-P", str(Path(__file__).resolve()), name, json.dumps(dict(options))],
+        code = _run(folder, json.dumps(dict(options)))
+        if code < 0:
+            raise GeometryError(
+                f"fTetWild crashed ({signal.Signals(-code).name}): the part is thinner than the tolerance, "
+                "or its mesh cuts itself; set a smaller tolerance"
+            )
+        if code:
+            lines = (folder / SAID).read_text("utf-8", "replace").strip().splitlines() or ["no reason given"]
+            raise GeometryError(f"fTetWild failed: {lines[-1]}")
+        return np.load(folder / "found.npy"), np.load(folder / "tetrahedra.npy")
+
+
+def _run(folder: Path, options: str) -> int:
+    """Run the other process to its end, or until a limit is reached; returns its exit status."""
+    from pas.limits import checkpoint
+
+    with (
+        open(folder / SAID, "wb") as said,
+        subprocess.Popen(
+            [sys.executable, "-P", str(Path(__file__).resolve()), str(folder), options],
             cwd=folder,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(str(Path(p).resolve()) for p in sys.path)},
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            check=False,
-        )
-        if done.returncode < 0:
-            raise GeometryError(
-                f"fTetWild crashed ({signal.Signals(-done.returncode).name}): the part is thinner than the tolerance, "
-                "or its mesh cuts itself; set a smaller tolerance"
-            )
-        if done.returncode:
-            lines = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["no reason given"]
-            raise GeometryError(f"fTetWild failed: {lines[-1]}")
-        return np.load(folder / "found.npy"), np.load(folder / "tetrahedra.npy")
+            stderr=said,
+        ) as process,
+    ):
+        try:
+            while process.poll() is None:
+                checkpoint("fTetWild makes tetrahedra")
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(GLANCE)
+        except BaseException:
+            process.kill()
+            raise
+    return process.returncode
 
 
 def _work(folder: Path, options: dict[str, Any]) -> None:

@@ -22,6 +22,7 @@ from pas.errors import GeometryError
 from pas.exchange.solids import Piece, pieces
 from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.volume_files import check_volume_suffix, write_volume
+from pas.limits import Report, limited
 from pas.mesh.field import Floats, Integers, is_closed_manifold
 from pas.solid.assembly import Assembly
 from pas.solid.mesh import SolidMesh
@@ -113,6 +114,7 @@ class VolumeMesh:
         return write_volume(self, path)
 
 
+@limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")
 def volume_mesh(
     shape: Solid | SolidMesh | Assembly,
     *,
@@ -120,6 +122,8 @@ def volume_mesh(
     tolerance: float | None = None,
     volume_tolerance: float = VOLUME_TOLERANCE,
     settings: VolumeSettings | None = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> VolumeMesh:
     """Fill a solid, a closed mesh or each part of an assembly with tetrahedra.
 

@@ -30,7 +30,7 @@ from pas.generatrix.lengths import with_lengths
 from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.space import NAMES, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 from pas.mesh.field import TriangleMesh
 from pas.parametric.callables import plain
 from pas.parametric.jets import Jet, composed
@@ -117,7 +117,10 @@ class GeneratrixBlend:
         normals /= np.maximum(length, 1e-300)[..., None]
         return points, -normals if self.frames.inward else normals
 
-    def mesh(self, size: tuple[int, int] = (100, 100)) -> TriangleMesh:
+    @limited("meshing a blend", "a smaller size")
+    def mesh(
+        self, size: tuple[int, int] = (100, 100), *, seconds: float | None = None, progress: Report | None = None
+    ) -> TriangleMesh:
         """Triangles on that grid, the seam of closed curves welded.
 
         Connectivity and all that does not depend on the shape values are kept, so that a blend of changed shape
@@ -153,7 +156,15 @@ class GeneratrixBlend:
             raise NotProvedError("; ".join(map(str, failed)), self)
         return self
 
-    def largest_safe(self, number: int | None = None, size: tuple[int, int] = (96, 24)) -> float:
+    @limited("looking for the largest safe length", "a smaller size")
+    def largest_safe(
+        self,
+        number: int | None = None,
+        size: tuple[int, int] = (96, 24),
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
+    ) -> float:
         """The largest constant l1 (`number` 0), l2 (1) or both (None) up to which the blend is sound.
 
         Sound: on the mesh of this size no triangles cross and no normal turns by a right angle between
@@ -217,12 +228,16 @@ class GeneratrixBlend:
         return np.asarray((high - low) / (2 * step))
 
 
+@limited("finding a blend by a generatrix", "lengths l1 and l2")
 def generatrix_blend(
     first: Boundary,
     second: Boundary,
     shape: GeneratrixShape | None = None,
     align: bool = True,
     unit: bool = True,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> GeneratrixBlend:
     """The blend from one boundary to another.
 

@@ -21,6 +21,7 @@ from pas.generatrix.quadric import text
 from pas.generatrix.sections import plane_section
 from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.sphere_mesh import sphere_mesh
+from pas.limits import Report, limited
 from pas.mesh.field import TriangleMesh
 
 SAMPLES = 256
@@ -32,6 +33,7 @@ WIDEST = math.pi / 3
 """Half-angle of the circles at most, so that a good part of the sphere's cap is bent towards the boundary."""
 
 
+@limited("finding a blend by a generatrix", "lengths l1 and l2")
 def blend_quadrics(
     quadric1: Any,
     plane1: Any,
@@ -39,6 +41,9 @@ def blend_quadrics(
     plane2: Any,
     shape: GeneratrixShape | None = None,
     sides: tuple[int | None, int | None] = (None, None),
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> GeneratrixBlend:
     """The blend of two quadrics in any position, each ending at a plane that cuts it in an ellipse.
 
@@ -67,7 +72,10 @@ class SphereBlend:
     angles: tuple[float, ...]
     blends: tuple[GeneratrixBlend, ...]
 
-    def mesh(self, size: tuple[int, int] = (96, 48)) -> TriangleMesh:
+    @limited("meshing a blend", "a smaller size")
+    def mesh(
+        self, size: tuple[int, int] = (96, 48), *, seconds: float | None = None, progress: Report | None = None
+    ) -> TriangleMesh:
         """Triangles of all blends, each on a grid of that size, and of the sphere between the circles, all welded.
 
         Normals point out of the sphere.
@@ -81,12 +89,16 @@ class SphereBlend:
         return self
 
 
+@limited("finding a blend by a generatrix", "lengths l1 and l2")
 def blend_through_sphere(
     boundaries: Sequence[Boundary],
     center: Any,
     radius: Any,
     angles: Sequence[float] | None = None,
     shape: GeneratrixShape | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> SphereBlend:
     """Blend n >= 2 surfaces, each from its closed boundary to a circle on the sphere in the middle.
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
 from pas.mesh.remesh import Labelled, Topology, cosines, flip, pair_normals, smooth
@@ -31,6 +32,7 @@ def collapse(
 ) -> Labelled:
     """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first."""
     for _ in range(passes):
+        checkpoint()
         smaller = _collapse_once(mesh, field, short)
         if smaller is None:
             break
@@ -139,6 +141,7 @@ def _independent(mesh: Labelled, normals: Floats, removed: Integers, kept: Integ
     chosen = np.zeros(len(removed), dtype=bool)
     open_ = np.arange(len(removed))
     for _ in range(ROUNDS):
+        checkpoint()
         won = open_[_touching(open_, open_, edges, removed, kept, size) == open_]
         common = adjacency[removed[won]].multiply(adjacency[kept[won]]).sum(axis=1)
         good = won[np.asarray(common).ravel() == 2]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.lattice import Lattice
 
@@ -52,6 +53,7 @@ def snapped(
     merged /= np.bincount(back)[:, None]
     corners = back[triangles]
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    checkpoint()
     used, inverse = np.unique(_without_doubles(corners[distinct]), return_inverse=True)
     return merged[used], inverse.reshape(-1, 3), order[first][used]
 
@@ -67,6 +69,7 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
     keys = ends[..., 0] * size + ends[..., 1]
     corners: list[Integers] = []
     for inside in (1, 3):
+        checkpoint()
         chosen = negative.sum(axis=1) == inside
         apex = (negative[chosen] == (inside == 1)).argmax(axis=1)
         around = np.array([[e for e, pair in enumerate(EDGES) if v in pair] for v in range(4)])
@@ -77,10 +80,12 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
     pattern = {(i, j): [k for k in range(4) if k not in (i, j)] for i in range(4) for j in range(i + 1, 4)}
     numbers = {tuple(pair): e for e, pair in enumerate(EDGES.tolist())}
     for (i, j), (k, m) in pattern.items():
+        checkpoint()
         rows = keys[chosen][(first == i) & (last == j)]
         ring = [numbers[tuple(sorted(p))] for p in ((i, k), (i, m), (j, m), (j, k))]
         quad = rows[:, ring]
         corners += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
+    checkpoint()
     unique, inverse = np.unique(np.concatenate(corners), return_inverse=True)
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers, edge_table, pinched
 from pas.mesh.remesh import Labelled, grouped, least_norm, newton
@@ -48,8 +49,10 @@ class Crossings:
 
     def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers) -> None:
         self.field, self.nodes = field, nodes
+        checkpoint(f"finding the boundary in a lattice of {len(tetrahedra)} tetrahedra")
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
+        checkpoint()
         inside = self._inside[tetrahedra]
         mixed = tetrahedra[inside.any(axis=1) & ~inside.all(axis=1)]
         self.edges, triangles = crossings(self._inside, mixed)
@@ -104,9 +107,12 @@ class Crossings:
         free = self._knotted(
             np.where(t < SNAP, self.edges[:, 0], np.where(t > 1 - SNAP, self.edges[:, 1], len(self.nodes)))
         )
+        checkpoint()
         before = self._euler_characteristics(np.arange(len(self.edges)), self.triangles)
         while True:
+            checkpoint()
             points, triangles, source = snapped(crossed, self.triangles, self.edges, t, SNAP, free)
+            checkpoint()
             bad = np.isin(triangles, pinched(triangles)).any(axis=1)
             free[self.edges[source[triangles[bad]]]] = True
             if not bad.any():
@@ -156,6 +162,7 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
     p = points[groups]
     size = np.sqrt(((p - p.mean(axis=1, keepdims=True)) ** 2).sum(axis=2)).max(axis=1) * 2
     for row, at in grouped(np.sort(labels[groups], axis=1), int(labels.max()) + 2):
+        checkpoint()
         names = tuple(int(v) for v in row)
         start = p[at].mean(axis=1)
         end = newton(start, field, names, size[at])
@@ -197,6 +204,7 @@ def _crossing(
     changes = start != end
     roots = np.full(changes.shape, 2.0)
     for column in np.flatnonzero(changes.any(axis=1)):
+        checkpoint()
         rows = np.flatnonzero(changes[column])
         roots[column, rows] = _roots(field, 2 * int(column), points[a[rows]], points[b[rows]])
     order = np.argsort(roots, axis=0)
@@ -204,6 +212,7 @@ def _crossing(
     open_edges = np.arange(len(edges))
     state, before = start.copy(), inside[a]
     for place in range(min(len(signs), MOST_CHANGES)):
+        checkpoint()
         column = order[place, open_edges]
         state[column, open_edges] ^= changes[column, open_edges]
         turned = field.inside(state[:, open_edges]) != before[open_edges]
@@ -235,6 +244,7 @@ def _check_crossings(
         return
     low, high = np.zeros(len(rows)), np.ones(len(rows))
     for _ in range(BISECTIONS):
+        checkpoint()
         middle = (low + high) / 2
         same = field.inside(signs(rows, middle)) == start[rows]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
@@ -258,6 +268,7 @@ def _roots(field: FaceField, label: int, a: Floats, b: Floats) -> Floats:
     t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
     active = np.arange(len(a))
     for _ in range(ROOT_STEPS):
+        checkpoint()
         here, along = t[active], b[active] - a[active]
         jets = field.jets(a[active] + here[:, None] * along, label)
         before = (jets[:, 0] <= 0) == rising[active]

@@ -13,6 +13,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
 
 
+VISIBLE = 1e-7
+"""Coordinates below this share of the largest ones of a box are shown as 0."""
+
+
 class CellField(Protocol):
     """A function with gradients on a region made of tetrahedra.
 
@@ -78,6 +82,9 @@ class FaceField(Protocol):
         Infinite where the boundary may be more than one sheet, or a sheet that is not seen all at once from any side.
         """
 
+    def face(self, label: int) -> str:
+        """The name of a label's face."""
+
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """For each function (M, N), whether it is <= 0 at points (N, 3)."""
 
@@ -89,6 +96,12 @@ class FaceField(Protocol):
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""
+
+
+def place_of(field: FaceField, point: Floats) -> str:
+    """A point as the user reads it, without the digits of zeros."""
+    least = VISIBLE * float(np.abs(field.world(field.box)).max())
+    return "(" + ", ".join(f"{x if abs(x) > least else 0.0:.4g}" for x in field.world(point)) + ")"
 
 
 @dataclass(frozen=True)

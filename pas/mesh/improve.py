@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers, edge_table
 
 NEWTON_STEPS = 20
@@ -61,6 +62,7 @@ def project(points: Floats, field: CellField, boundary: Boundary) -> Floats:
     normals[boundary.vertices] = boundary.normals
     active = np.arange(len(points))
     for _ in range(NEWTON_STEPS):
+        checkpoint()
         jets = field.jets(points[active], field.locate(points[active]))
         gradient = jets[:, 1:]
         n = normals[active]
@@ -106,6 +108,7 @@ def flip(points: Floats, triangles: Integers, normals: Floats) -> Integers:
     """Edges flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
     triangles = triangles.copy()
     for _ in range(FLIP_PASSES):
+        checkpoint()
         about = lambda i, j: (normals[triangles[i]] + normals[triangles[j]]).sum(axis=1)  # noqa: E731
         if not len(flip_once(points, triangles, about)):
             break

@@ -15,6 +15,7 @@ from itertools import permutations
 
 import numpy as np
 
+from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 
 STEEPER = 2.0
@@ -60,6 +61,7 @@ def _active(field: CellField, number: int, coarse: int, halvings: int) -> tuple[
     eighth_nodes, eighths = _freudenthal(2)
     parts = coarse
     for level in range(halvings + 1):
+        checkpoint("refining the lattice")
         if level:
             children = np.einsum("ek,tkw->tew", eighth_nodes, nodes[tetrahedra])[:, eighths].reshape(-1, 4)
             parts *= 2

@@ -15,6 +15,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.errors import GeometryError
+from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers, distinct
 from pas.mesh.triangulate import MeshError
 
@@ -31,6 +33,9 @@ CLEAR, QUIET, OPEN = range(3)
 SAMPLES, CHUNK = 5, 2000
 """Points on each line along which the boundary is looked for in cubes where it is not proved to be clear; and
 how many cubes are looked at together."""
+
+MOST_UNSEEN = 30_000
+"""Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
 
 DEEPEST = 14
 """How often cubes are halved at most, so that `_SPAN` is not exceeded."""
@@ -100,10 +105,58 @@ class Octree:
         return len(self._halved)
 
     @property
+    def spacing(self) -> float:
+        """The edge of the smallest cubes."""
+        return float(self.size / 2**self.levels)
+
+    @property
+    def finest(self) -> str:
+        """The same over the longest side of the box, in words."""
+        return f"1/{round(float(np.ptp(self.field.box, axis=0).max()) / self.spacing)} of its bounding box"
+
+    @property
+    def count(self) -> int:
+        """The number of cubes."""
+        return sum(len(cubes) for cubes, _ in self._leaves)
+
+    @property
+    def open_places(self) -> Floats:
+        """The middles (K, 3) of the cubes in which more than one sheet may be."""
+        halves = self.size / 2 ** np.arange(1, len(self._leaves) + 1)
+        return np.concatenate(
+            [self.origin + half * c[s == OPEN] for half, (c, s) in zip(halves, self._leaves, strict=True)]
+        )
+
+    @property
     def open_share(self) -> float:
         """The share of the cubes in which more than one sheet may be."""
-        states = np.concatenate([state for _, state in self._leaves])
-        return float((states == OPEN).mean()) if len(states) else 0.0
+        return len(self.open_places) / max(self.count, 1)
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether some sample in the cubes is in the set."""
+        for level, (cubes, _) in enumerate(self._leaves):
+            half = self.size / 2 ** (level + 1)
+            for start in range(0, len(cubes), CHUNK):
+                checkpoint()
+                if self._samples(self.origin + cubes[start : start + CHUNK] * half, half).any():
+                    return True
+        return False
+
+    def until_seen(self) -> Octree:
+        """The octree, refined until something of the set is seen.
+
+        Raises `GeometryError` where there is nothing, `MeshError` where it is too thin to be seen.
+        """
+        result = self
+        while not result.is_seen:
+            if not result.count:
+                raise GeometryError("the solid is empty: its inequalities hold together nowhere")
+            if result.count > MOST_UNSEEN or result.levels == DEEPEST:
+                where = f"with a lattice of {result.finest} nothing of it is seen"
+                raise MeshError(f"the solid is empty or too thin for its size: {where}")
+            result = result.refined(least=QUIET)
+        return result
 
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> Octree:
         """With the cubes halved whose state is at least as given, and those about given points (K, 3)."""
@@ -122,6 +175,7 @@ class Octree:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
         used = self._middles()
         found = [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+        checkpoint()
         numbers, inverse = np.unique(np.concatenate(found), return_inverse=True)
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
@@ -147,6 +201,7 @@ class Octree:
             raise MeshError(
                 f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
             )
+        checkpoint(f"refining a lattice ({len(cubes)} cubes)")
         cubes = self._crossed(level, cubes)
         half = self.size / 2 ** (level + 1)
         places = self.origin + cubes * half
@@ -165,19 +220,25 @@ class Octree:
         """
         result = np.empty(len(centers), dtype=bool)
         for start in range(0, len(centers), CHUNK):
+            checkpoint()
             part = slice(start, start + CHUNK)
-            points = (centers[part, None] + half * _SAMPLES).reshape(-1, 3)
-            inside = self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))
+            inside = self._samples(centers[part], half)
             along = inside[:, _LINES]
             times = (along[..., 1:] != along[..., :-1]).sum(axis=2).max(axis=1)
             result[part] = (times == 1) | ((times == 0) & (level >= BASE + HIDDEN))
         return result
+
+    def _samples(self, centers: Floats, half: float) -> NDArray[np.bool_]:
+        """Which samples in cubes are in the set (N, SAMPLES^3)."""
+        points = (centers[:, None] + half * _SAMPLES).reshape(-1, 3)
+        return self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))
 
     def _middles(self) -> list[tuple[Integers, Integers]]:
         """For each level the numbers of all middles, sorted, and the coordinates of those of cubes."""
         result = []
         needed = np.empty((0, 3), dtype=np.intp)
         for level in reversed(range(self.levels)):
+            checkpoint()
             own = (self._halved[level][:, None] + _MIDDLES).reshape(-1, 3)
             middles = _distinct(np.concatenate([own, needed]))
             odd = (middles & 1).sum(axis=1)
@@ -228,6 +289,7 @@ class Octree:
         center = cubes @ _WEIGHTS
         found = []
         for axis, side in product(range(3), (-1, 1)):
+            checkpoint()
             out = side * _WEIGHTS[axis]
             b, c = (i for i in range(3) if i != axis)
             face = center + out

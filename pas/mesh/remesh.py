@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers, distinct
 from pas.mesh.improve import cross, flip_once
 from pas.mesh.refine import split
@@ -243,6 +244,7 @@ def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Flo
     functions = field.functions(labels)
     active = np.arange(len(points))
     for _ in range(NEWTON_STEPS):
+        checkpoint()
         step = -least_norm(field, functions, points[active])
         length = np.sqrt((step * step).sum(axis=1, keepdims=True))
         points[active] += step * np.minimum(1.0, reach[active, None] / np.maximum(length, 1e-300))
@@ -276,6 +278,7 @@ def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> 
 def subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
     """The mesh with edges of at most a given length."""
     while (long := mesh.lengths > longest).any():
+        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
         points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
         finer = Labelled.of(points, triangles, mesh.labels[parents])
         mesh = project(finer, field, finer.sizes)
@@ -312,6 +315,7 @@ def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
         return normals[first] + normals[second]
 
     for _ in range(passes):
+        checkpoint()
         owners = flip_once(mesh.points, triangles, about, mesh.labels)
         if not len(owners):
             break

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.errors import PasError
+from pas.limits import checkpoint
 from pas.mesh.contour import march
 from pas.mesh.field import CellField, Floats, Integers, TriangleMesh
 from pas.mesh.improve import boundary_of, flip, folded, project, smooth
@@ -57,6 +58,7 @@ def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
     """
     mesh = _first(field)
     for _ in range(REFINEMENTS):
+        checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
         if deviation(field, mesh) <= tolerance:
             return mesh
         edges, far = _far_edges(field, mesh, AIM * tolerance)
@@ -158,6 +160,7 @@ def _improved(field: CellField, points: Floats, triangles: Integers, smoothings:
     boundary = boundary_of(points, triangles, field)
     points = project(points, field, boundary)
     for _ in range(smoothings):
+        checkpoint()
         normals = _normals(field, points)
         triangles = flip(points, triangles, normals)
         points = project(smooth(points, triangles, normals, boundary), field, boundary)

@@ -20,7 +20,7 @@ from typing import Any
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
 from pas.errors import GeometryError, NoSolutionError
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 from pas.parametric.callables import Values
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.evaluation import hermite_values
@@ -70,7 +70,10 @@ class ParametricBlend:
         start = self if self.weights is None else hermite_blend(self.data, self.order)
         return ParametricSolutions(self.data, self.order, start.surface, polynomial=True)
 
-    def prove(self, domain: Any = None, effort: int = 20_000) -> ParametricCertificate:
+    @limited("proving a blend", "less effort or a smaller domain")
+    def prove(
+        self, domain: Any = None, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricCertificate:
         """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
 
         `effort` bounds the cells that the proof of regularity may examine.
@@ -84,7 +87,10 @@ class ParametricBlend:
         """The verdicts of `prove()`, when first asked for, and kept."""
         return self.prove()
 
-    def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+    @limited("meshing a surface", "a coarser tolerance or a smaller domain")
+    def mesh(
+        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricMesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
 
@@ -93,7 +99,10 @@ class ParametricBlend:
         return f"a {kind} blend of {self.data} with contact of order {self.order}"
 
 
-def hermite_blend(data: BlendingData, order: int) -> ParametricBlend:
+@limited("finding a parametric blend", "a lower order")
+def hermite_blend(
+    data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None
+) -> ParametricBlend:
     """The Hermite blend: polynomial in h of degree at most n(k+1) - 1.
 
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
@@ -106,12 +115,16 @@ def hermite_blend(data: BlendingData, order: int) -> ParametricBlend:
     return ParametricBlend(data, k, _surface(data, hermite_values(data, k), source))
 
 
+@limited("finding a parametric blend", "a lower order")
 def weighted_blend(
     data: BlendingData,
     order: int,
     balance: Any = "1/2",
     normalized: bool = False,
     exponent: int | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> ParametricBlend:
     """The blend sum f_i P_i; `balance`, `normalized` and `exponent` are those of `Weights`.
 

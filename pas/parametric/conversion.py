@@ -28,7 +28,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, plain, rational, to_float, to_fraction
 from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.errors import GeometryError
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 from pas.parametric.framed import Framed
 from pas.parametric.meshing import RELATIVE, exact_rectangle
 from pas.parametric.nets import ExactNet, Nets, Table, exact_net, product
@@ -87,7 +87,10 @@ def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatc
     return _patch(net)
 
 
-def bezier_patches(surface: ParametricSurface, domain: Any = None) -> tuple[RationalPatch, ...]:
+@limited("splitting a surface into patches", "a smaller domain")
+def bezier_patches(
+    surface: ParametricSurface, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+) -> tuple[RationalPatch, ...]:
     """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
 
     Raises what `bezier_patch` raises, but `GeometryError` only for a pole.
@@ -131,7 +134,15 @@ def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
     return found
 
 
-def fit_patch(surface: ParametricSurface | HasSurface, tolerance: Any = None, domain: Any = None) -> FittedPatch:
+@limited("fitting a patch", "a coarser tolerance or a smaller domain")
+def fit_patch(
+    surface: ParametricSurface | HasSurface,
+    tolerance: Any = None,
+    domain: Any = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> FittedPatch:
     """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
 
     For a blend, of its `surface`.  It interpolates at the Greville abscissae of uniform knots.

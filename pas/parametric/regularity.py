@@ -19,6 +19,7 @@ from flint import fmpq_mpoly
 from pas.algebra.lengths import lengths, scaled
 from pas.algebra.rational import plain, to_float
 from pas.bernstein.signs import Status
+from pas.limits import Report, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, Outcome, pieces_of, without_common_zero
 from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.surface import ParametricSurface
@@ -35,7 +36,10 @@ STILL, FLAT = 1e-9, 1e-6
 """A tangent below this share of the median one, and an angle below these degrees, count as zero where measured."""
 
 
-def regularity(surface: ParametricSurface, effort: int = 20_000) -> Verdict:
+@limited("proving that a surface is regular", "less effort or a smaller domain")
+def regularity(
+    surface: ParametricSurface, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
     `effort` bounds the rectangles examined; the verdict's `measure` counts them.

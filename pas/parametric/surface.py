@@ -25,7 +25,7 @@ from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, plain, to_float, vector
-from pas.limits import checkpoint
+from pas.limits import Report, checkpoint, limited
 from pas.parametric.callables import Values, component, from_derivatives
 from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.expressions import Names, as_text
@@ -221,7 +221,10 @@ class ParametricSurface:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
         return composed(Polynomial(polynomial), self.components)
 
-    def mesh(self, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+    @limited("meshing a surface", "a coarser tolerance or a smaller domain")
+    def mesh(
+        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> ParametricMesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
         The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import to_float
-from pas.errors import PasError
+from pas.errors import LimitError, PasError
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.field import TriangleMesh
@@ -109,6 +109,8 @@ def _neighbour(
             return None
         try:
             mesh = surface.mesh(tolerance, (rectangle[0], inner))
+        except LimitError:
+            raise
         except PasError:
             continue
         if float(np.ptp(mesh.points, axis=0).max()) <= 1.5 * size:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pas.exchange.files import replacing, target
+from pas.limits import Report, limited
 from pas.mesh.field import Floats
 from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import look_at
@@ -42,6 +43,7 @@ class Look(Enum):
     CUT = "cut"
 
 
+@limited("drawing", "a coarser tolerance")
 def draw_parts(
     shape: Solid | SolidMesh | Assembly,
     path: str | Path,
@@ -50,6 +52,8 @@ def draw_parts(
     tolerance: float | None = None,
     size: tuple[int, int] = (1200, 900),
     meshes: dict[str, SolidMesh] | None = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Draw a solid or an assembly into a PNG file; returns the path.
 

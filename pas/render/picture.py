@@ -11,6 +11,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
+from pas.limits import Report, limited
 from pas.mesh.field import TriangleMesh
 from pas.render.layers import BLEND_COLOR, CURVE_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
@@ -55,6 +56,7 @@ class Style(Enum):
     CURVATURE = "curvature"
 
 
+@limited("drawing", "a coarser mesh of your own")
 def draw(
     surface: PiecewiseSurface | Drawable | Sequence[Drawable],
     path: str | Path,
@@ -64,6 +66,8 @@ def draw(
     size: tuple[int, int] = SIZE,
     domain: Any = None,
     view: Any = None,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> Path:
     """Draw a surface with its neighbours into a PNG file; returns the path.
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.limits import Report, limited
 from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
 
@@ -25,7 +26,10 @@ class Part:
     shape: Solid | SolidMesh
     color: str
 
-    def mesh(self, tolerance: float | None = None) -> SolidMesh:
+    @limited("meshing a part", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> SolidMesh:
         """The part's mesh; see `Solid.mesh`."""
         return self.shape if isinstance(self.shape, SolidMesh) else self.shape.mesh(tolerance)
 
@@ -41,7 +45,10 @@ class Assembly:
             raise KeyError(f"the assembly has no part {name!r}; its parts are {', '.join(self.parts)}")
         return self.parts[name]
 
-    def meshes(self, tolerance: float | None = None) -> dict[str, SolidMesh]:
+    @limited("meshing an assembly", "a coarser tolerance")
+    def meshes(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> dict[str, SolidMesh]:
         """The mesh of each part."""
         return {name: part.mesh(tolerance) for name, part in self.parts.items()}
 

@@ -12,8 +12,9 @@ from flint import fmpq
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
+from pas.limits import checkpoint
 from pas.solid.program import Program
-from pas.solid.tree import Node, Tree
+from pas.solid.tree import Node, Tree, is_contradiction
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
@@ -44,8 +45,9 @@ def _branches(tree: Tree) -> list[Tree]:
 
 
 def _branch_box(tree: Tree) -> Floats | None:
-    start = _linear_box(tree)
-    return None if start is None else _shrunk(Program(tree, ORIGIN, fmpq(1)), start)
+    program = Program(tree, ORIGIN, fmpq(1))
+    start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
+    return None if start is None else _shrunk(program, start)
 
 
 def _linear_box(tree: Tree) -> Floats | None:
@@ -81,6 +83,7 @@ def _shrunk(program: Program, start: Floats) -> Floats | None:
     hull = start
     centers, half = start.mean(axis=0)[None], np.maximum((start[1] - start[0]) / 2, 1e-300)
     for _ in range(LEVELS):
+        checkpoint(f"bounding a solid ({len(centers)} boxes)")
         yes, no = program.taylor(centers, half[None])
         possible = program.holds(~no, ~yes)
         centers = centers[possible]

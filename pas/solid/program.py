@@ -24,6 +24,9 @@ Integers = NDArray[np.intp]
 SEPARATOR = " + "
 """Between the names of faces that lie on one surface."""
 
+SPLITS = 6
+"""Columns read from both sides that are tried together as either: a box that meets more is halved first."""
+
 SAMPLE = 200
 """Boxes that are looked at to choose the side to halve."""
 
@@ -196,25 +199,34 @@ class Program:
             gradients[place], changes[place] = self._fields[int(columns[place])].slopes(*boxes)
         return gradients, changes
 
-    def decided(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+    @cached_property
+    def is_empty(self) -> bool:
+        """Whether the tree is false whatever the signs of its columns are, as for a solid less itself."""
+        unknown = np.zeros((self.used, 1), dtype=bool)
+        return bool(self.decided(unknown, unknown)[1][0])
+
+    def decided(self, yes: Bools, no: Bools, splits: int = SPLITS) -> tuple[Bools, Bools]:
         """Where the tree is certainly true, and certainly false (N,), as far as its columns say.
 
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.  A column that the tree reads
-        from both sides is tried as either.
+        from both sides is tried as either, up to `splits` of them together.
         """
         true, false = self.holds(yes, no), ~self.holds(~no, ~yes)
         open_ = np.flatnonzero(~(true | false))
+        if not splits or not len(open_):
+            return true, false
         both = np.logical_and(*self.relevant(yes[:, open_], no[:, open_]))
-        for column in np.flatnonzero(both.any(axis=1)):
-            rows = open_[both[column]]
+        first = np.where(both.any(axis=0), both.argmax(axis=0), -1)
+        for column in np.unique(first[first >= 0]):
+            rows = open_[first == column]
             always, never = np.ones((2, len(rows)), dtype=bool)
             for side in (True, False):
                 certain, excluded = yes[:, rows], no[:, rows]
                 certain[column], excluded[column] = side, not side
-                always &= self.holds(certain, excluded)
-                never &= ~self.holds(~excluded, ~certain)
-            true[rows] |= always
-            false[rows] |= never
+                whole, nothing = self.decided(certain, excluded, splits - 1)
+                always &= whole
+                never &= nothing
+            true[rows], false[rows] = always, never
         return true, false
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
@@ -240,7 +252,7 @@ class Program:
 
         Sides that are small beside the hull (2, 3) of all boxes count less.
         """
-        even = half / np.ptp(hull, axis=0)
+        even = half / np.maximum(np.ptp(hull, axis=0), np.finfo(float).tiny)
         if not len(self._rows):
             return even
         some = np.linspace(0, len(centers) - 1, min(len(centers), SAMPLE)).astype(int)

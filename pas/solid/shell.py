@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
+from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.improve import cross
 from pas.mesh.remesh import Labelled, least_norm, subdivided
@@ -116,6 +117,7 @@ class Near(Distance):
         feet = target.vertices[target.tree.query(points)[1]]
         active = np.arange(len(points))
         for _ in range(STEPS):
+            checkpoint()
             p = feet[active]
             move = points[active] - p
             if len(target.labels) == 1:

@@ -19,6 +19,7 @@ from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
+from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
 from pas.solid.bounds import bounding_box
@@ -115,7 +116,16 @@ class Solid:
             renamed = combined(False, self.tree, Atom(polynomial, name))
         return replace(self, tree=renamed, _cache={})
 
-    def shell(self, thickness: float, open: Sequence[str] = (), tolerance: float | None = None) -> Solid:
+    @limited("hollowing out a solid", "a coarser tolerance")
+    def shell(
+        self,
+        thickness: float,
+        open: Sequence[str] = (),
+        tolerance: float | None = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
+    ) -> Solid:
         """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
 
         Each inner face is named "inside of ..." after the faces that it follows.  Claimed joints stay.  The
@@ -221,7 +231,10 @@ class Solid:
         program = self.field.program
         return program.field(program.local(array.reshape(-1, 3))).reshape(array.shape[:-1])
 
-    def mesh(self, tolerance: float | None = None) -> SolidMesh:
+    @limited("meshing a solid", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> SolidMesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
         Every triangle lies on one face; edges between faces lie on their common curve.  By default
@@ -234,7 +247,10 @@ class Solid:
     def _label_names(self, found: FaceMesh) -> dict[int, str]:
         return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
 
-    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
+    @limited("meshing a solid", "a coarser tolerance")
+    def face_mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
         wanted = self._tolerance(tolerance)
         if wanted not in self._cache:
@@ -248,11 +264,17 @@ class Solid:
         size = float(np.ptp(self.box, axis=0).max())
         return DEFAULT_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
-    def volume(self, tolerance: float | None = None) -> float:
+    @limited("measuring a solid", "a coarser tolerance")
+    def volume(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> float:
         """The volume, with an error of second order in the tolerance of the mesh that it is worked out on."""
         return self._measures(tolerance)[0]
 
-    def area(self, tolerance: float | None = None) -> float:
+    @limited("measuring a solid", "a coarser tolerance")
+    def area(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> float:
         """The area of the boundary, with an error of second order in the tolerance."""
         return self._measures(tolerance)[1]
 

@@ -86,6 +86,20 @@ def complement(tree: Tree) -> Tree:
     return Node(tuple(map(complement, tree.parts)), not tree.union)
 
 
+def is_contradiction(tree: Tree) -> bool:
+    """Whether an intersection has a part of which it excludes all, as `a - a` has, by its form alone."""
+    if isinstance(tree, Atom) or tree.union:
+        return False
+    known = set(tree.parts)
+
+    def excluded(part: Tree) -> bool:
+        opposite = complement(part)
+        parts = opposite.parts if isinstance(opposite, Node) and not opposite.union else (opposite,)
+        return known.issuperset(parts)
+
+    return any(excluded(part) for part in tree.parts)
+
+
 def mapped(tree: Tree, change: Callable[[Atom], Atom]) -> Tree:
     """The same tree with its atoms changed."""
     if isinstance(tree, Atom):

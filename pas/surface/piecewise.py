@@ -15,6 +15,7 @@ from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
+from pas.limits import Report, limited
 from pas.mesh.field import TriangleMesh
 from pas.mesh.triangulate import MeshError, triangulate
 from pas.partition.cells import OuterFace, Partition
@@ -220,7 +221,8 @@ class PiecewiseSurface:
         )
         return t.reshape(a.shape[:-1])
 
-    def certify(self) -> Certificate:
+    @limited("proving a surface", "")
+    def certify(self, *, seconds: float | None = None, progress: Report | None = None) -> Certificate:
         """Prove the contacts, the smoothness, the single sheet and the enclosure."""
         return certify(self)
 
@@ -229,7 +231,10 @@ class PiecewiseSurface:
         """The same, proved when first asked for and kept: never what somebody else says of this surface."""
         return self.certify()
 
-    def triangulate(self, tolerance: float = 1e-3) -> TriangleMesh:
+    @limited("meshing a surface", "a coarser tolerance")
+    def triangulate(
+        self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None
+    ) -> TriangleMesh:
         """A triangle mesh as plain arrays; see `mesh`."""
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
@@ -238,7 +243,8 @@ class PiecewiseSurface:
         mesh = triangulate(_LocalField(self), tolerance / float(to_fraction(frame.scale)))
         return TriangleMesh(frame.global_points(mesh.points), mesh.triangles, mesh.normals)
 
-    def mesh(self, tolerance: float = 1e-3) -> Any:
+    @limited("meshing a surface", "a coarser tolerance")
+    def mesh(self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None) -> Any:
         """A `pyvista.PolyData` of triangles within `tolerance` (the model's units) of the surface.
 
         Vertices lie on the surface, boundary vertices on the contact curves; point normals point

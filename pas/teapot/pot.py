@@ -10,6 +10,7 @@ from typing import Any
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
 from pas.errors import GeometryError
+from pas.limits import Report, limited
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.primitives import ball, cone
 from pas.solid.solid import Solid, patch
@@ -54,7 +55,16 @@ class Teapot:
         return assembly(pot=(self.pot, POT_COLOR), lid=(self.lid, LID_COLOR))
 
 
-def teapot(style: str = "better", *, lid_height: Any = "7/5", spout_tilt: Any = 0, handle_size: Any = 1) -> Teapot:
+@limited("building the teapot", "")
+def teapot(
+    style: str = "better",
+    *,
+    lid_height: Any = "7/5",
+    spout_tilt: Any = 0,
+    handle_size: Any = 1,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> Teapot:
     """A teapot of a style, "paper" or "better", about 5 units long.
 
     `lid_height` is the height of the knob's top, `spout_tilt` how far the spout leans outwards for each

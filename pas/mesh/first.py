@@ -1,0 +1,231 @@
+"""The first mesh of a boundary: from the coarsest lattice that shows it soundly, and as finer ones do.
+
+The lattice is refined where the boundary is not proved to be one sheet, then where the mesh does not come out.  That
+ends with a reason where it is in vain (see `trouble`), or has cost many times what the first lattice did.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pas.limits import checkpoint
+from pas.mesh.collapse import collapse, untangle
+from pas.mesh.faces import Crossings
+from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
+from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, project, smooth
+from pas.mesh.triangulate import MeshError
+from pas.mesh.trouble import Trouble, find_trouble
+
+FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3
+"""Small cubes along the longest side of the box in the first lattice, how many finer ones are tried at most,
+and how many must show the same pieces, holes and faces, unless all of the boundary is clear."""
+
+MANY = 0.01
+"""Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
+
+PATIENCE, UNCLEAR = 3, 4000
+"""Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
+a reason is looked for why it does not come out."""
+
+ROOM, TIMES = 30_000, 3
+"""Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
+
+SHORT = 0.55
+"""Edges below this share of the mean length about both their ends are collapsed."""
+
+SMOOTHINGS, FEW = 3, 0.01
+"""How often vertices are averaged; share of the vertices that must have gone for coarsening to go on."""
+
+MORE_THAN_ENOUGH = 0.25
+"""Share of the length that the tolerance allows below which edges go."""
+
+FOLD = 0.2
+"""Cosine of a triangle's normal and its face's below which it counts as folded."""
+
+ON_FACE = 1e-7
+"""Distance from its faces, over the length of its edges, up to which a vertex counts as placed."""
+
+CORNER = 0.5
+"""How far a corner may be off each of its faces, over the tolerance."""
+
+
+def first_mesh(field: FaceField, tolerance: float) -> Labelled:
+    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do."""
+    octree = _resolved(field)
+    ahead, effort = [_Lattice(field, octree)], _Effort(field, TIMES * octree.count + ROOM)
+    reason = ""
+    for _ in range(HALVINGS):
+        first, places = ahead[0].crossings, NOWHERE
+        raw = first.mesh()
+        if not isinstance(raw, Labelled):
+            reason, places = f"near {place_of(field, raw[0])} too many faces meet", raw
+        else:
+            while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
+                ahead.append(_Lattice(field, ahead[-1].octree.refined()))
+            if any(first.shape != other.crossings.shape for other in ahead[1:]):
+                reason = "its pieces or holes are too small"
+            elif not all(first.shows_faces_of(other.crossings) for other in ahead[1:]):
+                reason = "its faces are too small"
+            elif len(first.edges):
+                mesh = _improved(raw, field, tolerance)
+                reason, places = unsound(mesh, field, tolerance)
+                if not reason:
+                    return mesh
+        if len(places):
+            effort.failed(ahead[0].octree, places, reason)
+        if not any(len(one.crossings.edges) for one in ahead):
+            ahead = [_Lattice(field, ahead[-1].octree.refined(least=QUIET))]
+        elif len(places) or len(ahead) == 1:
+            ahead = [_Lattice(field, ahead[0].octree.refined(places))]
+        else:
+            ahead = ahead[1:]
+    if not reason:
+        raise MeshError(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
+    raise _refusal(find_trouble(field, places, ahead[0].octree.spacing), ahead[-1].octree, reason)
+
+
+def _resolved(field: FaceField) -> Octree:
+    """The first lattice, refined until the boundary is clear in most of its cubes."""
+    octree = Octree(field, float(np.ptp(field.box, axis=0).max()) / FIRST_PARTS).until_seen()
+    while octree.open_share > MANY and octree.levels < DEEPEST:
+        places = octree.open_places
+        found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None
+        if found is not None and found.stays:
+            raise _refusal(found, octree)
+        octree = octree.refined()
+    return octree
+
+
+@dataclass
+class _Effort:
+    """What was spent on places where the boundary did not come out.
+
+    `most` cubes may be, in all lattices; `bad` counts the places in each of them.
+    """
+
+    field: FaceField
+    most: int
+    cubes: int = 0
+    bad: tuple[int, ...] = ()
+
+    def failed(self, octree: Octree, places: Floats, reason: str) -> None:
+        """Count a lattice; raises `MeshError` where finer ones are in vain, or too much was spent."""
+        self.cubes += octree.count
+        self.bad = (*self.bad, len(places))[-PATIENCE:]
+        spent = self.cubes > self.most
+        if spent or (len(self.bad) == PATIENCE and 2 * self.bad[-1] > self.bad[0]):
+            found = find_trouble(self.field, places, octree.spacing)
+            if spent or (found is not None and found.stays):
+                raise _refusal(found, octree, reason)
+
+
+def _refusal(found: Trouble | None, octree: Octree, reason: str = "") -> MeshError:
+    if found is not None and found.stays:
+        return MeshError(f"the solid could not be meshed: {found.sentence}")
+    why = reason if found is None else found.sentence
+    return MeshError(f"the solid could not be meshed with a lattice of {octree.finest}: {why}")
+
+
+@dataclass(frozen=True)
+class _Lattice:
+    """An octree and where the boundary crosses it."""
+
+    field: FaceField
+    octree: Octree
+
+    @cached_property
+    def crossings(self) -> Crossings:
+        return Crossings(self.field, *self.octree.tetrahedra())
+
+
+def _improved(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
+    mesh = _with_special_points(mesh, field)
+    mesh = project(mesh, field, mesh.sizes / 2)
+    mesh = _coarsened(mesh, field, tolerance)
+
+    def short(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
+        return np.asarray(m.lengths < SHORT * m.sizes[edges].min(axis=1))
+
+    for _ in range(SMOOTHINGS):
+        checkpoint(f"improving the mesh ({len(mesh.triangles)} triangles)")
+        mesh = collapse(mesh, field, short)
+        mesh = flip(mesh, field)
+        mesh = smooth(mesh, field)
+    mesh = flip(collapse(mesh, field, short), field)
+    return untangle(mesh, field, FOLD)
+
+
+def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
+    """Without the vertices that are far more than the tolerance needs, such as those in the middle of a plane."""
+    aim = np.minimum(tolerance, mesh.sizes / 4)  # so that sheets that the lattice keeps apart do not touch
+    longest = MORE_THAN_ENOUGH * np.sqrt(8 * aim / np.maximum(_bend(mesh, field), 1e-9))
+    tree = cKDTree(mesh.points)
+
+    def spare(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
+        return np.asarray(m.lengths < longest[tree.query(m.points)[1]][edges].min(axis=1))
+
+    while True:
+        checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
+        smaller = flip(collapse(mesh, field, spare, 2), field, 1)
+        if len(smaller.points) > (1 - FEW) * len(mesh.points):
+            return mesh
+        mesh = smaller
+
+
+def _bend(mesh: Labelled, field: FaceField) -> Floats:
+    """The largest curvature of faces and curves at each vertex (N,), from its edges."""
+    topology, points = mesh.topology, mesh.points
+    normals = pair_normals(mesh, field)
+    result = np.zeros(topology.size)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        a, b = mesh.triangles[:, i], mesh.triangles[:, j]
+        turn = normals[topology.corner_pairs[:, i]] - normals[topology.corner_pairs[:, j]]
+        along = points[a] - points[b]
+        bend = np.sqrt((turn * turn).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300))
+        np.maximum.at(result, a, bend)
+        np.maximum.at(result, b, bend)
+    ends = np.concatenate([topology.seams, topology.seams[:, ::-1]])
+    along = points[ends[:, 1]] - points[ends[:, 0]]
+    length = np.sqrt((along * along).sum(axis=1))
+    units = along / np.maximum(length, 1e-300)[:, None]
+    turns = np.stack([np.bincount(ends[:, 0], u, minlength=topology.size) for u in units.T], axis=1)
+    span = np.bincount(ends[:, 0], length, minlength=topology.size)
+    bent = np.sqrt((turns * turns).sum(axis=1)) / np.maximum(span / 2, 1e-300)
+    return np.maximum(result, np.where(topology.fixed, 0.0, bent))
+
+
+def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
+    """The vertex nearest to each special point moved there."""
+    points = mesh.points.copy()
+    for special in field.special_points:
+        square = ((points - special) ** 2).sum(axis=1)
+        nearest = int(square.argmin())
+        if square[nearest] < (2 * mesh.sizes[nearest]) ** 2:
+            points[nearest] = special
+    return mesh.moved(points)
+
+
+def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:
+    """Why the mesh cannot be trusted, or an empty string; and where (K, 3)."""
+    folded = np.flatnonzero(cosines(mesh, field) < FOLD)
+    if len(folded):
+        places = mesh.points[mesh.triangles[folded]].mean(axis=1)
+        return f"near {place_of(field, places[0])} it is too thin or two faces meet too flatly", places
+    far = np.zeros(len(mesh.points))
+    for labels, vertices in mesh.topology.groups:
+        if len(labels) > 2:  # a corner may be one only within the tolerance
+            each = np.array([least_norm(field, (label,), mesh.points[vertices]) for label in labels])
+            far[vertices] = np.sqrt((each * each).sum(axis=2)).max(axis=0) / (CORNER * tolerance)
+        else:
+            steps = least_norm(field, field.functions(labels), mesh.points[vertices])
+            far[vertices] = np.sqrt((steps * steps).sum(axis=1)) / (ON_FACE * mesh.sizes[vertices])
+    if far.max() > 1:
+        place = place_of(field, mesh.points[far.argmax()])
+        return f"near {place} faces come close without meeting", mesh.points[far > 1]
+    return "", NOWHERE

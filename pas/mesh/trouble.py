@@ -1,0 +1,255 @@
+"""Why a boundary does not come out on a lattice: points where faces touch, are singular or meet too flatly, by name.
+
+Near places where a lattice shows too little, Newton's method looks for such points on the faces' own functions:
+critical points of one function, points of one surface where another's normal is parallel, common zeros of
+several.  What is found is checked at the point itself: the functions vanish there, and the set depends on each
+of them.  Measured, not proved; a sentence of an error stands on it, nothing else.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import numpy as np
+
+from pas.limits import checkpoint
+from pas.mesh.field import FaceField, Floats, place_of
+from pas.mesh.remesh import least_norm
+
+PLACES = 24
+"""That are looked at, spread over those given."""
+
+NEAR, FARTHEST = 4.0, 0.3
+"""Distance, to first order and over the lattice's spacing, up to which a face counts as there; and how far from
+the place a point may be found, over the extent of the box."""
+
+STEPS, SLOPE_STEP = 40, 1e-5
+"""Of Newton's method; of the differences that give second derivatives, over the extent of the box."""
+
+ZERO, PARALLEL = 1e-7, 1e-5
+"""Distance over the extent of the box up to which a function vanishes at a point; sine of the angle up to which
+normals are parallel there."""
+
+FLAT = 12.0
+"""Degrees: a wedge with less can hardly be shown by a lattice."""
+
+MOST_ACTIVE = 8
+"""Functions that vanish at one point, of which all signs are tried."""
+
+WORDS = {
+    "singular": "{} is singular",
+    "touch": "{} touch",
+    "itself": "the solid touches itself along an edge of {}",
+    "curve": "{} touch, or meet in one curve",
+    "flat": f"{{}} meet at an angle below {FLAT:.0f} degrees",
+    "many": "{} meet in one point",
+    "close": "{} come very close",
+    "bent": "{} is bent very sharply",
+}
+"""What can be wrong, the gravest first."""
+
+PASSING = ("close", "bent")
+"""What a lattice shows that is fine enough."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """What is wrong and where: "near (0, 0, 1) the faces 'a' and 'b' touch".
+
+    `stays` says whether it is so on every finer lattice, and near most of the places looked at.
+    """
+
+    sentence: str
+    stays: bool
+
+
+def find_trouble(field: FaceField, places: Floats, spacing: float) -> Trouble | None:
+    """The trouble that most of some places (K, 3) are near to, on a lattice of a given spacing; None if unknown."""
+    checkpoint("looking at where the boundary is not clear")
+    chosen = places[np.unique(np.linspace(0, len(places) - 1, min(len(places), PLACES)).astype(int))]
+    with np.errstate(all="ignore"):
+        found = [f for place in chosen if (f := _Place(field, place, spacing).worst) is not None]
+    if not found:
+        return None
+    times = Counter((kind, names) for kind, names, _ in found)
+    kind, names = max(times, key=lambda k: (k[0] not in PASSING, times[k]))
+    point = next(point for *what, point in found if what == [kind, names])
+    lasting = sum(n for (other, _), n in times.items() if other not in PASSING)
+    return Trouble(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
+
+
+Found = tuple[str, str, Floats]
+"""A kind of trouble, the faces in words, and the point (3,)."""
+
+
+class _Place:
+    """One place (3,) and what is wrong near it."""
+
+    def __init__(self, field: FaceField, place: Floats, spacing: float) -> None:
+        self.field, self.place, self.spacing = field, place, spacing
+        self.extent = float(np.ptp(field.box, axis=0).max())
+        count = len(field.signs(place[None]))
+        self.near = [c for c in range(count) if self._distance(place, c) < NEAR * spacing]
+
+    @property
+    def worst(self) -> Found | None:
+        """The gravest trouble; of several the one found first."""
+        order = list(WORDS)
+        return min(self._all(), key=lambda found: order.index(found[0]), default=None)
+
+    def _all(self) -> Iterator[Found]:
+        for column in self.near:
+            point = self._critical(column)
+            if point is not None and column in self._deciding(point, [column]):
+                yield "singular", self._names([column]), point
+            elif self._radius(column) < self.spacing:
+                yield "bent", self._names([column]), self.place
+        for a, b in combinations(self.near, 2):
+            point = self._parallel(a, b)
+            if point is not None and {a, b} <= {*self._deciding(point, [a, b])}:
+                touching = self._distance(point, a) <= ZERO * self.extent
+                yield "touch" if touching else "close", self._names([a, b]), point
+        for group in (self.near, *combinations(self.near, 2)):
+            yield from self._meeting(group)
+
+    def _meeting(self, group: Sequence[int]) -> Iterator[Found]:
+        """What is wrong where functions vanish together."""
+        point = self._common(group) if len(group) > 1 else None
+        if point is None:
+            return
+        deciding = self._deciding(point, group)
+        normals = np.array([self._normal(point, c) for c in deciding]).reshape(-1, 3)
+        if len(deciding) == 2:
+            kind = self._edge(point, deciding, normals)
+        elif len(deciding) > 2 and np.linalg.svd(normals, compute_uv=False)[2] < PARALLEL:
+            kind = "curve"
+        else:
+            kind = "many" if len(deciding) > 3 else ""
+        if kind:
+            yield kind, self._names(deciding), point
+
+    def _edge(self, point: Floats, pair: Sequence[int], normals: Floats) -> str:
+        """What is wrong with an edge of two faces, by the four wedges around it."""
+        both, first, second, neither = self._patterns(point, pair)
+        if both == neither and first == second:
+            return "itself" if both != first else ""
+        angle = float(np.degrees(np.arccos(np.clip(normals[0] @ normals[1], -1, 1))))
+        alone = [both, first, second, neither]
+        if sum(alone) not in (1, 3):
+            return ""
+        odd = alone.index(sum(alone) == 1)
+        return "flat" if (180 - angle if odd in (0, 3) else angle) < FLAT else ""
+
+    def _deciding(self, point: Floats, group: Sequence[int]) -> list[int]:
+        """The functions that vanish at a point, with those of a group, and decide there what is inside."""
+        zero = [c for c in self.near if c in group or self._distance(point, c) <= ZERO * self.extent]
+        if len(zero) > MOST_ACTIVE:
+            return []
+        inside = np.array(self._patterns(point, zero)).reshape((2,) * len(zero))
+        return [c for axis, c in enumerate(zero) if (inside != np.flip(inside, axis)).any()]
+
+    def _patterns(self, point: Floats, columns: Sequence[int]) -> list[bool]:
+        """Whether it is inside with each of the given functions negative (first) or positive."""
+        sides = np.array(list(product((True, False), repeat=len(columns)))).T
+        signs = np.repeat(self.field.signs(point[None]), sides.shape[1], axis=1)
+        signs[list(columns)] = sides
+        return [bool(v) for v in self.field.inside(signs)]
+
+    def _critical(self, column: int) -> Floats | None:
+        """A point where a function and its gradient vanish."""
+        point, size = self.place, 0.0
+        for _ in range(STEPS):
+            jet, slopes = self._jet(point, column), self._slopes(point, column)
+            size = max(size, float(np.abs(slopes).max()))
+            step = self._step(-self._solve(slopes, jet[1:]))
+            point = point + step
+            if not np.isfinite(point).all() or self._far(point):
+                return None
+            if np.abs(step).max() < ZERO * self.spacing:
+                break
+        jet = self._jet(point, column)
+        close = ZERO * self.extent
+        return point if np.abs(jet[1:]).max() <= size * close and abs(jet[0]) <= size * close**2 else None
+
+    def _parallel(self, a: int, b: int) -> Floats | None:
+        """A point on one surface with the other's normal, less than the spacing away from that one."""
+        point = self._common([b])
+        if point is None:
+            return None
+        scale = [1 / max(float(np.linalg.norm(self._jet(point, c)[1:])), 1e-300) for c in (a, b)]
+        f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
+        share = float(f[1:] @ g[1:])
+        for _ in range(STEPS):
+            f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
+            if abs(g[0]) < ZERO * self.extent and self._sine(point, a, b) < PARALLEL:
+                break
+            matrix = np.zeros((4, 4))
+            matrix[:3, :3] = self._slopes(point, a) * scale[0] - share * self._slopes(point, b) * scale[1]
+            matrix[:3, 3], matrix[3, :3] = -g[1:], g[1:]
+            move = -self._solve(matrix, np.append(f[1:] - share * g[1:], g[0]))
+            step = self._step(move[:3])
+            point, share = point + step, share + float(move[3])
+            if not np.isfinite(point).all() or self._far(point):
+                return None
+        on = self._distance(point, b) < ZERO * self.extent and self._sine(point, a, b) < PARALLEL
+        return point if on and self._distance(point, a) < self.spacing else None
+
+    def _common(self, group: Sequence[int]) -> Floats | None:
+        """A common zero of functions."""
+        point = self.place
+        for _ in range(STEPS):
+            step = self._step(-least_norm(self.field, tuple(2 * c for c in group), point[None])[0])
+            point = point + step
+            if not np.isfinite(point).all() or self._far(point):
+                return None
+            if np.abs(step).max() < ZERO * self.spacing:
+                break
+        return point if max(self._distance(point, c) for c in group) <= ZERO * self.extent else None
+
+    def _solve(self, matrix: Floats, right: Floats) -> Floats:
+        if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
+            return np.full(len(right), np.nan)
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-9)[0])
+
+    def _step(self, step: Floats) -> Floats:
+        """A step no longer than the reach of the place."""
+        return step * min(1.0, NEAR * self.spacing / max(float(np.linalg.norm(step)), 1e-300))
+
+    def _far(self, point: Floats) -> bool:
+        return float(np.linalg.norm(point - self.place)) > FARTHEST * self.extent
+
+    def _jet(self, point: Floats, column: int) -> Floats:
+        return self.field.jets(point[None], 2 * column)[0]
+
+    def _distance(self, point: Floats, column: int) -> float:
+        value, *gradient = self._jet(point, column)
+        return float(abs(value) / max(float(np.linalg.norm(gradient)), 1e-300))
+
+    def _normal(self, point: Floats, column: int) -> Floats:
+        gradient = self._jet(point, column)[1:]
+        return np.asarray(gradient / max(float(np.linalg.norm(gradient)), 1e-300))
+
+    def _sine(self, point: Floats, a: int, b: int) -> float:
+        """Of the angle between two surfaces' normals."""
+        return float(np.linalg.norm(np.cross(self._normal(point, a), self._normal(point, b))))
+
+    def _slopes(self, point: Floats, column: int) -> Floats:
+        """Second derivatives (3, 3), by differences."""
+        step = SLOPE_STEP * self.extent
+        around = self.field.jets(point + step * np.concatenate([np.eye(3), -np.eye(3)]), 2 * column)[:, 1:]
+        slopes = (around[:3] - around[3:]) / (2 * step)
+        return np.asarray(slopes + slopes.T) / 2
+
+    def _radius(self, column: int) -> float:
+        """The radius of curvature where a surface bends most."""
+        bend = float(np.abs(self._slopes(self.place, column)).max())
+        return float(np.linalg.norm(self._jet(self.place, column)[1:])) / max(bend, 1e-300)
+
+    def _names(self, columns: Sequence[int]) -> str:
+        times = Counter(self.field.face(2 * c) for c in columns)
+        words = [f"{name!r}" if n == 1 else f"{name!r} ({n} times)" for name, n in times.items()]
+        listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+        return f"the face{'s' if len(columns) > 1 else ''} {listed}"
