@@ -203,7 +203,7 @@ def test_sense_is_measured_where_chords_and_distances_disagree():
     assert verdict.status is Status.FAILS_MEASURED and "apart on the average" in verdict.reason
 
 
-@pytest.mark.parametrize("power", [1, 12, 17, 40, 300, 900])
+@pytest.mark.parametrize("power", [1, 12, 17, 40, 300, 400])
 @pytest.mark.parametrize("end", [0, 1])
 def test_curves_that_stop_next_to_their_ends(power, end):
     """C' vanishes inside [0, 1] by 10^-power: there is no tangent there to be in contact with."""

@@ -1,0 +1,78 @@
+"""Wishes that cannot hold are named at once, before any degree is solved; the programmes behind the choice."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, pipes, solved
+
+import pas
+from pas.fairing.qp import Outcome, Programme, _with_clarabel, _with_daqp, solve, stated
+
+CENTRE = (0, 0, 0)
+PLACE = ("1/2", 0, 0)
+
+
+def refused(monkeypatch, **wishes):
+    """The error of a blend that must not come to solving anything."""
+
+    def never(*_):
+        raise AssertionError("a degree was solved before the wishes were looked at")
+
+    monkeypatch.setattr("pas.blending.blend.solve", never)
+    with pytest.raises(pas.InfeasibleError) as caught:
+        pas.blend(pipes(UNEQUAL), 2, **wishes)
+    return caught.value
+
+
+@pytest.mark.parametrize("kind", ["outside", "through"])
+def test_the_centre_must_be_inside(monkeypatch, kind):
+    error = refused(monkeypatch, **{kind: [CENTRE]})
+    assert "the centre (0, 0, 0) of the partition" in str(error) and "must be inside" in str(error)
+    assert error.conflict == (f"{kind} (0, 0, 0)",)
+
+
+@pytest.mark.parametrize("kinds", [("inside", "outside"), ("inside", "through"), ("through", "outside")])
+def test_a_point_has_one_sign(monkeypatch, kinds):
+    error = refused(monkeypatch, **{kind: [PLACE] for kind in kinds})
+    assert "a point has one sign" in str(error)
+    assert set(error.conflict) == {f"{kind} (1/2, 0, 0)" for kind in kinds}
+
+
+def test_wishes_that_can_hold_are_not_refused():
+    blend = pas.blend(pipes(EQUAL), 1, inside=[("1/10", 0, 0)], outside=[("-1/2", "-1/2", "-1/2")])
+    assert blend.certificate.proved
+    assert blend.surface(np.array([[0.1, 0, 0]]))[0] < 0
+
+
+def test_the_surface_keeps_away_from_the_centre():
+    for radii, order in ((EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1)):
+        points = solved(radii, order).surface.triangulate(0.05).points
+        assert np.linalg.norm(points, axis=1).min() > 0.09, (radii, order)
+
+
+def test_members_with_huge_coefficients_can_be_chosen_from():
+    """Skew pipes in one piece have members whose coefficients overflow doubles when they are squared."""
+    y = [pas.Pipe(axis, "1/3", clip) for axis, clip in (((1, 0, 0), 1), ((-4, 7, 0), "1/8"), ((-4, -7, 0), "1/8"))]
+    space = pas.solutions(y, 2, 6, partition=pas.SingleCell((-1, -1, -1), (1, 1, 1)))
+    assert space.dimension == 2
+    blend = space.fit(prove=False, guard=False, normalize=pas.SumOfCoefficients())
+    assert np.isfinite(blend.energy) and all(v.proved for v in blend.certificate.faces)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_both_solvers_agree_with_the_programme_as_stated(seed):
+    rng = np.random.default_rng(seed)
+    m, rows = 6, 25
+    factor, equations, inequalities = (rng.normal(size=(n, m)) for n in (m, 1, rows))
+    known = rng.normal(size=m)  # satisfies all
+    slack = np.abs(rng.normal(size=rows))
+    programme = Programme(
+        factor @ factor.T, rng.normal(size=m), equations, equations @ known, inequalities, inequalities @ known - slack
+    )
+    problem, unknowns = stated(programme)
+    problem.solve()
+    for solver in (solve, _with_daqp, _with_clarabel):
+        solution = solver(programme)
+        assert solution.outcome is Outcome.SOLVED
+        assert np.allclose(solution.unknowns, unknowns.value, atol=1e-5)
