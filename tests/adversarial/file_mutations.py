@@ -7,12 +7,15 @@ import copy
 import json
 import math
 import random
+import sys
 from collections.abc import Iterator
 from typing import Any
 
 from file_cases import Base
 
 from pas.exchange.container import checksum
+
+sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))  # to write what is nested more deeply than is read
 
 TOWER = "((((9^60)^60)^60)^60)"
 NUMBERS: tuple[Any, ...] = (
