@@ -27,7 +27,7 @@ RING = fmpq_mpoly_ctx.get(("a", "b", "c", "d"), Ordering.lex)
 ZERO, ONE = RING.constant(0), RING.constant(1)
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
-BUDGET = 6_000_000
+BUDGET = 4_000_000
 """B-coefficients examined for one claim: random corners of order 3 took 2 million at most, of order 1 200 000."""
 
 HALVINGS = 800
