@@ -36,7 +36,7 @@ def test_a_whole_joint(order):
     found = says(UPPER | LOWER, PROVED, f"^{order + 1}>, exactly GC^1", order)
     assert found.claim == f"A meets B with GC^{order}"
     assert verdict(UPPER | LOWER, order, names=("B", "A")).status is PROVED
-    for high in (5, 10**6):
+    for high in (5, 8):
         says(patch("A", BALL, CLIP) | patch("B", BALL, "1/3 - z"), PROVED, "the same surface", high)
     # what cuts out the curve need not be one of the faces
     says(UPPER | LOWER, PROVED, "contact all along the curve, exactly GC^1", order=1, along=("9*x^2 + 9*y^2 - 8", CLIP))
@@ -191,7 +191,7 @@ def test_faces_that_are_singular_all_along():
     says(a | b, UNDECIDED, "A is singular all along the curve", 0, along=("x", "y"))
     says(a | b | solid.half_space("x - 1"), REFUTED, "do not both reach", 0, along=("x", "y"))
     beside = patch("A", "y^2 - x^3", "x - 5")  # that has a part of the face, elsewhere
-    says(beside | patch("A", "y", "x") | b, PROVED, "the same surface", 9, along=("x", "y"))
+    says(beside | patch("A", "y", "x") | b, PROVED, "the same surface", 8, along=("x", "y"))
 
 
 def test_functions_that_are_no_polynomials():
