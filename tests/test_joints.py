@@ -51,7 +51,7 @@ def test_a_face_missing_on_a_part_is_found(wall):
         ((UPPER - solid.implicit(wall, face="cut")) | LOWER, "A"),
     ):
         for order in (0, 1):
-            found = says(shape, REFUTED, f"{name} is missing: its region does not go there", order)
+            found = says(shape, REFUTED, f"{name} is missing: the boundary goes on without it", order)
             assert pas.Polynomial(wall)(found.witness) < 0
             assert abs(pas.Polynomial(BALL)(found.witness)) < 1e-9
 
@@ -245,6 +245,24 @@ def test_other_surfaces_through_the_curve():
     wall = f"({FLATTER})*(x - 1/2)"  # a factor of a wall is one of the faces
     says(UPPER | patch("B", FLATTER, "1/3 - z", f"-({wall})*(x - 1/2)"), PROVED, "exactly GC^1")
     says(UPPER | patch("B", FLATTER, "1/3 - z", wall), REFUTED, "B is missing")
+
+
+def test_touching_surfaces_that_change_their_order():
+    """B goes on beyond the curve: under A that is no matter, and where it comes out over A, that ends before."""
+    over, under = (REFUTED, "do not both reach"), (PROVED, "exactly GC^1")
+    for b, found in (
+        ("z^2 + 5", under),
+        ("(z + 5)^2", under),
+        ("-z^2 - 5", over),
+        ("z + 5", (REFUTED, "A is missing")),
+    ):
+        says(patch("A", "y", "x") | patch("B", f"y + x^2*({b})", "1 - x"), *found, along=("y", "x"))
+
+
+def test_powers_of_a_surface_are_no_face():
+    full = solid.implicit("-y^2", face="A") & solid.half_space("y", "C")
+    says(full, REFUTED, "do not both reach", 0, along=("x", "y"), names=("A", "C"))
+    says(full & solid.half_space("x", "B"), PROVED, "exactly GC^0", 0, along=("x", "y"), names=("B", "C"))
 
 
 def test_places_are_on_the_curve():

@@ -193,7 +193,7 @@ class _Proof:
         for component, stretch in zip(found, self._known, strict=True):
             name = stretch.missing(self.joint)
             if name is not None and component in joined:
-                reason = f"on a part of the curve {name} is missing: its region does not go there"
+                reason = f"on a part of the curve {name} is missing: the boundary goes on without it"
                 return self._refuted(reason, stretch)
         return None
 
