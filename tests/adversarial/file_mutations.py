@@ -15,8 +15,6 @@ from file_cases import Base
 
 from pas.exchange.container import checksum
 
-sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))  # to write what is nested more deeply than is read
-
 TOWER = "((((9^60)^60)^60)^60)"
 NUMBERS: tuple[Any, ...] = (
     *(0, 1, -1, 2, 3, 7, 9, 12, 13, 50, 2001, 10**6, 2**63, -(2**63), 10**30, 10**400),
@@ -73,15 +71,23 @@ TEXTS: tuple[str, ...] = (
     *("hermite", "weighted", "generatrix", "quadrics", "blend", "solid", "assembly", "#000000", "#00000g", "top"),
 )
 
+DEEP = 20_000
+"""Calls within calls while files are made, since some are nested deeply; the worker has what Python gives it."""
+
 
 def changed(base: Base, rng: random.Random) -> bytes:
     """A file made from a good one."""
-    if rng.random() < 0.12:
-        return _scribbled(base, rng)
-    data = copy.deepcopy(base.data)
-    for _ in range(rng.choice((1, 1, 1, 2, 2, 3, 5))):
-        data = _changed_data(data, rng)
-    return as_project(data, rng) if base.is_project else as_toml(data)
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(DEEP)
+    try:
+        if rng.random() < 0.12:
+            return _scribbled(base, rng)
+        data = copy.deepcopy(base.data)
+        for _ in range(rng.choice((1, 1, 1, 2, 2, 3, 5))):
+            data = _changed_data(data, rng)
+        return as_project(data, rng) if base.is_project else as_toml(data)
+    finally:
+        sys.setrecursionlimit(before)
 
 
 def as_project(content: Any, rng: random.Random | None = None) -> bytes:
