@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 import pas
-from pas.algebra.written import python_expression
+from pas.algebra.written import steps
 from pas.parametric.expressions import FUNCTIONS
 from pas.parametric.rational_function import RationalFunction
 
@@ -96,8 +97,40 @@ def test_formulas_take_the_same(text, meant):
     assert RationalFunction(text) == RationalFunction(meant)
 
 
+def words(text, names, functions=()):
+    """The steps of a text, in the order in which they are done."""
+    return " ".join(step.text for step in steps(text, names, functions))
+
+
+@pytest.mark.parametrize(
+    ("text", "order"),
+    [
+        ("-x^2", "x 2 ** negative"),
+        ("2^-x^2*y", "2 x 2 ** negative ** y *"),
+        ("x^y^2", "x y 2 ** **"),
+        ("x - y - 2/x/y", "x y - 2 x / y / -"),
+        ("x - -y + +2", "x y negative - 2 +"),
+        ("-x*y", "x negative y *"),
+        ("(x - (y + 2))x", "x y 2 + - x *"),
+        ("x*-y^2/2", "x y 2 ** negative * 2 /"),
+    ],
+)
+def test_the_order_of_operations_is_that_of_mathematics(text, order):
+    assert words(text, ("x", "y")) == order
+
+
+def test_nothing_is_too_deep():
+    """Whatever the stack of the Python that reads it."""
+    assert pas.Polynomial("-" * 100_001 + "x") == pas.Polynomial("-x")
+    assert pas.Polynomial("+".join(["x"] * 3000)) == pas.Polynomial("3000*x")
+    assert pas.Polynomial("x" + "*1" * 90_000) == pas.Polynomial("x")
+    assert pas.Polynomial("2" + "^1" * 90_000) == pas.Polynomial("2")
+    curved = pas.ParametricSurface("cos(t)" + "*1" * 50_000, "t" + "+0" * 2000, "h")
+    assert np.allclose(curved([[0.0, 1.0]]), [[1, 0, 1]])
+
+
 def test_functions_are_called_not_multiplied():
-    assert python_expression("2sin(2pi t)cos(t)", ("t", "h", "pi"), FUNCTIONS) == "2*sin(2*pi*t)*cos(t)"
+    assert words("2sin(2pi t)cos(t)", ("t", "h", "pi"), FUNCTIONS) == "2 2 pi * t * sin * t cos *"
     for text, said in (
         ("snh(t)", "there is no function 'snh'; is 'sinh' meant"),
         ("foo(t)", "there is no function 'foo'; there are Abs"),
@@ -111,7 +144,7 @@ def test_functions_are_called_not_multiplied():
 
 
 def test_names_of_several_letters_are_parted_only_in_one_way():
-    assert python_expression("r1x", ("r1", "x")) == "r1*x"
+    assert words("r1x", ("r1", "x")) == "r1 x *"
     with pytest.raises(ValueError, match="'rrr' is not one of r, rr"):
-        python_expression("rrr", ("r", "rr"))
-    assert python_expression("rr", ("r", "rr")) == "rr"
+        words("rrr", ("r", "rr"))
+    assert words("rr", ("r", "rr")) == "rr"

@@ -153,6 +153,13 @@ def check_product(left: fmpq_mpoly, right: fmpq_mpoly) -> None:
     if not left.is_zero() and not right.is_zero():
         degree = int(left.total_degree()) + int(right.total_degree())
         _check_size(degree, len(left) * len(right), len(left.degrees()), MAXIMAL_DEGREE)
+        check_digits(left, right)
+
+
+def check_digits(left: fmpq_mpoly, right: fmpq_mpoly) -> None:
+    """Raise `ValueError` where the numbers of a product or quotient that is written down would be too long."""
+    if binary_digits(left.coeffs()) + binary_digits(right.coeffs()) > 2 * LONGEST_NUMBER * math.log2(10):
+        raise ValueError(f"it has numbers of more than {2 * LONGEST_NUMBER} digits")
 
 
 def check_power(base: fmpq_mpoly, exponent: int, highest: int = HIGHEST_POWER) -> None:

@@ -1,26 +1,25 @@
 """Reads expressions in two parameters: exact rational functions, or formulas for arrays.
 
-The grammar is Python's, restricted to numbers, the parameters' names, + - * / ** (or ^),
-parentheses and, where exactness is not asked, the constant pi and elementary functions; signs of
-products may be left out (see `pas.algebra.written`).
-Decimals are the decimals written.  Nothing is evaluated but arithmetic, so a string from a file
+The grammar is that of `pas.algebra.written` with, where exactness is not asked, the constants pi and E and
+elementary functions.  Decimals are the decimals written.  Nothing is evaluated but arithmetic, so a string from a file
 is harmless.  Sympy expressions are read through the string that sympy writes for them.
 """
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.inputs import check_text, shown
-from pas.algebra.parse import literal, segment, syntax_tree
+from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float
-from pas.algebra.written import python_expression
+from pas.algebra.written import Step, Values, run, steps
 
+V = TypeVar("V")
 Names = tuple[str, str]
 Formula = Callable[[Any, Any], Any]
 """A function of two arrays (or jets)."""
@@ -28,6 +27,13 @@ Formula = Callable[[Any, Any], Any]
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     **{name: getattr(np, name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")},
     **{"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "Abs": np.absolute, "abs": np.absolute},
+}
+OPERATIONS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "**": operator.pow,
 }
 CONSTANTS = {"pi": float(np.pi), "E": float(np.e)}
 
@@ -41,7 +47,12 @@ def read_formula(expression: Any, names: Names) -> Formula:
     text = as_text(expression)
     if text is None:
         raise TypeError(f"write the expression as a string in {' and '.join(filter(None, names))}, not {expression!r}")
-    return evaluate(text, _Numeric(names))
+    parsed = program(text, names)
+
+    def formula(t: Any, h: Any) -> Any:
+        return run(parsed, _Numeric(names, t, h))
+
+    return formula
 
 
 def as_text(expression: Any) -> str | None:
@@ -56,93 +67,55 @@ def as_text(expression: Any) -> str | None:
     return str(expression.xreplace(exact))
 
 
-class Values(Protocol):
-    """What the reader needs to know of the values that it computes."""
+class ExpressionValues(Values[V], Protocol[V]):
+    """Values with the names of their two parameters."""
 
-    names: Names
-
-    def number(self, value: fmpq) -> Any: ...
-    def name(self, name: str) -> Any: ...
-    def combine(self, operator: ast.operator, left: Any, right: Any) -> Any: ...
-    def power(self, base: Any, exponent: Any) -> Any: ...
-    def call(self, name: str, argument: Any) -> Any: ...
+    @property
+    def names(self) -> Names: ...
 
 
-def evaluate(text: str, values: Values) -> Any:
+def program(text: str, names: Names) -> tuple[Step, ...]:
+    """The steps of an expression in two parameters, elementary functions and constants; raises `ValueError`."""
+    if not text.strip():
+        raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
+    with _named(text):
+        return steps(text, [*filter(None, names), *CONSTANTS], FUNCTIONS)
+
+
+def evaluate(text: str, values: ExpressionValues[V]) -> V:
     """What an expression comes to in some kind of values; raises `ValueError` saying what is wrong."""
-    return _Reader(text, values).value()
+    parsed = program(text, values.names)
+    with _named(text):
+        return run(parsed, values)
 
 
-class _Reader:
-    def __init__(self, text: str, values: Values) -> None:
-        self.text, self.values, self.source = text, values, ""
-
-    def value(self) -> Any:
-        if not self.text.strip():
-            raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
-        known = [*filter(None, self.values.names), *CONSTANTS]
-        try:
-            self.source = python_expression(check_text(self.text), known, FUNCTIONS)
-            return self.read(syntax_tree(self.source))
-        except RecursionError:
-            raise ValueError(f"cannot read the expression {shown(self.text)}: it is nested too deeply") from None
-        except NotRationalError as error:
-            raise NotRationalError(f"{shown(self.text)} is not a rational function: {error}") from None
-        except (ValueError, ZeroDivisionError) as error:
-            raise ValueError(f"cannot read the expression {shown(self.text)}: {error}") from None
-
-    def read(self, node: ast.expr) -> Any:
-        if isinstance(node, ast.BinOp):
-            return self._binary(node)
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
-            inner = self.read(node.operand)
-            zero = self.values.number(fmpq(0))
-            return inner if isinstance(node.op, ast.UAdd) else self.values.combine(ast.Sub(), zero, inner)
-        if isinstance(node, ast.Name):
-            return self.values.name(node.id)
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            return self.values.number(literal(self._segment(node)))
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
-            return self.values.call(node.func.id, self.read(node.args[0]))
-        raise ValueError(f"{shown(self._segment(node))} is not arithmetic")
-
-    def _binary(self, node: ast.BinOp) -> Any:
-        left, right = self.read(node.left), self.read(node.right)
-        if isinstance(node.op, ast.Pow):
-            return self.values.power(left, right)
-        if isinstance(node.op, ast.Add | ast.Sub | ast.Mult | ast.Div):
-            return self.values.combine(node.op, left, right)
-        raise ValueError(f"{shown(self._segment(node))} uses an operator other than + - * / ^")
-
-    def _segment(self, node: ast.expr) -> str:
-        return segment(self.source.encode(), node)
+@contextmanager
+def _named(text: str) -> Iterator[None]:
+    try:
+        yield
+    except NotRationalError as error:
+        raise NotRationalError(f"{shown(text)} is not a rational function: {error}") from None
+    except (ValueError, ZeroDivisionError) as error:
+        raise ValueError(f"cannot read the expression {shown(text)}: {error}") from None
 
 
 class _Numeric:
-    def __init__(self, names: Names) -> None:
-        self.names = names
+    """Values at arrays of parameters."""
 
-    def number(self, value: fmpq) -> Formula:
-        rounded = to_float(value)
-        return lambda t, h: rounded
+    def __init__(self, names: Names, t: Any, h: Any) -> None:
+        self.values = {**CONSTANTS, names[1]: h, names[0]: t}
 
-    def name(self, name: str) -> Formula:
-        if name in self.names:
-            return (lambda t, h: t) if name == self.names[0] else (lambda t, h: h)
-        return lambda t, h: CONSTANTS[name]
+    def number(self, value: fmpq) -> Any:
+        return to_float(value)
 
-    def combine(self, operator: ast.operator, left: Formula, right: Formula) -> Formula:
-        if isinstance(operator, ast.Add):
-            return lambda t, h: left(t, h) + right(t, h)
-        if isinstance(operator, ast.Sub):
-            return lambda t, h: left(t, h) - right(t, h)
-        if isinstance(operator, ast.Mult):
-            return lambda t, h: left(t, h) * right(t, h)
-        return lambda t, h: left(t, h) / right(t, h)
+    def name(self, name: str) -> Any:
+        return self.values[name]
 
-    def power(self, base: Formula, exponent: Formula) -> Formula:
-        return lambda t, h: base(t, h) ** exponent(t, h)
+    def negative(self, value: Any) -> Any:
+        return -value
 
-    def call(self, name: str, argument: Formula) -> Formula:
-        function = FUNCTIONS[name]
-        return lambda t, h: function(argument(t, h))
+    def combine(self, step: Step, left: Any, right: Any) -> Any:
+        return OPERATIONS[step.action](left, right)
+
+    def call(self, name: str, argument: Any) -> Any:
+        return FUNCTIONS[name](argument)

@@ -9,26 +9,24 @@ numerator and denominator, with infinities and nan where the denominator vanishe
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from operator import add, mul, sub, truediv
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.inputs import MAXIMAL_DEGREE, check_power
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power
 from pas.algebra.locus import primitive
 from pas.algebra.rational import rational, to_fraction
-from pas.parametric.expressions import Names, NotRationalError, as_text, evaluate
+from pas.algebra.written import Step
+from pas.parametric.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
 from pas.parametric.horner import Bundle
 
 PARAMETERS: Names = ("t", "h")
 RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 ONE: fmpq_mpoly = RING.constant(1)
-OPERATIONS: Mapping[type, Any] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 
 
 class RationalFunction:
@@ -290,15 +288,23 @@ class _Exact:
             return self.variables[name]
         raise NotRationalError(f"{name} is not rational")
 
-    def combine(self, operator: ast.operator, left: RationalFunction, right: RationalFunction) -> RationalFunction:
-        if isinstance(operator, ast.Div) and right.is_zero:
+    def negative(self, value: RationalFunction) -> RationalFunction:
+        return value * -1
+
+    def combine(self, step: Step, left: RationalFunction, right: RationalFunction) -> RationalFunction:
+        if step.action == "**":
+            return self._power(left, right)
+        if step.action == "/" and right.is_zero:
             raise ValueError("it divides by zero")
-        result = OPERATIONS[type(operator)](left, right)
+        if step.action in "*/":
+            check_digits(left.numerator, right.numerator)
+            check_digits(left.denominator, right.denominator)
+        result: RationalFunction = OPERATIONS[step.action](left, right)
         if result.degree > MAXIMAL_DEGREE:
             raise ValueError(f"it is of degree {result.degree}, above {MAXIMAL_DEGREE}")
         return result
 
-    def power(self, base: RationalFunction, exponent: RationalFunction) -> RationalFunction:
+    def _power(self, base: RationalFunction, exponent: RationalFunction) -> RationalFunction:
         if exponent.degree > 0:
             raise NotRationalError("an exponent depends on the parameters")
         value = fmpq(0) if exponent.is_zero else exponent.numerator.leading_coefficient()
