@@ -105,7 +105,15 @@ def test_ctrl_c_ends_with_130(tmp_path):
 
     code = "import sys; from pas.cli import main; print('up', flush=True); sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", code, "blend", str(ROOT / "examples/corners/three_pipes.toml"), "-o", "out"]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    before = signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # in the background it is ignored, by children too
+    try:
+        process = subprocess.Popen(command, cwd=tmp_path, **pipes)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with process:
         assert process.stdout.readline() == "up\n"
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
