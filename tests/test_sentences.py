@@ -106,9 +106,7 @@ def test_ctrl_c_ends_with_130(tmp_path):
     code = "import sys; from pas.cli import main; print('up', flush=True); sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", code, "blend", str(ROOT / "examples/corners/three_pipes.toml"), "-o", "out"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    before = signal.signal(
-        signal.SIGINT, signal.default_int_handler
-    )  # in the background it is ignored, by children too
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
     try:
         process = subprocess.Popen(command, cwd=tmp_path, **pipes)
     finally:
