@@ -32,6 +32,7 @@ from pas.errors import ProjectFileError
 from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Part, Point, on_simplex, positive
+from pas.limits import Report, limited
 
 SIDE_BUDGET = 100_000
 """B-coefficients for questions on the way: the sign of a factor, a place where a contact is missed."""
@@ -64,7 +65,10 @@ class Finding:
         return vars(self) | {"witness": [[str(c) for c in point[:3]] for point in self.witness]}
 
 
-def check_independently(path: str | Path, *, edited: bool = False) -> list[Finding]:
+@limited("proving by the independent checker", "")
+def check_independently(
+    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
+) -> list[Finding]:
     """Prove again what the project file of a blend claims.
 
     Raises `ProjectFileError` for a file that is none, was changed (unless `edited`), or holds no blend.
