@@ -7,7 +7,8 @@ import json
 import random
 from collections import defaultdict
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import product
+from math import factorial, prod
 
 import pytest
 from conftest import DATA, EQUAL, ROOT, UNEQUAL, pipes, solved
@@ -574,16 +575,20 @@ def test_forms_and_halves(dimension, degree):
         """The ratios of a form and the first implementation's on a simplex, where either is not zero."""
         order = {e: k for k, e in enumerate(homogeneous_exponents(degree, size))}
         first = b_form(on_simplex(plain, points), degree, dimension)
-        pairs = [(v, first[order[e[:size]]]) for e, v in zip(signs._indices(len(form), size), form, strict=True)]
+        found = {e[:size]: c * prod(map(factorial, e)) for e, c in form.to_dict().items()}
+        pairs = [(found.get(e, 0), first[k]) for e, k in order.items()]
         return {fmpq(v) / w if w else None for v, w in pairs if v or w}
 
-    form = signs._b_form(signs.on_simplex(whole, [(*p, fmpq(1)) for p in corners]), size)
+    places = tuple((*p, fmpq(1)) for p in corners)
+    form = signs._whole(signs.on_simplex(whole, places))
     (scale,) = compared(form, corners)
     assert scale > 0
-    for i, j in combinations(range(size), 2):
-        middle = tuple((a + b) / 2 for a, b in zip(corners[i], corners[j], strict=True))
-        for moved, half in zip((j, i), signs._split(form, size, i, j), strict=True):
-            assert compared(half, [middle if k == moved else p for k, p in enumerate(corners)]) == {scale * 2**degree}
+    for points, (half,) in signs._halves(places, [form]):
+        assert sum(p not in places for p in points) == 1
+        assert compared(half, [p[:3] for p in points]) == {scale * 2**degree}
+    least, most = signs._range(form, size)
+    coefficients = [form.to_dict().get((*e, *[0] * (4 - size)), 0) for e in homogeneous_exponents(degree, size)]
+    assert (least, most) == (min(coefficients), max(coefficients))
 
 
 def test_no_floating_point():
