@@ -367,9 +367,10 @@ def broken_region(record, how) -> None:
         record["patches"].append(record["patches"][0])
     elif how == "a cell lies on another":
         partition["cells"][1] = [0, 1, 2, 7]  # beyond V6 and V1, over the last cell
-    elif how == "twice around":
+    elif "twice around" in how:
         axis, ring = partition["vertices"][:2], partition["vertices"][2:]
-        partition["vertices"] = [*axis, *ring, *ring]
+        second = ring if "same points" in how else [[str(2 * Fraction(c)) for c in point] for point in ring]
+        partition["vertices"] = [*axis, *ring, *second]
         partition["cells"] = [[0, 1, 2 + (i - 1) % 12, 2 + i] for i in range(12)]
         partition["pieces"] = [[i] for i in range(12)]
         record["patches"] *= 2
@@ -384,6 +385,7 @@ BROKEN = [
     "a cell is there twice",
     "a cell lies on another",
     "twice around",
+    "twice around by the same points",
 ]
 
 
