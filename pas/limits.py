@@ -89,6 +89,7 @@ def limited(work: str, advice: str) -> Callable[[Callable[P, R]], Callable[P, R]
         @wraps(function)
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
             with _limit(kwargs.get("seconds"), kwargs.get("progress"), work, advice):  # type: ignore[arg-type]
+                checkpoint()
                 return function(*args, **kwargs)
 
         run.__doc__ = f"{inspect.getdoc(function)}\n\n{LIMITED}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pas
-from pas.limits import checkpoint, limit
+from pas.limits import checkpoint, limit, note
 
 
 class Clock:
@@ -51,6 +51,25 @@ def test_progress_is_reported_now_and_then(clock):
             checkpoint("counting", i / 40)
     assert lines[0].startswith("counting (2")
     assert 5 <= len(lines) <= 7
+
+
+def test_a_limit_inside_reports_to_the_listener_around_it(clock):
+    lines = []
+    with limit(progress=lines.append), limit(seconds=60):
+        note("quick work is not told of")
+        assert not lines
+        clock.now += 1.5
+        checkpoint("counting")
+        note("done")
+    assert lines == ["counting, 2 s", "done"]
+
+
+def test_a_loop_far_below_says_the_task_that_was_said_last(clock):
+    with limit(seconds=10):
+        checkpoint("eliminating 3 x 4")
+        clock.now += 10.5
+        with pytest.raises(pas.LimitError, match="while eliminating 3 x 4"):
+            checkpoint()
 
 
 def test_bad_limits():

@@ -78,6 +78,11 @@ def shown(value: Any) -> str:
         text = repr(value)
     except (ValueError, RecursionError):  # Python writes out no integer of more than 4300 digits
         text = f"a very long {type(value).__name__}"
+    return short(text)
+
+
+def short(text: str) -> str:
+    """A formula, a name or a number of a sentence, which may be long, shortened."""
     return text if len(text) <= SHOWN else f"{text[: 2 * SHOWN // 3]}...{text[-SHOWN // 4 :]}"
 
 

@@ -19,7 +19,7 @@ from typing import NoReturn, Protocol, TypeVar
 
 from flint import fmpq
 
-from pas.algebra.inputs import check_text, shown
+from pas.algebra.inputs import check_text, short, shown
 from pas.algebra.rational import written
 from pas.errors import meant
 
@@ -283,7 +283,7 @@ def _refuse(word: str, after: str, names: tuple[str, ...], functions: tuple[str,
     hint = meant(word, known)
     if called:
         raise ValueError(f"there is no function {word!r}" + (hint or f"; there are {', '.join(sorted(functions))}"))
-    raise ValueError(f"the variable {word!r} is not one of {', '.join(names)}{hint}")
+    raise ValueError(f"the variable {shown(word)} is not one of {short(', '.join(names))}{hint}")
 
 
 def _letters(word: str, names: tuple[str, ...]) -> tuple[str, ...] | None:

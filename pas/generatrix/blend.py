@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
@@ -174,7 +175,7 @@ class GeneratrixBlend:
         """
         names = {0: ("l1",), 1: ("l2",), None: ("l1", "l2")}
         if number not in names:
-            raise ValueError(f"number must be 0, 1 or None for both, not {number!r}")
+            raise ValueError(f"number must be 0, 1 or None for both, not {shown(number)}")
 
         def safe(length: float) -> bool:
             checkpoint("looking for the largest safe length")
@@ -257,10 +258,12 @@ def generatrix_blend(
     """
     for boundary, name in ((first, "first"), (second, "second")):
         if not isinstance(boundary, Boundary):
-            raise TypeError(f"{name} must be a Boundary (see plane_section and Boundary.on_implicit), not {boundary!r}")
+            raise TypeError(
+                f"{name} must be a Boundary (see plane_section and Boundary.on_implicit), not {shown(boundary)}"
+            )
     shape = GeneratrixShape() if shape is None else shape
     if not isinstance(shape, GeneratrixShape):
-        raise TypeError(f"shape must be a GeneratrixShape, such as GeneratrixShape(l1=1, l2='1/2'), not {shape!r}")
+        raise TypeError(f"shape must be a GeneratrixShape, such as GeneratrixShape(l1=1, l2='1/2'), not {shown(shape)}")
     if first.closed != second.closed:
         alignment(first, second, (1, 1))  # says so
     require_apart(first, second)

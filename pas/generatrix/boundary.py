@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -76,9 +77,11 @@ class Boundary:
 
     def __post_init__(self) -> None:
         if self.side not in (None, 1, -1):
-            raise ValueError(f"side of {self.name} must be 1, -1 or None, not {self.side!r}")
+            raise ValueError(f"side of {self.name} must be 1, -1 or None, not {shown(self.side)}")
         if not self.closed and (self.phase, self.backwards) not in ((0.0, False), (1.0, True)):
-            raise ValueError(f"{self.name} is open: it starts at 0, or at 1 and runs backwards, not at {self.phase!r}")
+            raise ValueError(
+                f"{self.name} is open: it starts at 0, or at 1 and runs backwards, not at {shown(self.phase)}"
+            )
         if not self.checked:
             if self.exact is not None:
                 self.exact.require_regular(self.name)
@@ -125,7 +128,7 @@ class Boundary:
         Raises `GeometryError` where it does not lie on it: exactly for rational curves.
         """
         f = within_reach(Polynomial(polynomial))
-        name = f"the boundary on {f} = 0" if name is None else name
+        name = f"the boundary on {short(str(f))} = 0" if name is None else name
         path = read_path(curve, interval, name)
         exact = None
         if path.is_exact:
@@ -148,7 +151,7 @@ class Boundary:
     ) -> Boundary:
         """A curve on a parametric surface, such as `iso_curve(surface, h=1)`, over an interval of its parameter."""
         if not isinstance(curve, SurfaceCurve):
-            raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {curve!r}")
+            raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {shown(curve)}")
         (low, high), line = on_unit_interval(interval, name)
         curve.surface(curve.parameters(np.linspace(low, high, SAMPLES)))  # speaks up outside the domain
 

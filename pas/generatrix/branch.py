@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -136,7 +137,7 @@ class QuadricBranch:
         A branch that is not closed needs an `interval` of s without poles; of a closed one it takes a part.
         """
         if number not in (0, 1):
-            raise ValueError(f"number must be 0 or 1, the quadric that the blend is to meet, not {number!r}")
+            raise ValueError(f"number must be 0 or 1, the quadric that the blend is to meet, not {shown(number)}")
         f = self.quadrics[number].polynomial
         other = self.quadrics[1 - number].polynomial
         name = f"the branch of {f} = 0 and {other} = 0" if name is None else name

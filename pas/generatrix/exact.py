@@ -10,6 +10,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float
 from pas.errors import GeometryError
 from pas.parametric.rational_function import GENERATORS, RationalFunction, total
@@ -20,10 +21,10 @@ from pas.parametric.surface import Components
 def on_unit_interval(interval: Sequence[Any], name: str) -> tuple[tuple[float, float], RationalFunction]:
     """The ends of an interval of s, and the map low + (high - low) s; raises `ValueError` for a bad one."""
     if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
-        raise ValueError(f"the interval of {name} must be two numbers (low, high), not {interval!r}")
+        raise ValueError(f"the interval of {name} must be two numbers (low, high), not {shown(interval)}")
     low, high = (rational(end, f"an end of the interval of {name}") for end in interval)
     if not low < high:
-        raise ValueError(f"the interval of {name} must have low < high, not {interval!r}")
+        raise ValueError(f"the interval of {name} must have low < high, not {shown(interval)}")
     line = RationalFunction.quotient(GENERATORS[0] * (high - low) + low, GENERATORS[0] ** 0, ("s", "t"))
     return (to_float(low), to_float(high)), line
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, rational, to_float, to_fraction
@@ -83,7 +84,9 @@ class Quadric:
             expression = expression.polynomial
         polynomial = Polynomial(expression)
         if polynomial.degree != 2:
-            raise ValueError(f"{name} must be a polynomial of degree 2, not {polynomial} of degree {polynomial.degree}")
+            raise ValueError(
+                f"{name} must be a polynomial of degree 2, not {short(str(polynomial))} of degree {polynomial.degree}"
+            )
         object.__setattr__(self, "polynomial", within_reach(polynomial))
 
     @cached_property
@@ -105,7 +108,7 @@ class Quadric:
         """Raise `ValueError` for sets that are no curved surface."""
         if self.kind not in CURVED:
             raise ValueError(
-                f"{name} must be a curved surface such as x^2 + y^2 - 1; {self.polynomial} = 0 is a(n) "
+                f"{name} must be a curved surface such as x^2 + y^2 - 1; {short(str(self.polynomial))} = 0 is a(n) "
                 f"{self.kind.value}"
             )
 
@@ -139,7 +142,7 @@ def read_plane(plane: Any, name: str = "the plane") -> tuple[Vector, fmpq]:
     """
     polynomial = Polynomial(plane)
     if polynomial.degree != 1:
-        raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {polynomial}")
+        raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {short(str(polynomial))}")
     c = {e: rational(v) for e, v in polynomial.coefficients().items()}
     zero = fmpq(0)
     normal = (c.get((1, 0, 0), zero), c.get((0, 1, 0), zero), c.get((0, 0, 1), zero))
@@ -162,4 +165,5 @@ def text(point: Any) -> str:
 def plane_text(normal: Vector, offset: fmpq) -> str:
     """The plane's equation for a message."""
     x, y, z = normal
-    return f"{Polynomial({(1, 0, 0): x, (0, 1, 0): y, (0, 0, 1): z, (0, 0, 0): -offset})} = 0"
+    equation = Polynomial({(1, 0, 0): x, (0, 1, 0): y, (0, 0, 1): z, (0, 0, 0): -offset})
+    return f"{short(str(equation))} = 0"

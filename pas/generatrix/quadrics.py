@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -112,7 +113,7 @@ def blend_through_sphere(
     if len(items) < 2:
         raise ValueError(f"a blend through a sphere needs at least two boundaries, not {len(items)}")
     if size <= 0:
-        raise ValueError(f"radius must be positive, not {plain(size)}")
+        raise ValueError(f"radius must be positive, not {short(plain(size))}")
     o, r = np.array(to_floats(middle)), to_float(size)
     directions, widths = zip(*(_seen(item, i, o, r) for i, item in enumerate(items)), strict=True)
     gaps = _gaps(np.array(directions))
@@ -135,7 +136,7 @@ def blend_through_sphere(
 def _seen(boundary: Any, number: int, center: Floats, radius: float) -> tuple[Floats, float]:
     """The direction of a boundary from the centre, and the half-angle of a circle as wide as it."""
     if not isinstance(boundary, Boundary):
-        raise TypeError(f"boundaries[{number}] must be a Boundary, not {boundary!r}")
+        raise TypeError(f"boundaries[{number}] must be a Boundary, not {shown(boundary)}")
     if not boundary.closed:
         raise GeometryError(f"boundaries[{number}] ({boundary.name}) is open; circles on a sphere are closed")
     points = boundary(np.linspace(0, 1, SAMPLES, endpoint=False))

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, cross, dot, exact, to_float, to_floats
@@ -117,9 +118,9 @@ def plane_section(
     surface.require_curved("quadric")
     conic = conic_section(surface, normal, offset)
     f = surface.polynomial
-    name = f"the section of {f} = 0 by {plane_text(normal, offset)}" if name is None else name
+    name = f"the section of {short(str(f))} = 0 by {plane_text(normal, offset)}" if name is None else name
     if branch not in (1, -1):
-        raise ValueError(f"branch must be 1 or -1, not {branch!r}")
+        raise ValueError(f"branch must be 1 or -1, not {shown(branch)}")
     closed = conic.kind is ConicKind.ELLIPSE
     if closed:
         low, high = 0.0, 2.0 * np.pi
@@ -211,7 +212,7 @@ def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:
 
 def _refuse_degenerate(quadric: Quadric, plane: _Plane, form: fmpq_mat, small: fmpq) -> None:
     """Raise for the sections that are empty, points or lines: by the ranks and signs of the two determinants."""
-    where = f"the plane {plane_text(plane.normal, plane.offset)} and {quadric.polynomial} = 0"
+    where = f"the plane {plane_text(plane.normal, plane.offset)} and {short(str(quadric.polynomial))} = 0"
     rank = int(form.rank())
     corner = form[0, 0] if form[0, 0] != 0 else form[1, 1]
     if rank == 3 and not (small > 0 and corner * form.det() > 0):

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.inputs import short, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.generatrix.exact import zeros_in_unit_interval
@@ -44,10 +45,10 @@ class ShapeFunction:
         """The polynomial of least degree through data pairs (s, value), s distinct in [0, 1]."""
         read = [tuple(rational(x, f"pairs[{i}]") for x in pair) for i, pair in enumerate(pairs)]
         if not read or any(len(pair) != 2 for pair in read):
-            raise ValueError(f"pairs must be data pairs (s, value) such as [(0, 1), (1, '1/2')], not {pairs!r}")
+            raise ValueError(f"pairs must be data pairs (s, value) such as [(0, 1), (1, '1/2')], not {shown(pairs)}")
         places = [pair[0] for pair in read]
         if len(set(places)) < len(places) or min(places) < 0 or max(places) > 1:
-            raise ValueError(f"the s of pairs must be distinct and in [0, 1], not {[plain(p) for p in places]}")
+            raise ValueError(f"the s of pairs must be distinct and in [0, 1], not {shown([plain(p) for p in places])}")
         if len(read) > MANY:
             raise ValueError(f"{len(read)} pairs are too many for one polynomial; give at most {MANY}")
         result = fmpq_poly([0])
@@ -130,9 +131,9 @@ class ShapeFunction:
             bad = [0.0] if difference(0) <= 0 else zeros_in_unit_interval(difference)
         if bad:
             value = float(self(bad[0])) if p is None or p.degree() > 0 else plain(p[0])
-            shown = f"{value:.6g}" if isinstance(value, float) else value
+            told = f"{value:.6g}" if isinstance(value, float) else short(value)
             place = "" if p is not None and p.degree() < 1 else f" at s = {bad[0]:.6g}"
-            raise ValueError(f"{what} is {shown}{place}; {remedy}")
+            raise ValueError(f"{what} is {told}{place}; {remedy}")
 
 
 @dataclass(frozen=True, init=False)

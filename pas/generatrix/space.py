@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.generatrix.exact import on_unit_interval
 from pas.parametric.callables import component
@@ -26,7 +27,7 @@ def space_curve(expression: Any, name: str) -> ParametricSurface:
             _coordinate(expression, 0), _coordinate(expression, 1), _coordinate(expression, 2), NAMES
         )
     if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
-        raise TypeError(f"{name} must be three expressions in s or one callable, not {expression!r}")
+        raise TypeError(f"{name} must be three expressions in s or one callable, not {shown(expression)}")
     parts = []
     for entry, axis in zip(expression, "xyz", strict=True):
         made = component(entry if not callable(entry) else _of_one(entry), ("s", ""), f"{axis} of {name}")

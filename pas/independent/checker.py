@@ -11,19 +11,17 @@ t^k.  GC^k: with f = f_0 + f_1 t + ... and the patch g = g_0 + g_1 t + ..., alph
 divides g_0, then g_1 - alpha_0 f_1, and so on (Garrity and Warren 1991); factors of f_0 that are positive on the face
 may divide alpha, since the curve is elsewhere.
 
-Not served: clips that are not planes, and surfaces that do not meet their contact on a part of the curve that no
-factor over the rationals tells apart; these are left undecided.
+Undecided: clips that are not planes, and curves met in part only where no factor over the rationals tells the parts.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import combinations, count, product
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
@@ -32,16 +30,13 @@ from pas.errors import ProjectFileError
 from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Part, Point, on_simplex, positive
+from pas.limits import Report, limited
 
 SIDE_BUDGET = 100_000
-"""B-coefficients for questions on the way: the sign of a factor, a place where a contact is missed."""
-
-SAID = {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open whether "}
-"""Of a condition."""
+"""Coefficients for questions on the way: the sign of a factor, a place where a contact is missed."""
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     """What a claim came to; `witness`: an exact point where it fails, or the ends of a segment on which it does."""
 
     claim: str
@@ -61,10 +56,13 @@ class Finding:
 
     def to_record(self) -> dict[str, Any]:
         """A JSON-ready form; coordinates are strings such as "1/3"."""
-        return vars(self) | {"witness": [[str(c) for c in point[:3]] for point in self.witness]}
+        return self._asdict() | {"witness": [[str(c) for c in point[:3]] for point in self.witness]}
 
 
-def check_independently(path: str | Path, *, edited: bool = False) -> list[Finding]:
+@limited("proving by the independent checker", "")
+def check_independently(
+    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
+) -> list[Finding]:
     """Prove again what the project file of a blend claims.
 
     Raises `ProjectFileError` for a file that is none, was changed (unless `edited`), or holds no blend.
@@ -74,58 +72,46 @@ def check_independently(path: str | Path, *, edited: bool = False) -> list[Findi
         raise ProjectFileError(f"{name}: the independent checker reads blends, and this holds {shown(content['kind'])}")
     with understood(name):
         surface = Surface(content.get("surface"))
-    region = _region(surface)
-    contacts = [_contact(surface, number) for number in range(len(surface.contacts))]
-    faces = [_smooth(surface, pair, shared) for pair, shared in sorted(surface.inner().items())]
+    region, contacts = _region(surface), [_contact(surface, number) for number in range(len(surface.contacts))]
+    pairs = sorted({(a.patch, b.patch) for a, b in surface.inner if a.patch != b.patch})
+    faces = [_smooth(surface, *pair) for pair in pairs]
     return [region, *contacts, *faces, _one_sheet(surface, region), _enclosed(surface)]
 
 
 def _region(surface: Surface) -> Finding:
     """The cells cover a region around the centre once, and each is seen undivided from it."""
     claim, centre = "region", surface.centre
-    for triangle, cells in surface.owners.items():
-        corners = surface.corners(triangle)
-        sides = [_det(*corners, surface.off((triangle, cell))) for cell in cells]
-        if 0 in sides or len(cells) > 2 or (len(cells) == 2 and sides[0] * sides[1] > 0):
-            return Finding(claim, REFUTED, "cells are flat or overlap", (_mean(corners, (1, 1, 1)),))
-        if centre is not None:
-            seen = _det(*corners, centre)
-            if seen != 0 if len(cells) == 2 else seen * sides[0] <= 0:
-                reason = "an interior face misses the centre, or an outer face does not look at it"
-                return Finding(claim, REFUTED, reason, (_mean(corners, (1, 1, 1)),))
-    if centre is None or not surface.cells:
+    for face, *others in surface.faces:
+        side, *beyond = (_det(*f.corners, f.off) for f in (face, *others))
+        seen = _det(*face.corners, centre) * side if centre else 0
+        if side == 0 or len(others) > 1 or (others and side * beyond[0] >= 0):
+            return Finding(claim, REFUTED, "cells are flat or overlap", (_inside(face),))
+        if centre and (seen != 0 if others else seen <= 0):
+            reason = "an interior face misses the centre, or an outer face does not look at it"
+            return Finding(claim, REFUTED, reason, (_inside(face),))
+    if not centre or not surface.cells:
         return Finding(claim, UNDECIDED, "there is no centre to look from")
-    times = _coverings(centre, [surface.corners(triangle) for triangle, _ in surface.outer])
+    for s in count():  # the curve (1, s, s^2) of directions meets the plane of the centre and an edge twice at most
+        ray, at = (fmpq(1), fmpq(s), fmpq(s * s), fmpq(0)), [face.corners for face in surface.outer]
+        turns = [[_det(centre, *t) for t in ((a, b, c), (ray, b, c), (a, ray, c), (a, b, ray))] for a, b, c in at]
+        if all(value != 0 for turn in turns for value in turn):
+            break
+    times = sum(min(volume * u for u in turn) > 0 for volume, *turn in turns)
     if times != 1:
         return Finding(claim, REFUTED, f"the cells surround the centre {times} times", (centre,))
     return Finding(claim, PROVED, "the cells surround the centre once")
 
 
-def _coverings(centre: Point, triangles: list[list[Point]]) -> int:
-    """Through how many triangles a ray from the centre leaves that meets none of their edges."""
-    s = 0
-    while True:
-        s += 1  # the curve (1, s, s^2) of directions meets the plane of the centre and an edge twice at most
-        ray = (fmpq(1), fmpq(s), fmpq(s * s), fmpq(0))
-        turns = [
-            [_det(centre, a, b, c) * _det(centre, *t) for t in ((ray, b, c), (a, ray, c), (a, b, ray))]
-            for a, b, c in triangles
-        ]
-        if all(value != 0 for turn in turns for value in turn):
-            return sum(min(turn) > 0 for turn in turns)
-
-
 def _contact(surface: Surface, number: int) -> Finding:
     """GC^k along the contact's curve in its clip faces: a closed regular curve, alpha > 0, h < 0 on this side."""
-    claim, faces, (f, h) = f"contact {number + 1} GC^{surface.order}", surface.clipped(number), surface.contacts[number]
+    claim, faces, (f, h) = f"contact {number + 1} GC^{surface.order}", surface.clipped[number], surface.contacts[number]
     if not faces:
         return Finding(claim, UNDECIDED, "no outer face lies in its clip, or the clip is no plane")
-    behind = tuple(surface.off(face) for face in faces if h(*surface.off(face)) > 0)
+    behind = tuple(face.off for face in faces if h(*face.off) > 0)
     if behind:
         return Finding(claim, REFUTED, "its clip is turned round: h > 0 on the blend's side", behind[:1])
-    met = [_quotient(surface, number, face) for face in faces]
-    looks = [(surface.corners(face[0]), surface.series(f, face)[0], *q) for face, q in zip(faces, met, strict=True)]
-    order = min(len(alpha) for alpha, _, _ in met) - 1
+    looks = [(face.corners, *_quotient(surface, number, face)) for face in faces]
+    order = min(len(alpha) for _, _, alpha, _, _ in looks) - 1
     if order < surface.order:
         missed = [Part(c, -rest * rest, f0) for c, f0, _, _, rest in looks if not rest.is_zero()]
         status, witness = positive(missed, SIDE_BUDGET)
@@ -135,32 +121,27 @@ def _contact(surface: Surface, number: int) -> Finding:
         return Finding(claim, REFUTED, reason, witness)
     if positive([Part(c, f0) for c, f0, *_ in looks])[0] != REFUTED:
         return Finding(claim, UNDECIDED, "no point of its clip face is known to be on or inside it")
-    edges = Counter(edge for triangle, _ in faces for edge in combinations(triangle, 2))
-    rim = [surface.corners(edge) for edge, times in edges.items() if times == 1]
+    edges = Counter(edge for face in faces for edge in combinations(face.corners, 2))
+    others = [cell for i, cell in enumerate(surface.cells) if i not in {face.cell for face in faces}]
     steps = {
-        "its curve is closed inside its clip face": [Part(edge, on_simplex(f, edge)) for edge in rim],
+        "its curve is closed inside its clip face": [Part(e, on_simplex(f, e)) for e, n in edges.items() if n == 1],
         "its clip cuts it at an angle": [Part(c, _slope(f0), f0) for c, f0, *_ in looks],
         "it is met, with alpha > 0 on its curve": [Part(c, alpha[0], f0) for c, f0, alpha, _, _ in looks],
     }
-    for condition, parts in steps.items():
-        found = _shown(claim, condition, parts)
-        if not found.proved:
-            return found
-    owners = {cell for _, cell in faces}
-    others = [surface.corners(c) for number, c in enumerate(surface.cells) if number not in owners]
-    inside = [Part(c, on_simplex(f * f, c), on_simplex(h, c)) for c in others]
-    if positive(inside, SIDE_BUDGET)[0] != PROVED:
+    found = next((f for f in (_shown(claim, *step) for step in steps.items()) if not f.proved), None)
+    inside = [Part(cell, on_simplex(f * f, cell), on_simplex(h, cell)) for cell in others]
+    if found is None and positive(inside, SIDE_BUDGET)[0] != PROVED:
         return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
-    return found
+    return found or Finding(claim, PROVED, "; ".join(steps))
 
 
-def _quotient(surface: Surface, number: int, face: Face) -> tuple[list[fmpq_mpoly], fmpq_mpoly, fmpq_mpoly]:
+def _quotient(surface: Surface, number: int, face: Face) -> tuple[fmpq_mpoly, list[fmpq_mpoly], fmpq_mpoly, fmpq_mpoly]:
     """The patch divided by a contact's surface, as series across a clip face.
 
-    w alpha_0, w^2 alpha_1, ... as far as u = f_0 / w divides, w > 0 on the face; u; and what is left, or 0.
+    f_0; w alpha_0, w^2 alpha_1, ... as far as u = f_0 / w divides, w > 0 on the face; u; and what is left, or 0.
     """
-    f, g = surface.series(surface.contacts[number][0], face), surface.series(surface.patch(face[1]), face)
-    for w in _denominators(f[0], surface.corners(face[0])):
+    f, g = (face.series(p, surface.order) for p in (surface.contacts[number][0], surface.patches[face.patch]))
+    for w in _denominators(f[0], face.corners):
         u, rest, alpha = divmod(f[0], w)[0], ZERO, list[fmpq_mpoly]()
         for j, value in enumerate(g):
             known = sum((a * f[j - i] * w ** (j - 1 - i) for i, a in enumerate(alpha)), ZERO)
@@ -170,10 +151,10 @@ def _quotient(surface: Surface, number: int, face: Face) -> tuple[list[fmpq_mpol
             alpha.append(quotient)
         else:
             break
-    return alpha, u, rest
+    return f[0], alpha, u, rest
 
 
-def _denominators(f: fmpq_mpoly, corners: list[Point]) -> Iterator[fmpq_mpoly]:
+def _denominators(f: fmpq_mpoly, corners: tuple[Point, ...]) -> Iterator[fmpq_mpoly]:
     """1 and, for where that does not do, the product of all factors of f that are positive on a face."""
     yield ONE
     signed = [(sign * p, power) for p, power in f.factor()[1] for sign in (1, -1)]
@@ -185,24 +166,23 @@ def _slope(f: fmpq_mpoly) -> fmpq_mpoly:
     return sum(((f.derivative(i) - f.derivative(0)) ** 2 for i in (1, 2)), ZERO)
 
 
-def _smooth(surface: Surface, pair: tuple[int, int], faces: list[Face]) -> Finding:
+def _smooth(surface: Surface, first: int, second: int) -> Finding:
     """C^k between two patches, on all faces where they meet."""
-    claim = f"face {pair[0] + 1}|{pair[1] + 1} C^{surface.order}"
-    difference = surface.patches[pair[1]] - surface.patches[pair[0]]
-    for face in faces:
-        for j, jump in enumerate(surface.series(difference, face)):
+    claim = f"face {first + 1}|{second + 1} C^{surface.order}"
+    difference = surface.patches[second] - surface.patches[first]
+    for face in (a for a, b in surface.inner if (a.patch, b.patch) == (first, second)):
+        for j, jump in enumerate(face.series(difference, surface.order)):
             if not jump.is_zero():  # a lattice finer than its degree has a point where it does not vanish
                 n = jump.total_degree() + 3
                 weights = next(w for w in product(range(1, n), repeat=3) if sum(w) == n and jump(*w, 0) != 0)
-                reason = f"derivative {j} across the face jumps"
-                return Finding(claim, REFUTED, reason, (_mean(surface.corners(face[0]), weights),))
+                return Finding(claim, REFUTED, f"derivative {j} across the face jumps", (_inside(face, weights),))
     return Finding(claim, PROVED, f"the difference has no terms up to t^{surface.order}")
 
 
 def _one_sheet(surface: Surface, region: Finding) -> Finding:
     """In each cell grad g . (x - centre) > 0 where g = 0, and g < 0 at the centre."""
     claim, centre = "one sheet", surface.centre
-    if centre is None or not surface.cells:
+    if not centre or not surface.cells:
         return Finding(claim, UNDECIDED, "there is no centre to look from")
     if any(patch(*centre) >= 0 for patch in surface.patches):
         return Finding(claim, REFUTED, "the centre is not inside", (centre,))
@@ -210,40 +190,39 @@ def _one_sheet(surface: Surface, region: Finding) -> Finding:
         return Finding(claim, UNDECIDED, "the cells were not shown to surround the centre once")
     parts, (*axes, one) = [], RING.gens()
     for number, cell in enumerate(surface.cells):
-        g, corners = surface.patch(number), surface.corners(cell)
+        g = surface.patches[surface.patch_of[number]]
         radial = sum(((x - centre[i] * one) * g.derivative(i) for i, x in enumerate(axes)), ZERO)
-        parts.append(Part(corners, on_simplex(radial, corners), on_simplex(g, corners)))
+        parts.append(Part(cell, on_simplex(radial, cell), on_simplex(g, cell)))
     return _shown(claim, "grad g . (x - centre) > 0 where g = 0", parts)
 
 
 def _enclosed(surface: Surface) -> Finding:
     """On outer faces g is positive times the f_0 of the contacts clipped there (of none: on walls)."""
     claim, parts = "enclosed", list[Part]()
-    clipped = [surface.clipped(number) for number in range(len(surface.contacts))]
-    if not surface.cells or not all(clipped):
+    if not surface.cells or not all(surface.clipped):
         return Finding(claim, UNDECIDED, "there is no region, or a contact without a face in its clip plane")
     for face in surface.outer:
-        rest = surface.series(surface.patch(face[1]), face)[0]
-        for number in (i for i, faces in enumerate(clipped) if face in faces):
-            rest, remainder = divmod(rest, _quotient(surface, number, face)[1])
+        rest = face.series(surface.patches[face.patch], 0)[0]
+        for number in (i for i, faces in enumerate(surface.clipped) if face in faces):
+            rest, remainder = divmod(rest, _quotient(surface, number, face)[2])
             if not remainder.is_zero():
                 return Finding(claim, UNDECIDED, f"contact {number + 1} is not met on its clip face")
-        parts.append(Part(surface.corners(face[0]), rest))
+        parts.append(Part(face.corners, rest))
     return _shown(claim, "g > 0 on the walls, alpha > 0 on the clip faces", parts)
 
 
 def _shown(claim: str, condition: str, parts: list[Part]) -> Finding:
     """The finding that a claim's condition holds, fails or is open."""
     status, witness = positive(parts)
-    return Finding(claim, status, SAID[status] + condition, witness)
+    said = {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open whether "}
+    return Finding(claim, status, said[status] + condition, witness)
 
 
 def _det(*points: Point) -> fmpq:
     return fmpq_mat([list(p) for p in points]).det()
 
 
-def _mean(points: list[Point], weights: tuple[int, ...]) -> Point:
-    total = sum(weights)
-    return tuple(
-        sum((w * c for w, c in zip(weights, axis, strict=True)), fmpq(0)) / total for axis in zip(*points, strict=True)
-    )
+def _inside(face: Face, weights: tuple[int, ...] = (1, 1, 1)) -> Point:
+    """The point of a face with barycentric coordinates of these ratios."""
+    columns = zip(*face.corners, strict=True)
+    return tuple(sum((w * c for w, c in zip(weights, x, strict=True)), fmpq(0)) / sum(weights) for x in columns)

@@ -1,11 +1,11 @@
-"""The surface of a project file, read anew: points, cells, patches, contacts, and where cells meet."""
+"""The surface of a project file, read anew: cells, patches, contacts, and the faces of the cells."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
 from itertools import combinations, product
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mpoly
 
@@ -16,21 +16,29 @@ from pas.exchange.schema import check
 from pas.exchange.shapes import SURFACE, read_polynomial
 from pas.independent.signs import RING, Point, on_simplex
 
-Face = tuple[tuple[int, ...], int]
-"""Three point numbers, and the cell from which the face is looked at."""
-
-NEEDED = {"tetrahedra": ("vertices", "cells", "pieces"), "six tetrahedra": ("legs",)}
-"""What partitions of a kind have besides a centre."""
-
 CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))
 """Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs."""
 
 
-class Surface:
-    """What a project file says of a surface.  All polynomials are homogeneous, the patches of one degree.
+class Face(NamedTuple):
+    """A triangle as a face of a cell: its corners, the cell's fourth one, and the numbers of the cell and its patch."""
 
-    Raises `TypeError` or `ValueError` for a record that makes no sense.
-    """
+    corners: tuple[Point, ...]
+    off: Point
+    cell: int
+    patch: int
+
+    def series(self, p: fmpq_mpoly, order: int) -> list[fmpq_mpoly]:
+        """p = p_0 + p_1 t + ..., t the barycentric coordinate across the face: the coefficients up to t^order."""
+        terms: list[dict[tuple[int, ...], Any]] = [{} for _ in range(order + 1)]
+        for (i, j, k, power), value in on_simplex(p, (*self.corners, self.off)).to_dict().items():
+            if power <= order:
+                terms[power][i, j, k, 0] = value
+        return [RING.from_dict(t) for t in terms]
+
+
+class Surface:
+    """What a project file says; `ValueError` or `TypeError` for what makes no sense.  Patches are of one degree."""
 
     def __init__(self, record: Any) -> None:
         check(record, SURFACE, "content.surface")
@@ -42,91 +50,53 @@ class Surface:
         patches = [read_polynomial(terms) for terms in record["patches"]]
         degree = check_surface_degree(max((p.degree for p in patches), default=0))
         self.patches = [_homogeneous(p, degree) for p in patches]
-        self.points, cells, pieces, self.centre = _partition(record["partition"])
-        self.cells = [tuple(cell) for cell in cells]
-        if len(pieces) != len(self.patches) or sorted(c for p in pieces for c in p) != list(range(len(self.cells))):
+        self.centre, points, cells, pieces = _partition(record["partition"])
+        if len(pieces) != len(patches) or sorted(c for p in pieces for c in p) != list(range(len(cells))):
             raise ValueError("each cell must have one patch")
-        if any(len(set(cell)) != 4 or not set(cell) <= set(range(len(self.points))) for cell in self.cells):
+        known = dict(enumerate(points))
+        self.cells = [tuple(sorted({known[i] for i in cell if i in known})) for cell in cells]
+        if any(len(cell) != 4 for cell in self.cells):
             raise ValueError("each cell must have four corners")
         self.patch_of = {cell: number for number, piece in enumerate(pieces) for cell in piece}
-        self.owners = _owners(self.cells)
-        self.outer: list[Face] = [(triangle, cells[0]) for triangle, cells in self.owners.items() if len(cells) == 1]
-
-    def corners(self, numbers: Iterable[int]) -> list[Point]:
-        """The points of a cell or a triangle."""
-        return [self.points[i] for i in numbers]
-
-    def off(self, face: Face) -> Point:
-        """The corner of a face's cell that is not on it."""
-        return self.points[next(i for i in self.cells[face[1]] if i not in face[0])]
-
-    def patch(self, cell: int) -> fmpq_mpoly:
-        """The polynomial in a cell."""
-        return self.patches[self.patch_of[cell]]
-
-    def inner(self) -> dict[tuple[int, int], list[Face]]:
-        """The faces between each two patches that meet."""
-        found: dict[tuple[int, int], list[Face]] = defaultdict(list)
-        for triangle, cells in self.owners.items():
-            for one, other in combinations(sorted(cells, key=self.patch_of.__getitem__), 2):
-                if self.patch_of[one] != self.patch_of[other]:
-                    found[self.patch_of[one], self.patch_of[other]].append((triangle, one))
-        return found
-
-    def clipped(self, number: int) -> list[Face]:
-        """The outer faces in a contact's clip plane; none where the clip is no plane."""
-        clip = self.contacts[number][1]
-        flat = clip.total_degree() == 1
-        return [face for face in self.outer if flat and all(clip(*p) == 0 for p in self.corners(face[0]))]
-
-    def series(self, p: fmpq_mpoly, face: Face) -> list[fmpq_mpoly]:
-        """p = p_0 + p_1 t + ..., t the barycentric coordinate across the face: the coefficients up to t^order."""
-        terms: list[dict[tuple[int, ...], Any]] = [{} for _ in range(self.order + 1)]
-        for (i, j, k, power), value in on_simplex(p, [*self.corners(face[0]), self.off(face)]).to_dict().items():
-            if power <= self.order:
-                terms[power][i, j, k, 0] = value
-        return [RING.from_dict(t) for t in terms]
-
-
-def _owners(cells: list[Any]) -> dict[tuple[int, ...], list[int]]:
-    """The cells of each triangle."""
-    owners: dict[tuple[int, ...], list[int]] = defaultdict(list)
-    for number, cell in enumerate(cells):
-        for triangle in combinations(sorted(cell), 3):
-            owners[triangle].append(number)
-    return owners
+        faces: dict[tuple[Point, ...], list[Face]] = defaultdict(list)
+        for number in sorted(self.patch_of, key=self.patch_of.__getitem__):
+            for off in self.cells[number]:
+                triangle = tuple(p for p in self.cells[number] if p != off)
+                faces[triangle].append(Face(triangle, off, number, self.patch_of[number]))
+        self.faces = list(faces.values())
+        self.inner = [two for sides in self.faces for two in combinations(sides, 2)]
+        self.outer = [sides[0] for sides in self.faces if len(sides) == 1]
+        self.clipped = [
+            [f for f in self.outer if h.total_degree() == 1 and all(h(*p) == 0 for p in f.corners)]
+            for _, h in self.contacts
+        ]
+        """For each contact the outer faces in its clip plane; none where the clip is no plane."""
 
 
 def _homogeneous(p: Polynomial, degree: int) -> fmpq_mpoly:
     return RING.from_dict({(*e, degree - sum(e)): c for e, c in p.raw.to_dict().items()})
 
 
-def _point(record: Any) -> Point:
-    x, y, z = (rational(c, "coordinate") for c in record)
-    return x, y, z, fmpq(1)
+def _point(coordinates: Iterable[Any]) -> Point:
+    return (*(rational(c, "coordinate") for c in coordinates), fmpq(1))
 
 
-def _partition(record: dict[str, Any]) -> tuple[list[Point], list[Any], list[Any], Point | None]:
-    """Points, cells (four point numbers each), the cells of each patch, and the centre."""
-    kind, centre = record["kind"], None if record["center"] is None else _point(record["center"])
-    for key in NEEDED.get(kind, ()):
-        if key not in record:
-            raise ValueError(f"a partition of the kind {kind!r} needs {key!r}")
-    if kind == "tetrahedra":
-        return [_point(p) for p in record["vertices"]], record["cells"], record["pieces"], centre
-    if kind == "six tetrahedra" and centre is not None:
-        a, b, c = map(_point, record["legs"])
-        points = [
-            (*(centre[i] + u * a[i] + v * b[i] + w * c[i] for i in range(3)), fmpq(1)) for u, v, w in CORNERS_OF_SIX
-        ]
-        return points, [(0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6)], [(i,) for i in range(6)], centre
-    if kind == "single cell" and ("lower" in record) != ("upper" in record):
-        raise ValueError("a box needs both lower and upper")
-    if kind == "single cell" and "lower" not in record:
-        return [], [], [()], centre
-    if kind == "single cell" and centre is not None:
-        ends = zip(_point(record["lower"])[:3], _point(record["upper"])[:3], strict=True)
-        points = [*((*corner, fmpq(1)) for corner in product(*ends)), centre]
-        sides = [[v for v in range(8) if (v >> axis) % 2 == end] for axis in range(3) for end in (0, 1)]
-        return points, [(8, *side[i : i + 3]) for side in sides for i in (0, 1)], [tuple(range(12))], centre
-    raise ValueError(f"there is no partition {shown(kind)} with centre {shown(record['center'])}")
+def _partition(record: dict[str, Any]) -> tuple[Point | None, list[Point], list[Any], list[Any]]:
+    """Centre, points, cells (four point numbers each), and the cells of each patch."""
+    centre = None if record["center"] is None else _point(record["center"])
+    match record:
+        case {"kind": "tetrahedra", "vertices": vertices, "cells": cells, "pieces": pieces}:
+            return centre, [_point(p) for p in vertices], cells, pieces
+        case {"kind": "six tetrahedra", "legs": legs} if centre:
+            axes = list(zip(centre, *map(_point, legs), strict=True))[:3]
+            points = [_point(o + u * a + v * b + w * c for o, a, b, c in axes) for u, v, w in CORNERS_OF_SIX]
+            return centre, points, [(0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6)], [(i,) for i in range(6)]
+        case {"kind": "single cell", "lower": lower, "upper": upper} if centre:
+            box = [_point(p) for p in product(*zip(lower, upper, strict=True))]
+            sides = [[v for v in range(8) if (v >> axis) % 2 == end] for axis in range(3) for end in (0, 1)]
+            cells = [(8, *side[i : i + 3]) for side in sides for i in (0, 1)]
+            return centre, [*box, centre], cells, [tuple(range(12))]
+        case {"kind": "single cell"} if not {"lower", "upper"} & record.keys():
+            return centre, [], [], [()]
+    entries = ", ".join(map(str, record))
+    raise ValueError(f"there is no partition {shown(record['kind'])} with {entries} and such a centre")

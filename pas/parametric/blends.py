@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
@@ -158,9 +158,9 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
                 j = next(j for j in range(k + 1) if part.denominator.gcd(part.numerators[j]) != part.denominator)
                 what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
                 below = RationalFunction.quotient(univariate(part.numerators[j], 0), univariate(part.denominator, 0))
-                where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {plain(value)}"
+                where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {short(plain(value))}"
                 return PolynomialCriterion(
-                    False, f"{what} of {where} is no polynomial; its denominator is {below.denominator}"
+                    False, f"{what} of {where} is no polynomial; its denominator is {short(str(below.denominator))}"
                 )
     return PolynomialCriterion(True, f"all derivatives up to order {k} at the values are polynomials")
 

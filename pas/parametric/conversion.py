@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, plain, rational, to_float, to_fraction
@@ -82,7 +82,7 @@ def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatc
     least = min(w for row in net.below for w in row)
     if least <= 0:
         raise GeometryError(
-            f"a weight of this patch is not positive ({plain(least)}); bezier_patches splits it into several"
+            f"a weight of this patch is not positive ({short(plain(least))}); bezier_patches splits it into several"
         )
     return _patch(net)
 
@@ -130,7 +130,7 @@ def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
     """A surface itself, or that of a blend; raises `TypeError` for what has none."""
     found = thing if isinstance(thing, ParametricSurface) else getattr(thing, "surface", None)
     if not isinstance(found, ParametricSurface):
-        raise TypeError(f"surface must be a parametric surface or a blend of such, not {thing!r}")
+        raise TypeError(f"surface must be a parametric surface or a blend of such, not {shown(thing)}")
     return found
 
 

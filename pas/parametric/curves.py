@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import check_derivative
+from pas.algebra.inputs import check_derivative, short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
+from pas.algebra.rational import plain, rational
 from pas.parametric.callables import component
 from pas.parametric.expressions import Names
 from pas.parametric.jets import Jet, variables
@@ -38,9 +38,9 @@ class SurfaceCurve:
 
     def __init__(self, surface: ParametricSurface, t: Any, h: Any, parameter: str = "s") -> None:
         if not isinstance(surface, ParametricSurface):
-            raise TypeError(f"surface must be a ParametricSurface, not {surface!r}")
+            raise TypeError(f"surface must be a ParametricSurface, not {shown(surface)}")
         if not isinstance(parameter, str) or not parameter.isidentifier():
-            raise ValueError(f"parameter must be a name such as 's', not {parameter!r}")
+            raise ValueError(f"parameter must be a name such as 's', not {shown(parameter)}")
         names: Names = (parameter, "")
         first, second = (component(_of_two(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True))
         exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
@@ -103,7 +103,9 @@ def iso_curve(surface: ParametricSurface, t: Any = None, h: Any = None) -> Surfa
     value = rational(t if h is None else h, surface.parameters[fixed])
     if not surface.contains(value, fixed):
         low, high = surface.domain[fixed]
-        raise ValueError(f"{surface.parameters[fixed]} = {value} lies outside the domain [{low:.6g}, {high:.6g}]")
+        raise ValueError(
+            f"{surface.parameters[fixed]} = {short(plain(value))} lies outside the domain [{low:.6g}, {high:.6g}]"
+        )
     free = surface.parameters[1 - fixed]
     return SurfaceCurve(surface, free if fixed else value, value if fixed else free, free)
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
-from pas.algebra.inputs import MOST_SURFACES
+from pas.algebra.inputs import MOST_SURFACES, short, shown
 from pas.algebra.rational import plain, to_float, to_fraction
 from pas.errors import GeometryError
 from pas.parametric.domain import Domain, ExactDomain, read_domain
@@ -53,7 +53,7 @@ class IsolatedPoint:
     kind: PointKind
 
     def __str__(self) -> str:
-        where = f"({self.t:.6g}, {plain(self.value)}), where {self.factor} = 0"
+        where = f"({self.t:.6g}, {short(plain(self.value))}), where {short(str(self.factor))} = 0"
         return f"surfaces[{self.surface}].{self.axis} has a {self.kind.value} at {where}"
 
 
@@ -86,7 +86,7 @@ class BlendingData:
         items = tuple(surfaces)
         for i, item in enumerate(items):
             if not isinstance(item, ParametricSurface):
-                raise TypeError(f"surfaces[{i}] must be a ParametricSurface, not {item!r}")
+                raise TypeError(f"surfaces[{i}] must be a ParametricSurface, not {shown(item)}")
         if not 2 <= len(items) <= MOST_SURFACES:
             raise ValueError(f"a blend meets from 2 to {MOST_SURFACES} surfaces, not {len(items)}")
         at = distinct(range(len(items)) if values is None else values)
@@ -172,7 +172,7 @@ class BlendingData:
     def require_defined(self, number: int, value: fmpq) -> None:
         """Raise `GeometryError` where surface `number` is not defined at h = `value`."""
         surface = self.surfaces[number]
-        name = f"surfaces[{number}] is not defined at {surface.parameters[1]} = {plain(value)}"
+        name = f"surfaces[{number}] is not defined at {surface.parameters[1]} = {short(plain(value))}"
         if not surface.contains(value, 1):
             low, high = surface.domain[1]
             raise GeometryError(f"{name}: its domain there is [{low:.6g}, {high:.6g}]")

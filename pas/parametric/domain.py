@@ -9,6 +9,7 @@ import math
 from fractions import Fraction
 from typing import Any
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float, to_fraction
 from pas.parametric.expressions import Names
 
@@ -29,7 +30,7 @@ def read_domain(domain: Any, names: Names) -> tuple[Domain, ExactDomain]:
     if domain is None:
         return PLANE, ((None, None), (None, None))
     if not hasattr(domain, "__len__") or len(domain) != 2:
-        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {domain!r}")
+        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {shown(domain)}")
     (first, exactly), (second, precisely) = (_interval(i, name) for i, name in zip(domain, names, strict=True))
     return (first, second), (exactly, precisely)
 
@@ -37,7 +38,7 @@ def read_domain(domain: Any, names: Names) -> tuple[Domain, ExactDomain]:
 def _interval(given: Any, name: str) -> tuple[Interval, Ends]:
     interval = (None, None) if given is None else given
     if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
-        raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {interval!r}")
+        raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {shown(interval)}")
     low, high = (_end(end, name) for end in interval)
     rounded = (
         -math.inf if low is None else to_float(rational(low)),
@@ -45,9 +46,11 @@ def _interval(given: Any, name: str) -> tuple[Interval, Ends]:
     )
     for exact, double in zip((low, high), rounded, strict=True):
         if exact is not None and math.isinf(double):
-            raise ValueError(f"an end of the domain of {name} is beyond the range of doubles (1.8e308): {interval!r}")
+            raise ValueError(
+                f"an end of the domain of {name} is beyond the range of doubles (1.8e308): {shown(interval)}"
+            )
     if not (low is None or high is None or low < high) or not rounded[0] < rounded[1]:
-        raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {interval!r}")
+        raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {shown(interval)}")
     return rounded, (low, high)
 
 

@@ -46,7 +46,9 @@ def read_formula(expression: Any, names: Names) -> Formula:
     """The same expression, or one with elementary functions, as a function of arrays or jets."""
     text = as_text(expression)
     if text is None:
-        raise TypeError(f"write the expression as a string in {' and '.join(filter(None, names))}, not {expression!r}")
+        raise TypeError(
+            f"write the expression as a string in {' and '.join(filter(None, names))}, not {shown(expression)}"
+        )
     parsed = program(text, names)
 
     def formula(t: Any, h: Any) -> Any:

@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.series import univariate
@@ -92,9 +92,9 @@ def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
 def distinct(values: Sequence[Any]) -> tuple[fmpq, ...]:
     """Exact values, checked to be at least one and distinct."""
     if isinstance(values, str) or not hasattr(values, "__len__") or len(values) == 0:
-        raise TypeError(f"values must be a sequence of numbers, not {values!r}")
+        raise TypeError(f"values must be a sequence of numbers, not {shown(values)}")
     exact = tuple(rational(value, f"values[{i}]") for i, value in enumerate(values))
     for (i, a), (j, b) in combinations(enumerate(exact), 2):
         if a == b:
-            raise ValueError(f"values[{i}] and values[{j}] are both {plain(a)}; give each surface its own value")
+            raise ValueError(f"values[{i}] and values[{j}] are both {short(plain(a))}; give each surface its own value")
     return exact

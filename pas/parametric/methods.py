@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import plain
 from pas.parametric.blends import ParametricBlend, hermite_blend, weighted_blend
 from pas.parametric.data import BlendingData
@@ -47,7 +48,7 @@ METHODS: dict[str, Method] = {
 def blend_by(method: str, data: BlendingData, order: int, options: Mapping[str, Any]) -> ParametricBlend:
     """The blend of a method by its name; raises `ValueError` for another name or option, and what the method raises."""
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(map(repr, METHODS))}, not {method!r}")
+        raise ValueError(f"method must be one of {', '.join(map(repr, METHODS))}, not {shown(method)}")
     for name in options:
         if name not in METHODS[method].options:
             known = ", ".join(METHODS[method].options) or "none"

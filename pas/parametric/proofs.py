@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq, fmpq_poly
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain, to_float
 from pas.bernstein.signs import Status
 from pas.parametric.data import AXES, BlendingData
@@ -66,7 +66,7 @@ def contact_order(first: RationalFunction, second: RationalFunction, value: fmpq
 
 def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, number: int, order: int) -> Verdict:
     name = surface.parameters[1]
-    claim = f"contact of order {order} with surfaces[{number}] at {name} = {plain(value)}"
+    claim = f"contact of order {order} with surfaces[{number}] at {name} = {short(plain(value))}"
     if not surface.is_exact or not other.is_exact:
         return _compared(surface, other, value, order, claim)
     for axis, mine, theirs in zip(AXES, surface.components, other.components, strict=True):

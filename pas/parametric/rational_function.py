@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
 from pas.algebra.locus import primitive
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.written import Step
@@ -117,7 +117,9 @@ class RationalFunction:
         where = rational(t, self.names[0]), rational(h, self.names[1])
         below = self.denominator(*where)
         if below == 0:
-            raise ValueError(f"{self} has a pole at {self.names[0]} = {t}, {self.names[1]} = {h}")
+            raise ValueError(
+                f"{short(str(self))} has a pole at {self.names[0]} = {shown(t)}, {self.names[1]} = {shown(h)}"
+            )
         return to_fraction(self.numerator(*where) / below)
 
     def __call__(self, t: Any, h: Any) -> Any:
@@ -167,7 +169,7 @@ class RationalFunction:
 
     def __pow__(self, exponent: int) -> RationalFunction:
         if not isinstance(exponent, int) or isinstance(exponent, bool):
-            raise ValueError(f"the exponent must be a whole number, not {exponent!r}")
+            raise ValueError(f"the exponent must be a whole number, not {shown(exponent)}")
         base = self if exponent >= 0 else 1 / self
         n = abs(exponent)
         return RationalFunction.from_lowest_terms(base.numerator**n, base.denominator**n, self.names)

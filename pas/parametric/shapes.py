@@ -14,6 +14,7 @@ from typing import Any
 
 from flint import fmpq
 
+from pas.algebra.inputs import short, shown
 from pas.algebra.rational import plain, rational, vector
 from pas.parametric.surface import ParametricSurface
 
@@ -79,7 +80,7 @@ def torus(major: Any = 2, minor: Any = 1, angle: bool = False) -> ParametricSurf
     """
     r, s = _positive(major=major, minor=minor)
     if not s < r:
-        raise ValueError(f"minor must be less than major, not {plain(s)} >= {plain(r)}")
+        raise ValueError(f"minor must be less than major, not {short(plain(s))} >= {short(plain(r))}")
     u, v, _ = _circle(angle, "h")
     turn = TURN if angle else None
     return _ringed((fmpq(1), fmpq(1)), f"({plain(r)} + {plain(s)}*{u})", f"{plain(s)}*{v}", angle, turn)
@@ -140,11 +141,11 @@ def _positive(**sizes: Any) -> tuple[fmpq, ...]:
     exact = {name: rational(size, name) for name, size in sizes.items()}
     for name, size in exact.items():
         if size <= 0:
-            raise ValueError(f"{name} must be positive, not {plain(size)}")
+            raise ValueError(f"{name} must be positive, not {short(plain(size))}")
     return tuple(exact.values())
 
 
 def _triple(items: Sequence[Any], name: str) -> tuple[str, ...]:
     if isinstance(items, str) or len(items) != 3:
-        raise ValueError(f"{name} must be three expressions, not {items!r}")
+        raise ValueError(f"{name} must be three expressions, not {shown(items)}")
     return tuple(map(str, items))

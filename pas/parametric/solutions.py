@@ -14,6 +14,7 @@ from typing import Any
 
 from flint import fmpq_mpoly
 
+from pas.algebra.inputs import short
 from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
 from pas.parametric.callables import component
@@ -104,11 +105,11 @@ class ParametricSolutions:
 
     def _pole(self, r: RationalFunction) -> str | None:
         """The value at which a denominator vanishes for every t."""
-        return next((plain(s) for s in self.data.values if _vanishes(r.denominator, s)), None)
+        return next((short(plain(s)) for s in self.data.values if _vanishes(r.denominator, s)), None)
 
     def _require_allowed(self, r: RationalFunction, axis: int) -> None:
         if self.polynomial and not r.is_polynomial:
-            raise GeometryError(f"R{axis + 1} must be a polynomial, not {r}")
+            raise GeometryError(f"R{axis + 1} must be a polynomial, not {short(str(r))}")
         pole = self._pole(r)
         if pole is not None:
             raise GeometryError(

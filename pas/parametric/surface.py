@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.inputs import check_derivative
+from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -355,5 +355,5 @@ def _moved_text(text: Sequence[str], rows: Sequence[Vector], shift: Vector) -> t
 def _names(parameters: Any) -> Names:
     names = tuple(parameters)
     if len(names) != 2 or names[0] == names[1] or not all(isinstance(n, str) and n.isidentifier() for n in names):
-        raise ValueError(f"parameters must be two different names such as ('t', 'h'), not {parameters!r}")
+        raise ValueError(f"parameters must be two different names such as ('t', 'h'), not {shown(parameters)}")
     return names[0], names[1]

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
-from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, shown, whole
+from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whole
 from pas.algebra.rational import plain, rational, to_float
 from pas.parametric.hermite import distinct
 from pas.parametric.jets import power
@@ -148,7 +148,7 @@ def _balance(balance: Any, size: int) -> tuple[fmpq, ...]:
         raise ValueError(f"balance must be one number or {size}, one for each surface, not {len(balances)}")
     for i, u in enumerate(balances):
         if not 0 < u < 1:
-            raise ValueError(f"balance must lie strictly between 0 and 1, not {plain(u)} (for surface {i})")
+            raise ValueError(f"balance must lie strictly between 0 and 1, not {short(plain(u))} (for surface {i})")
     return balances
 
 

@@ -169,7 +169,8 @@ def problems() -> list[Base]:
 def projects(folder: Path) -> list[Base]:
     """Project files of every kind, written to a folder."""
     check, rough = ("check", "{}"), ("--tolerance", "0.4", "-o", "a.stl")
-    independent, as_json = ("check", "{}", "--independent"), ("check", "{}", "--json")
+    independent = (("check", "{}", "--independent"), ("check", "{}", "--independent", "--json"))
+    as_json = ("check", "{}", "--json")
     mesh, convert = ("mesh", "{}", *rough), ("convert", "{}", "--tolerance", "0.4", "a.ply")
     corner = solved(EQUAL, 1)
     elbow = pas.blend(
@@ -192,8 +193,8 @@ def projects(folder: Path) -> list[Base]:
     neck, weighted = pas.hermite_blend(data, 1), pas.weighted_blend(data, 1)
     quadrics = pas.read_parametric_problem(EXAMPLES / "parametric/generatrix/quadrics.toml").blend()
     things: dict[str, tuple[Any, tuple[tuple[str, ...], ...]]] = {
-        "corner": (corner, (check, independent, as_json, mesh, convert)),
-        "elbow": (elbow, (check, independent, mesh)),
+        "corner": (corner, (check, *independent, as_json, mesh, convert)),
+        "elbow": (elbow, (check, *independent, as_json, mesh)),
         "joined": (joined, (check, convert)),
         "part": (part, (mesh,)),
         "bent": (bent, (convert,)),

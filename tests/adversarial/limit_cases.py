@@ -1,0 +1,207 @@
+"""Every long public call and every command, on a small problem, and a clock whose hand moves on when it is looked at.
+
+A case makes its problem afresh, so that nothing is kept from the run before, and calls with `seconds` and
+`progress` and a folder to write to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from conftest import ROOT
+
+import pas
+from pas import solid
+from pas.blending.blend import fit
+from pas.blending.project import save
+from pas.independent.checker import check_independently
+from pas.render.parts import draw_parts
+from pas.teapot.pot import teapot
+
+EXAMPLES = ROOT / "examples"
+
+
+class TickingClock:
+    """Each look at it takes a second."""
+
+    def __init__(self) -> None:
+        self.looks = 0
+
+    def monotonic(self) -> float:
+        self.looks += 1
+        return float(self.looks)
+
+
+@dataclass(frozen=True)
+class LongCall:
+    """`make(folder)` is the problem, `call(problem, folder, **limits)` the call.
+
+    `deadlines` are how many different ones are tried.
+    """
+
+    make: Callable[[Path], Any]
+    call: Callable[..., Any]
+    deadlines: int = 4
+
+
+def _pipes(*_: Any) -> list[pas.Pipe]:
+    return [pas.Pipe(axis, "1/3", 1) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+
+
+def _corner(folder: Path) -> pas.Blend:
+    """A blend without proofs yet."""
+    return pas.load(_saved(folder, lambda path: pas.blend(_pipes(), 1, prove=False).save(path)))
+
+
+def _surface(*_: Any) -> pas.PiecewiseSurface:
+    return pas.blend(_pipes(), 1, prove=False).surface
+
+
+def _saved(folder: Path, save: Callable[[Path], Any]) -> Path:
+    """A project file, written at the first time only: what is read from it has been computed nowhere."""
+    path = folder / "made.pas.json"
+    if not path.exists():
+        save(path)
+    return path
+
+
+def _space(*_: Any) -> pas.SolutionSpace:
+    return pas.solutions(_pipes(), 1, 3)
+
+
+def _solid(*_: Any) -> solid.Solid:
+    return solid.ball((0, 0, 0), 1) - solid.cylinder((0, 0, -2), (0, 0, 2), "1/2")
+
+
+def _box(*_: Any) -> solid.Solid:
+    return solid.box((0, 0, 0), (3, 2, 1))
+
+
+def _ball(*_: Any) -> solid.Solid:
+    return solid.ball((0, 0, 0), 1)
+
+
+def _parts(*_: Any) -> solid.Assembly:
+    return solid.assembly(ball=_ball(), box=solid.box((2, 0, 0), (3, 1, 1)))
+
+
+def _data(*_: Any) -> pas.BlendingData:
+    first = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1", domain=((-1, 1), None))
+    second = pas.ParametricSurface("2*(1 - t^2)/(1 + t^2)", "4*t/(1 + t^2)", "h + 1", domain=((-1, 1), None))
+    return pas.BlendingData([first, second])
+
+
+def _hermite(*_: Any) -> pas.ParametricBlend:
+    return pas.hermite_blend(_data(), 1)
+
+
+def _patch(*_: Any) -> pas.ParametricSurface:
+    return _hermite().surface.with_domain(((-1, 1), (0, 1)))
+
+
+def _sections(*_: Any) -> tuple[pas.Boundary, pas.Boundary]:
+    return pas.plane_section("x^2 + y^2 - 1", "z - 2"), pas.plane_section("x^2 + y^2 - 4", "z + 2")
+
+
+def _generatrix(*_: Any) -> pas.GeneratrixBlend:
+    return pas.generatrix_blend(*_sections(), pas.GeneratrixShape(l1=1, l2=1))
+
+
+def _ends(*_: Any) -> list[pas.Boundary]:
+    return [pas.plane_section("x^2 + y^2 - 1", plane) for plane in ("z - 4", "z + 4")]
+
+
+def _saved_blend(folder: Path) -> Path:
+    return _saved(folder, lambda path: save(pas.blend(_pipes(), 1, prove=False), path))
+
+
+def _saved_shell(folder: Path) -> Path:
+    return _saved(folder, lambda path: pas.save_solid(_ball().shell(0.2, tolerance=0.4), path))
+
+
+T = 0.2
+"""A coarse tolerance."""
+
+CORNER = EXAMPLES / "corners/equal_gc1.toml"
+PARAMETRIC = EXAMPLES / "parametric/example_1.toml"
+COARSE = ("--tolerance", T)
+
+LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
+    "blend": (lambda _: CORNER, ("blend", "{}", "-o", "OUT", "--no-picture", *COARSE)),
+    "parametric": (lambda _: PARAMETRIC, ("parametric", "{}", "-o", "OUT", "--no-picture", *COARSE)),
+    "solve": (lambda _: CORNER, ("solve", "{}", "--method", "syzygy")),
+    "check": (_saved_blend, ("check", "{}")),
+    "check --independent": (_saved_blend, ("check", "{}", "--independent")),
+    "mesh": (_saved_blend, ("mesh", "{}", "-o", "OUT/x.stl", *COARSE)),
+    "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
+    "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
+    "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
+}
+"""The commands by name, what they read, and their arguments, of which {} is what they read."""
+
+LONG_CALLS = {
+    "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, **k)),
+    "pas.blending.blend.fit": LongCall(_space, lambda p, f, **k: fit(p, **k)),
+    "Blend.save": LongCall(_corner, lambda p, f, **k: p.save(f / "x.pas.json", **k)),
+    "SolutionSpace.optimum": LongCall(_space, lambda p, f, **k: p.optimum(**k)),
+    "pas.solutions": LongCall(_pipes, lambda p, f, **k: pas.solutions(p, 2, **k)),
+    "pas.existence": LongCall(
+        lambda _: [("y^2 + z^2 - r1^2", "x - d1"), ("x^2 + z^2 - r2^2", "y - d2")],
+        lambda p, f, **k: pas.existence(p, 1, 2, ("r1", "r2", "d1", "d2"), **k),
+    ),
+    "pas.normal_form_system": LongCall(
+        lambda _: [("y^2 + z^2 - 1", "x"), ("x^2 + z^2 - 1", "y")],
+        lambda p, f, **k: pas.normal_form_system(p, 1, 4, **k),
+    ),
+    "pas.syzygies": LongCall(lambda _: ["x^2 - y", "y^2 - z", "z^2 - x*y + 1"], lambda p, f, **k: pas.syzygies(p, **k)),
+    "PiecewiseSurface.certify": LongCall(_surface, lambda p, f, **k: p.certify(**k)),
+    "PiecewiseSurface.triangulate": LongCall(_surface, lambda p, f, **k: p.triangulate(T, **k)),
+    "PiecewiseSurface.mesh": LongCall(_surface, lambda p, f, **k: p.mesh(T, **k), 3),
+    "Solid.mesh": LongCall(_solid, lambda p, f, **k: p.mesh(T, **k), 8),
+    "Solid.face_mesh": LongCall(_solid, lambda p, f, **k: p.face_mesh(T, **k), 3),
+    "Solid.volume": LongCall(_solid, lambda p, f, **k: p.volume(T, **k), 3),
+    "Solid.area": LongCall(_solid, lambda p, f, **k: p.area(T, **k), 3),
+    "Solid.shell": LongCall(_ball, lambda p, f, **k: p.shell(0.2, tolerance=0.4, **k), 3),
+    "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
+    "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
+    "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
+    "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
+    "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=T, **k), 3),
+    "pas.save_solid": LongCall(_solid, lambda p, f, **k: pas.save_solid(p, f / "x.pas.json", **k)),
+    "pas.load_solid": LongCall(_saved_shell, lambda p, f, **k: pas.load_solid(p, **k), 2),
+    "pas.load": LongCall(_saved_shell, lambda p, f, **k: pas.load(p, **k), 2),
+    "pas.save_parametric": LongCall(_hermite, lambda p, f, **k: pas.save_parametric(p, f / "x.pas.json", **k)),
+    "pas.draw": LongCall(_surface, lambda p, f, **k: pas.draw(p, f / "x.png", size=(64, 48), **k), 2),
+    "pas.render.parts.draw_parts": LongCall(
+        _parts, lambda p, f, **k: draw_parts(p, f / "x.png", size=(64, 48), tolerance=T, **k), 3
+    ),
+    "ParametricSurface.mesh": LongCall(_patch, lambda p, f, **k: p.mesh(T, **k)),
+    "ParametricBlend.mesh": LongCall(_hermite, lambda p, f, **k: p.mesh(T, ((-1, 1), (0, 1)), **k)),
+    "ParametricBlend.prove": LongCall(_hermite, lambda p, f, **k: p.prove(((-1, 1), (0, 1)), **k)),
+    "pas.regularity": LongCall(_patch, lambda p, f, **k: pas.regularity(p, **k)),
+    "pas.hermite_blend": LongCall(_data, lambda p, f, **k: pas.hermite_blend(p, 1, **k)),
+    "pas.weighted_blend": LongCall(_data, lambda p, f, **k: pas.weighted_blend(p, 1, **k)),
+    "pas.bezier_patches": LongCall(_patch, lambda p, f, **k: pas.bezier_patches(p, **k)),
+    "pas.fit_patch": LongCall(
+        lambda _: pas.helicoid().with_domain(((0, 1), (0, 1))), lambda p, f, **k: pas.fit_patch(p, T, **k)
+    ),
+    "pas.write_step": LongCall(_patch, lambda p, f, **k: pas.write_step(p, f / "x.step", **k), 3),
+    "pas.generatrix_blend": LongCall(_sections, lambda p, f, **k: pas.generatrix_blend(*p, **k)),
+    "GeneratrixBlend.mesh": LongCall(_generatrix, lambda p, f, **k: p.mesh((12, 6), **k)),
+    "GeneratrixBlend.largest_safe": LongCall(_generatrix, lambda p, f, **k: p.largest_safe(size=(24, 8), **k)),
+    "pas.blend_quadrics": LongCall(
+        lambda _: ("x^2 + y^2 - 1", "z - 2", "x^2 + y^2 - 4", "z + 2"),
+        lambda p, f, **k: pas.blend_quadrics(*p, **k),
+    ),
+    "pas.blend_through_sphere": LongCall(_ends, lambda p, f, **k: pas.blend_through_sphere(p, (0, 0, 0), 1, **k)),
+    "SphereBlend.mesh": LongCall(
+        lambda _: pas.blend_through_sphere(_ends(), (0, 0, 0), 1), lambda p, f, **k: p.mesh((12, 6), **k)
+    ),
+    "pas.teapot.pot.teapot": LongCall(lambda _: None, lambda p, f, **k: teapot("paper", **k), 2),
+    "pas.independent.checker.check_independently": LongCall(
+        _saved_blend, lambda p, f, **k: check_independently(p, **k)
+    ),
+}
