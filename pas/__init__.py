@@ -89,6 +89,7 @@ if TYPE_CHECKING:
     from pas.generatrix.shape import ShapeFunction as ShapeFunction
     from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
     from pas.limits import limit as limit
+    from pas.mesh.mesh import Mesh as Mesh
     from pas.mesh.triangulate import MeshError as MeshError
     from pas.parametric.base_points import BasePoint as BasePoint
     from pas.parametric.base_points import base_points as base_points
@@ -194,6 +195,7 @@ _HOMES = {
     "pas.generatrix.shape": ("GeneratrixShape", "ShapeFunction"),
     "pas.generatrix.verdicts": ("GeneratrixCertificate",),
     "pas.limits": ("limit",),
+    "pas.mesh.mesh": ("Mesh",),
     "pas.mesh.triangulate": ("MeshError",),
     "pas.parametric.base_points": (
         "BasePoint",

@@ -155,7 +155,7 @@ def test_mesh_writing_is_checked(tmp_path):
     mesh = pas.plane().mesh(1, ((0, 1), (0, 1)))
     with pytest.raises(ValueError, match="tolerance and domain are for surfaces"):
         pas.write_mesh(mesh, tmp_path / "a.stl", tolerance=1)
-    with pytest.raises(TypeError, match="must be a TriangleMesh"):
+    with pytest.raises(TypeError, match="must be a Mesh"):
         pas.write_mesh("mesh", tmp_path / "a.stl")
     with pytest.raises(ValueError, match="suffix must be one of"):
         pas.write_mesh(mesh, tmp_path / "a.step")

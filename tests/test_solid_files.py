@@ -12,8 +12,8 @@ import pytest
 import pas
 from pas import solid
 from pas.exchange.solids import SOLID_SUFFIXES, write_solid
+from pas.mesh.mesh import Mesh
 from pas.solid.assembly import COLORS, assembly
-from pas.solid.mesh import SolidMesh
 
 trimesh = pytest.importorskip("trimesh")
 pyvista = pytest.importorskip("pyvista")
@@ -23,7 +23,7 @@ BLUE = "#112a80"
 
 
 @pytest.fixture(scope="module")
-def cut_box() -> SolidMesh:
+def cut_box() -> Mesh:
     """A box without a corner, its faces named."""
     return (solid.box((0, 0, 0), (1, 1, 1)) - solid.ball((1, 1, 1), "1/2", face="dent")).mesh(TOLERANCE)
 
@@ -34,9 +34,9 @@ def ball() -> solid.Solid:
 
 
 @pytest.fixture(scope="module")
-def globe() -> SolidMesh:
+def globe() -> Mesh:
     sphere = trimesh.creation.icosphere(subdivisions=2)
-    return SolidMesh.from_triangles(sphere.vertices + (3, 0, 0), sphere.faces, "ball")
+    return Mesh.from_triangles(sphere.vertices + (3, 0, 0), sphere.faces, "ball")
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +142,7 @@ def test_ply_has_colours_faces_and_parts(parts, cut_box, tmp_path):
 
 
 def test_ply_keeps_double_precision(globe, tmp_path):
-    far = SolidMesh.from_triangles(globe.points + 1e6, globe.triangles)
+    far = Mesh.from_triangles(globe.points + 1e6, globe.triangles)
     again = trimesh.load_mesh(written(far, tmp_path, ".ply"), process=False)
     assert np.array_equal(again.vertices, far.points)
 
@@ -212,7 +212,7 @@ def test_suffixes_units_and_shapes_are_checked(globe, tmp_path):
         write_solid(globe, tmp_path / "a.step")
     with pytest.raises(ValueError, match=r"unit must be one of micrometer, .*, not 'mile'"):
         write_solid(globe, tmp_path / "a.stl", unit="mile")
-    with pytest.raises(TypeError, match="a Solid, a SolidMesh or an Assembly"):
+    with pytest.raises(TypeError, match="a Solid, a Mesh or an Assembly"):
         write_solid("globe", tmp_path / "a.stl")
     with pytest.raises(ValueError, match="does not exist"):
         write_solid(globe, tmp_path / "none" / "a.stl")

@@ -16,7 +16,7 @@ from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
-    from pas.mesh.field import TriangleMesh
+    from pas.mesh.mesh import Mesh
 
 
 def run_blend(options: argparse.Namespace) -> int:
@@ -37,7 +37,7 @@ def run_blend(options: argparse.Namespace) -> int:
         **problem.options,
     )
     start = time.perf_counter()
-    mesh = result.surface.triangulate(tolerance)
+    mesh = result.surface.mesh(tolerance)
     result.timings["mesh"] = passed(f"mesh ({len(mesh.triangles)} triangles)", start) - start
     with together(folder) as place:
         base = place / problem.name
@@ -70,7 +70,7 @@ def run_solve(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) -> str:
+def _draw(result: Blend, mesh: Mesh, base: Path, written: list[Path]) -> str:
     """Draw the picture; returns why there is none where OpenGL is missing."""
     from pas.render.picture import draw
 
@@ -147,7 +147,7 @@ def run_mesh(options: argparse.Namespace) -> int:
         return DONE
     check_mesh_suffix(options.output)
     tolerance = 0.001 if tolerance is None else tolerance
-    mesh = thing.surface.triangulate(tolerance)
+    mesh = thing.surface.mesh(tolerance)
     path = write_mesh(mesh, options.output)
     print(f"{path}: {len(mesh.triangles)} triangles, within {tolerance:g} of the surface")
     return DONE

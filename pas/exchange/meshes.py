@@ -11,7 +11,8 @@ from pas.exchange.files import replacing, target
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
 from pas.limits import Report, limited
-from pas.mesh.field import Floats, Integers, TriangleMesh
+from pas.mesh.field import Floats, Integers
+from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
 
@@ -25,7 +26,7 @@ def check_mesh_suffix(path: str | Path) -> str:
 
 @limited("writing a mesh", "a coarser tolerance")
 def write_mesh(
-    shape: TriangleMesh | ParametricSurface | ParametricBlend | GeneratrixBlend | SphereBlend,
+    shape: Mesh | ParametricSurface | ParametricBlend | GeneratrixBlend | SphereBlend,
     path: str | Path,
     *,
     tolerance: Any = None,
@@ -54,14 +55,14 @@ def write_mesh(
     return Path(path)
 
 
-def _mesh(shape: Any, tolerance: Any, domain: Any) -> TriangleMesh:
+def _mesh(shape: Any, tolerance: Any, domain: Any) -> Mesh:
     if isinstance(shape, ParametricSurface | ParametricBlend):
         return shape.mesh(tolerance, domain)
     if isinstance(shape, GeneratrixBlend):
         return shape.surface.mesh(tolerance, domain)
     shape = shape.mesh() if isinstance(shape, SphereBlend) else shape
-    if not isinstance(shape, TriangleMesh):
-        raise TypeError(f"shape must be a TriangleMesh, a parametric surface or a blend of such, not {shape!r}")
+    if not isinstance(shape, Mesh):
+        raise TypeError(f"shape must be a Mesh, a parametric surface or a blend of such, not {shape!r}")
     if tolerance is not None or domain is not None:
         raise ValueError("tolerance and domain are for surfaces; a mesh has them behind it")
     return shape
@@ -82,7 +83,7 @@ def binary_stl(points: Floats, triangles: Integers) -> bytes:
     return b"binary STL".ljust(80) + np.uint32(len(corners)).tobytes() + data.tobytes()
 
 
-def _trimesh(mesh: TriangleMesh) -> Any:
+def _trimesh(mesh: Mesh) -> Any:
     import trimesh
 
-    return trimesh.Trimesh(mesh.points, mesh.triangles, vertex_normals=mesh.normals, process=False)
+    return trimesh.Trimesh(mesh.points, mesh.triangles, vertex_normals=mesh.point_normals, process=False)

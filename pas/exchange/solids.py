@@ -31,8 +31,8 @@ from pas.exchange.meshes import binary_stl
 from pas.exchange.threemf import UNITS, require_library, write_3mf
 from pas.limits import Report, limited
 from pas.mesh.field import Floats, Integers
+from pas.mesh.mesh import Mesh
 from pas.solid.assembly import COLORS, Assembly
-from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
 
 
@@ -42,12 +42,12 @@ class Piece:
 
     name: str
     color: tuple[int, int, int]
-    mesh: SolidMesh
+    mesh: Mesh
 
 
 @limited("writing a solid", "a coarser tolerance")
 def write_solid(
-    shape: Solid | SolidMesh | Assembly,
+    shape: Solid | Mesh | Assembly,
     path: str | Path,
     *,
     tolerance: float | None = None,
@@ -76,15 +76,15 @@ def write_solid(
     return Path(path)
 
 
-def pieces(shape: Solid | SolidMesh | Assembly, name: str, tolerance: float | None) -> list[Piece]:
+def pieces(shape: Solid | Mesh | Assembly, name: str, tolerance: float | None) -> list[Piece]:
     """The parts of a shape, meshed; a shape that is no assembly is one part with the given name."""
     if isinstance(shape, Assembly):
         return [Piece(n, _rgb(p.color), p.mesh(tolerance)) for n, p in shape.parts.items()]
     if isinstance(shape, Solid):
         return [Piece(name, _rgb(COLORS[0]), shape.mesh(tolerance))]
-    if isinstance(shape, SolidMesh):
+    if isinstance(shape, Mesh):
         return [Piece(name, _rgb(COLORS[0]), shape)]
-    raise TypeError(f"shape must be a Solid, a SolidMesh or an Assembly, not {shape!r}")
+    raise TypeError(f"shape must be a Solid, a Mesh or an Assembly, not {shape!r}")
 
 
 def _rgb(color: str) -> tuple[int, int, int]:
@@ -106,17 +106,17 @@ def _faces(parts: Sequence[Piece]) -> tuple[Integers, list[str]]:
     return numbers, [name if single else f"{p.name}: {name}" for p in parts for name in p.mesh.names]
 
 
-def _colors(parts: Sequence[Piece], count: Callable[[SolidMesh], int]) -> Any:
+def _colors(parts: Sequence[Piece], count: Callable[[Mesh], int]) -> Any:
     """The parts' colours, each as often as its mesh has what is counted (M, 3)."""
     colors = np.array([p.color for p in parts], dtype=np.uint8)
     return np.repeat(colors, [count(p.mesh) for p in parts], axis=0)
 
 
-def _points_of(mesh: SolidMesh) -> int:
+def _points_of(mesh: Mesh) -> int:
     return len(mesh.points)
 
 
-def _triangles_of(mesh: SolidMesh) -> int:
+def _triangles_of(mesh: Mesh) -> int:
     return len(mesh.triangles)
 
 

@@ -109,7 +109,7 @@ def _refusal(item: Any) -> str:
     if isinstance(getattr(item, "surface", item), PiecewiseSurface):
         return (
             "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
-            "with pas.write_mesh(surface.triangulate(), 'name.stl') or pas.write_solid(blend.solid(), 'name.3mf')"
+            "with pas.write_mesh(surface.mesh(), 'name.stl') or pas.write_solid(blend.solid(), 'name.3mf')"
         )
     return f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {item!r}"
 

@@ -23,9 +23,10 @@ from pas.exchange.solids import Piece, pieces
 from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.volume_files import check_volume_suffix, write_volume
 from pas.limits import Report, limited
-from pas.mesh.field import Floats, Integers, is_closed_manifold
+from pas.mesh.field import Floats, Integers
+from pas.mesh.mesh import Mesh
+from pas.mesh.topology import is_closed_manifold
 from pas.solid.assembly import Assembly
-from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
 
 VOLUME_TOLERANCE = 0.02
@@ -116,7 +117,7 @@ class VolumeMesh:
 
 @limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")
 def volume_mesh(
-    shape: Solid | SolidMesh | Assembly,
+    shape: Solid | Mesh | Assembly,
     *,
     edge_length: float | None = None,
     tolerance: float | None = None,
@@ -274,7 +275,7 @@ def _boundary(tetrahedra: Integers, name: str) -> Integers:
     return boundary
 
 
-def _nearest_faces(mesh: SolidMesh, points: Floats) -> Integers:
+def _nearest_faces(mesh: Mesh, points: Floats) -> Integers:
     """The faces (P,) of the triangles of a mesh that are nearest to points (P, 3)."""
     import pyvista
 

@@ -276,7 +276,7 @@ def is_safe(blend: GeneratrixBlend, size: tuple[int, int]) -> bool:
     turns = (_largest_turn(normals, blend.closed), _largest_turn(normals.swapaxes(0, 1), False))
     if max(angle for angle, _ in turns) >= 90.0:
         return False
-    mesh = blend.mesh(size)
+    mesh = blend.mesh(size=size)
     return not len(crossings(mesh.points, mesh.triangles)[0])
 
 
@@ -285,7 +285,7 @@ def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verd
     claim = "does not cross itself"
     if blend.surface.is_exact and is_injective(blend.surface, EXACT_EFFORT):
         return Verdict(Status.PROVED, claim, "the map from the square is monotone with respect to its mean tangents")
-    mesh = blend.mesh(size)
+    mesh = blend.mesh(size=size)
     pairs, places = crossings(mesh.points, mesh.triangles)
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):

@@ -35,7 +35,7 @@ from pas.parametric.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.series import composed
 
 if TYPE_CHECKING:
-    from pas.parametric.meshing import ParametricMesh
+    from pas.mesh.mesh import Mesh
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
@@ -224,7 +224,7 @@ class ParametricSurface:
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> ParametricMesh:
+    ) -> Mesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
         The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a
