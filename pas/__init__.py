@@ -51,8 +51,6 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.boundaries import boundary_from as boundary_from
-    from pas.exchange.cells import write_cells as write_cells
-    from pas.exchange.meshes import write_mesh as write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
     from pas.exchange.parametric_records import save_parametric as save_parametric
     from pas.exchange.problem import read_problem as read_problem
@@ -62,11 +60,14 @@ if TYPE_CHECKING:
     from pas.exchange.rational import torus_patches as torus_patches
     from pas.exchange.solid_records import load_solid as load_solid
     from pas.exchange.solid_records import save_solid as save_solid
-    from pas.exchange.solids import write_solid as write_solid
-    from pas.exchange.step import write_step as write_step
     from pas.exchange.volume import VolumeMesh as VolumeMesh
     from pas.exchange.volume import VolumeSettings as VolumeSettings
     from pas.exchange.volume import volume_mesh as volume_mesh
+    from pas.exchange.write import write as write
+    from pas.exchange.write import write_cells as write_cells
+    from pas.exchange.write import write_mesh as write_mesh
+    from pas.exchange.write import write_solid as write_solid
+    from pas.exchange.write import write_step as write_step
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
     from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
@@ -172,15 +173,12 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.boundaries": ("boundary_from",),
-    "pas.exchange.cells": ("write_cells",),
-    "pas.exchange.meshes": ("write_mesh",),
     "pas.exchange.parametric_problem": ("read_parametric_problem",),
     "pas.exchange.parametric_records": ("save_parametric",),
     "pas.exchange.problem": ("read_problem",),
     "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
-    "pas.exchange.solids": ("write_solid",),
-    "pas.exchange.step": ("write_step",),
+    "pas.exchange.write": ("write", "write_cells", "write_mesh", "write_solid", "write_step"),
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),

@@ -14,7 +14,7 @@ from conftest import ROOT
 import pas
 
 ROOMS = [
-    *("_version", "errors", "limits", "algebra", "bernstein", "partition", "mesh"),
+    *("_version", "errors", "limits", "registry", "algebra", "bernstein", "partition", "mesh"),
     *("surface", "parametric", "generatrix", "fairing", "solid", "exchange", "independent"),
     *("blending", "render", "teapot", "cli"),
 ]

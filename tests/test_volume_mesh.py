@@ -306,7 +306,7 @@ def test_settings_are_checked():
         VolumeSettings(stop_energy=2)
     with pytest.raises(ValueError, match="threads must be a whole number"):
         VolumeSettings(threads=-1)
-    with pytest.raises(TypeError, match="a Solid, a Mesh or an Assembly"):
+    with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly, a surface or a blend"):
         volume_mesh(SPHERE)
     rough = volume_mesh(globe(), **COARSE, settings=VolumeSettings(coarsen=True, stop_energy=50, threads=1))
     assert rough.volume == pytest.approx(globe().volume, rel=0.02)

@@ -45,9 +45,9 @@ WORDS = {
 def run_parametric(options: argparse.Namespace) -> int:
     """`pas parametric`."""
     from pas.exchange.files import together
-    from pas.exchange.meshes import write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem
     from pas.exchange.parametric_records import save_parametric
+    from pas.exchange.write import write_mesh
 
     problem = read_parametric_problem(problem_file(options.problem))
     if options.order is not None:
@@ -136,7 +136,7 @@ def _with_order(problem: Problem, order: int) -> Problem:
 
 def mesh(thing: Thing, path: str, tolerance: float | None) -> int:
     """`pas mesh` of a parametric surface or blend."""
-    from pas.exchange.meshes import check_mesh_suffix, write_mesh
+    from pas.exchange.write import check_mesh_suffix, write_mesh
     from pas.parametric.conversion import surface_of
 
     check_mesh_suffix(path)
