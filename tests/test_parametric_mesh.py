@@ -12,10 +12,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import pas
+from pas.bernstein.subdivision import halved
 from pas.mesh.mesh import Mesh
 from pas.parametric.bounds import bounded
 from pas.parametric.meshing import exact_rectangle
-from pas.parametric.nets import exact_net, halved
+from pas.parametric.nets import exact_net
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
