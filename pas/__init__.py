@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pas.algebra.module import Submodule as Submodule
     from pas.algebra.module import syzygies as syzygies
     from pas.algebra.polynomial import Polynomial as Polynomial
+    from pas.algebra.rational_function import RationalFunction as RationalFunction
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
@@ -113,7 +114,6 @@ if TYPE_CHECKING:
     from pas.parametric.meshing import ParametricMesh as ParametricMesh
     from pas.parametric.patches import RationalPatch as RationalPatch
     from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
-    from pas.parametric.rational_function import RationalFunction as RationalFunction
     from pas.parametric.regularity import regularity as regularity
     from pas.parametric.shapes import ellipsoid as ellipsoid
     from pas.parametric.shapes import elliptic_cone as elliptic_cone
@@ -223,7 +223,7 @@ _HOMES = {
     "pas.parametric.meshing": ("ParametricMesh",),
     "pas.parametric.patches": ("RationalPatch",),
     "pas.parametric.proofs": ("ParametricCertificate",),
-    "pas.parametric.rational_function": ("RationalFunction",),
+    "pas.algebra.rational_function": ("RationalFunction",),
     "pas.parametric.regularity": ("regularity",),
     "pas.parametric.shapes": (
         "ellipsoid",

@@ -15,7 +15,7 @@ import pas
 
 ROOMS = [
     *("_version", "errors", "limits", "registry", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "parametric", "generatrix", "fairing", "solid", "exchange", "independent"),
+    *("surface", "solid", "parametric", "generatrix", "fairing", "exchange", "independent"),
     *("blending", "render", "teapot", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""

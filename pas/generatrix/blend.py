@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.callables import plain
+from pas.algebra.jets import Jet, composed
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
@@ -32,8 +34,6 @@ from pas.generatrix.space import NAMES, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
-from pas.parametric.callables import plain
-from pas.parametric.jets import Jet, composed
 from pas.parametric.surface import ParametricSurface
 
 HALVINGS = 6

@@ -107,7 +107,7 @@ def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
 
 def _touches(blend: GeneratrixBlend, number: int) -> bool:
     """Whether P(s, i) is the curve and P_s, P_t there are perpendicular to N, from the components alone."""
-    from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction
+    from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
 
     boundary = blend.boundaries[number]
     exact = boundary.exact

@@ -26,13 +26,13 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational_function import GENERATORS, ONE
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import rounded
 from pas.bernstein.signs import UNIT_ROUNDOFF, Status
 from pas.bernstein.subdivision import halves
 from pas.limits import checkpoint
 from pas.parametric.domain import Ends, ExactDomain
-from pas.parametric.rational_function import GENERATORS, ONE
 
 LOCATED = 24
 """Halvings after which a change of sign is reported: the place is then known to about 1 in 4000."""

@@ -15,10 +15,10 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
 from pas.bernstein.boxes import Table, box_form
 from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.bernstein.subdivision import halved
-from pas.parametric.rational_function import GENERATORS, ONE, RING, lcm
 
 if TYPE_CHECKING:
     from pas.parametric.surface import ParametricSurface

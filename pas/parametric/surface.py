@@ -20,18 +20,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.callables import Values, component, from_derivatives
+from pas.algebra.expressions import Names, as_text
+from pas.algebra.horner import Bundle
 from pas.algebra.inputs import check_derivative
+from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, plain, to_float, vector
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import Report, checkpoint, limited
-from pas.parametric.callables import Values, component, from_derivatives
 from pas.parametric.domain import Domain, ExactDomain, read_domain
-from pas.parametric.expressions import Names, as_text
-from pas.parametric.horner import Bundle
-from pas.parametric.jets import Jet, variables
-from pas.parametric.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.series import composed
 
 if TYPE_CHECKING:
