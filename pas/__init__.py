@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pas.algebra.module import Submodule as Submodule
     from pas.algebra.module import syzygies as syzygies
     from pas.algebra.polynomial import Polynomial as Polynomial
+    from pas.algebra.rational_function import RationalFunction as RationalFunction
     from pas.bernstein.signs import Status as Status
     from pas.blending.blend import Blend as Blend
     from pas.blending.blend import blend as blend
@@ -51,8 +52,6 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.boundaries import boundary_from as boundary_from
-    from pas.exchange.cells import write_cells as write_cells
-    from pas.exchange.meshes import write_mesh as write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
     from pas.exchange.parametric_records import save_parametric as save_parametric
     from pas.exchange.problem import read_problem as read_problem
@@ -62,11 +61,14 @@ if TYPE_CHECKING:
     from pas.exchange.rational import torus_patches as torus_patches
     from pas.exchange.solid_records import load_solid as load_solid
     from pas.exchange.solid_records import save_solid as save_solid
-    from pas.exchange.solids import write_solid as write_solid
-    from pas.exchange.step import write_step as write_step
     from pas.exchange.volume import VolumeMesh as VolumeMesh
     from pas.exchange.volume import VolumeSettings as VolumeSettings
     from pas.exchange.volume import volume_mesh as volume_mesh
+    from pas.exchange.write import write as write
+    from pas.exchange.write import write_cells as write_cells
+    from pas.exchange.write import write_mesh as write_mesh
+    from pas.exchange.write import write_solid as write_solid
+    from pas.exchange.write import write_step as write_step
     from pas.fairing.constraints import MeanAlpha as MeanAlpha
     from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
     from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
@@ -89,6 +91,7 @@ if TYPE_CHECKING:
     from pas.generatrix.shape import ShapeFunction as ShapeFunction
     from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
     from pas.limits import limit as limit
+    from pas.mesh.mesh import Mesh as Mesh
     from pas.mesh.triangulate import MeshError as MeshError
     from pas.parametric.base_points import BasePoint as BasePoint
     from pas.parametric.base_points import base_points as base_points
@@ -111,7 +114,6 @@ if TYPE_CHECKING:
     from pas.parametric.meshing import ParametricMesh as ParametricMesh
     from pas.parametric.patches import RationalPatch as RationalPatch
     from pas.parametric.proofs import ParametricCertificate as ParametricCertificate
-    from pas.parametric.rational_function import RationalFunction as RationalFunction
     from pas.parametric.regularity import regularity as regularity
     from pas.parametric.shapes import ellipsoid as ellipsoid
     from pas.parametric.shapes import elliptic_cone as elliptic_cone
@@ -171,15 +173,12 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.boundaries": ("boundary_from",),
-    "pas.exchange.cells": ("write_cells",),
-    "pas.exchange.meshes": ("write_mesh",),
     "pas.exchange.parametric_problem": ("read_parametric_problem",),
     "pas.exchange.parametric_records": ("save_parametric",),
     "pas.exchange.problem": ("read_problem",),
     "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
-    "pas.exchange.solids": ("write_solid",),
-    "pas.exchange.step": ("write_step",),
+    "pas.exchange.write": ("write", "write_cells", "write_mesh", "write_solid", "write_step"),
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
     "pas.fairing.energy": ("Box", "ThinPlate"),
@@ -194,6 +193,7 @@ _HOMES = {
     "pas.generatrix.shape": ("GeneratrixShape", "ShapeFunction"),
     "pas.generatrix.verdicts": ("GeneratrixCertificate",),
     "pas.limits": ("limit",),
+    "pas.mesh.mesh": ("Mesh",),
     "pas.mesh.triangulate": ("MeshError",),
     "pas.parametric.base_points": (
         "BasePoint",
@@ -223,7 +223,7 @@ _HOMES = {
     "pas.parametric.meshing": ("ParametricMesh",),
     "pas.parametric.patches": ("RationalPatch",),
     "pas.parametric.proofs": ("ParametricCertificate",),
-    "pas.parametric.rational_function": ("RationalFunction",),
+    "pas.algebra.rational_function": ("RationalFunction",),
     "pas.parametric.regularity": ("regularity",),
     "pas.parametric.shapes": (
         "ellipsoid",

@@ -7,8 +7,9 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.exchange import cells as module
-from pas.exchange.cells import node_indices, write_cells
+from pas.exchange.cell_grid import node_indices
+from pas.exchange.formats import vtu as module
+from pas.exchange.write import write_cells
 from pas.surface.piecewise import PiecewiseSurface
 
 pyvista = pytest.importorskip("pyvista")

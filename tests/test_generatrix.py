@@ -548,26 +548,26 @@ def test_default_lengths_follow_the_distance():
 
 @pytest.mark.parametrize("size", [(3, 2), (40, 9)])
 def test_meshes(size):
-    tube = generatrix_blend(RIM, COLLAR).mesh(size)
+    tube = generatrix_blend(RIM, COLLAR).mesh(size=size)
     assert tube.is_manifold and tube.euler_characteristic == 0 and len(tube.points) == size[0] * size[1]
     assert len(tube.boundary) == 2 * size[0]
-    sheet = generatrix_blend(STRIP, EDGE).mesh(size)
+    sheet = generatrix_blend(STRIP, EDGE).mesh(size=size)
     assert sheet.is_manifold and sheet.euler_characteristic == 1
     with pytest.raises(ValueError, match="at least"):
-        generatrix_blend(STRIP, EDGE).mesh((2, 2))
+        generatrix_blend(STRIP, EDGE).mesh(size=(2, 2))
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_mesh_normals_agree_with_the_triangles_and_the_surface(sign):
     first = plane_section(Polynomial("x^2 + y^2 - 1") * sign, "z - 2")
-    mesh = generatrix_blend(first, pipe("x", 2)).mesh((60, 20))
+    mesh = generatrix_blend(first, pipe("x", 2)).mesh(size=(60, 20))
     p = mesh.points[mesh.triangles]
     flat = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    assert ((flat * mesh.normals[mesh.triangles[:, 0]]).sum(axis=1) > 0).all()
-    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+    assert ((flat * mesh.point_normals[mesh.triangles[:, 0]]).sum(axis=1) > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(mesh.point_normals, axis=1), 1)
     rim = np.isclose(mesh.points[:, 2], 2) & (np.hypot(mesh.points[:, 0], mesh.points[:, 1]) < 1 + 1e-9)
     outward = mesh.points[rim] * [1, 1, 0] * sign
-    assert rim.sum() >= 60 and (mesh.normals[rim] * outward).sum(axis=1).min() > 0.99
+    assert rim.sum() >= 60 and (mesh.point_normals[rim] * outward).sum(axis=1).min() > 0.99
 
 
 def test_mesh_is_the_surface():
@@ -584,7 +584,7 @@ def test_with_shape_is_the_blend_made_anew():
     blend = generatrix_blend(pipe("z", 2), pipe("x", 2), GeneratrixShape(1, 1))
     changed = blend.with_shape(l1="3/2", lambda2="1/5")
     made = generatrix_blend(pipe("z", 2), pipe("x", 2), GeneratrixShape("3/2", 1, 0, "1/5"))
-    np.testing.assert_array_equal(changed.mesh((30, 10)).points, made.mesh((30, 10)).points)
+    np.testing.assert_array_equal(changed.mesh(size=(30, 10)).points, made.mesh(size=(30, 10)).points)
     assert changed.frames is blend.frames  # nothing is computed again
     with pytest.raises(TypeError, match="no l3"):
         blend.with_shape(l3=1)

@@ -274,7 +274,7 @@ def test_collars_lie_on_the_surface(name):
     blend = pas.generatrix_blend(boundary, partner(boundary))
     own, sign = blend.boundaries[0], blend.frames.signs[0]
     strip = collar(own, sign, 0.4, 50)
-    points, normals = (a.reshape(50, -1, 3) for a in (strip.points, strip.normals))
+    points, normals = (a.reshape(50, -1, 3) for a in (strip.points, strip.point_normals))
     s = np.linspace(0, 1, 50, endpoint=not own.closed)
     np.testing.assert_allclose(points[:, 0], own(s), atol=1e-12)
     np.testing.assert_allclose(np.cross(normals[:, 0], own.normals(s)), 0, atol=1e-9)
@@ -286,7 +286,7 @@ def test_collars_lie_on_the_surface(name):
         faces = strip.points[strip.triangles]
         made = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
         made /= np.linalg.norm(made, axis=1, keepdims=True)
-        assert np.abs(np.einsum("ij,ij->i", made, strip.normals[strip.triangles[:, 0]])).min() > 0.99
+        assert np.abs(np.einsum("ij,ij->i", made, strip.point_normals[strip.triangles[:, 0]])).min() > 0.99
 
 
 def test_layers_have_continuous_normals():
@@ -294,9 +294,9 @@ def test_layers_have_continuous_normals():
     blend = pas.generatrix_blend(pas.boundary_from(TABLES["section"]), pas.boundary_from(PLANES))
     own, *others = generatrix_layers(blend, None, "zebra")
     assert len(others) == 2
-    grid = own.mesh.normals.reshape(320, -1, 3)
+    grid = own.mesh.point_normals.reshape(320, -1, 3)
     for layer, normals in zip(others, (grid[:, 0], grid[:, -1]), strict=True):
-        first = layer.mesh.normals.reshape(320, -1, 3)[:, 0]
+        first = layer.mesh.point_normals.reshape(320, -1, 3)[:, 0]
         np.testing.assert_allclose(first, normals, atol=1e-9)
     ring = lambda s: np.stack([np.cos(2 * np.pi * s), np.sin(2 * np.pi * s), 0 * s], axis=-1)  # noqa: E731
     unknown = pas.generatrix_blend(blend.boundaries[0], pas.Boundary.along(ring, normal=ring))
@@ -388,13 +388,13 @@ def test_the_middle_curve_avoids_the_obstacle(script):
 
 def test_three_pipes_make_one_surface(script, tmp_path):
     joined = script["three_pipes"]()
-    mesh = joined.mesh((48, 24))
+    mesh = joined.mesh(size=(48, 24))
     assert mesh.is_manifold
     assert mesh.euler_characteristic == 2 - 3
     assert len(mesh.boundary) == 3 * 48
     faces = mesh.points[mesh.triangles]
     made = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    assert (np.einsum("ij,ij->i", made, mesh.normals[mesh.triangles].sum(axis=1)) > 0).all()
+    assert (np.einsum("ij,ij->i", made, mesh.point_normals[mesh.triangles].sum(axis=1)) > 0).all()
     assert len(sphere_layers(joined, mesh)) == 4
     assert pas.write_mesh(joined, tmp_path / "a.stl").stat().st_size > 10_000
     assert pas.draw(joined, tmp_path / "a.png", mesh=mesh, size=(200, 150)).exists()

@@ -59,7 +59,7 @@ def test_the_distance_to_a_smooth_joint_of_two_faces():
     shape = shape.joined("upper", "lower", (ball, "z - 1/3"), 1)
     near = Near(shape, ["upper", "lower"], 0.1, 1e-2)
     mesh = shape.mesh(4e-3)
-    normals = mesh.triangle_mesh.normals
+    normals = mesh.point_normals
     jets = near.jets(mesh.points - 0.1 * normals)
     assert np.abs(jets[:, 0]).max() < 1e-9
     assert np.abs(jets[:, 1:] + normals).max() < 1e-5

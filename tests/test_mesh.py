@@ -9,7 +9,7 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.mesh.refine import split
 
 CASES = [(EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1), (UNEQUAL, 2), (UNEQUAL, 3)]
@@ -28,17 +28,19 @@ def distance(surface: pas.PiecewiseSurface, points: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(("radii", "order"), CASES)
 def test_mesh_of_a_blend(radii, order):
     surface = solved(radii, order).surface
-    mesh = surface.triangulate(2e-3)
+    mesh = surface.mesh(2e-3)
     jets = surface.jets(mesh.points)
     assert not np.isnan(jets).any()
     assert (np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)).max() < 1e-9
     assert mesh.is_manifold
     assert mesh.euler_characteristic == -1
-    assert mesh.normals == pytest.approx(jets[:, 1:] / np.linalg.norm(jets[:, 1:], axis=1, keepdims=True), abs=1e-9)
+    assert mesh.point_normals == pytest.approx(
+        jets[:, 1:] / np.linalg.norm(jets[:, 1:], axis=1, keepdims=True), abs=1e-9
+    )
     p = mesh.points[mesh.triangles]
     facets = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     facets /= np.linalg.norm(facets, axis=1, keepdims=True)
-    assert (facets * mesh.normals[mesh.triangles[:, 0]]).sum(axis=1).min() > 0.7
+    assert (facets * mesh.point_normals[mesh.triangles[:, 0]]).sum(axis=1).min() > 0.7
     assert mesh.smallest_angles.min() > 12
     assert np.percentile(mesh.smallest_angles, 1) > 25
 
@@ -48,7 +50,7 @@ def test_mesh_of_a_blend(radii, order):
 def test_deviation_is_below_the_tolerance(radii, order, tolerance):
     """Measured at other points than the mesher's own: a dense lattice of each triangle."""
     surface = solved(radii, order).surface
-    mesh = surface.triangulate(tolerance)
+    mesh = surface.mesh(tolerance)
     weights = np.array([(i, j, 7 - i - j) for i in range(8) for j in range(8 - i)]) / 7
     points = np.einsum("wk,tkx->twx", weights, mesh.points[mesh.triangles]).reshape(-1, 3)
     inside = ~np.isnan(surface(points))
@@ -59,7 +61,7 @@ def test_deviation_is_below_the_tolerance(radii, order, tolerance):
 @pytest.mark.parametrize(("radii", "order"), CASES[:4])
 def test_boundary_is_the_contact_circles(radii, order):
     surface = solved(radii, order).surface
-    mesh = surface.triangulate(2e-3)
+    mesh = surface.mesh(2e-3)
     boundary = mesh.points[mesh.boundary]
     owner = np.full(len(boundary), -1)
     for number, (contact, radius) in enumerate(zip(surface.contacts, radii, strict=True)):
@@ -77,7 +79,7 @@ def test_boundary_is_the_contact_circles(radii, order):
 
 def test_finer_tolerances_need_triangles_in_proportion():
     surface = solved(EQUAL, 1).surface
-    counts = [len(surface.triangulate(t).triangles) for t in (4e-3, 1e-3, 2.5e-4)]
+    counts = [len(surface.mesh(t).triangles) for t in (4e-3, 1e-3, 2.5e-4)]
     ratios = np.array(counts[1:]) / counts[:-1]
     assert (ratios > 2).all()
     assert (ratios < 6).all()
@@ -87,7 +89,7 @@ def test_finer_tolerances_need_triangles_in_proportion():
 def test_meshes_move_with_the_model(center):
     items = [pas.Pipe(a, r, 1, point=center) for a, r in zip(((1, 0, 0), (0, 1, 0), (0, 0, 1)), EQUAL, strict=True)]
     surface = pas.blend(items, 1).surface
-    mesh = surface.triangulate(1e-2)
+    mesh = surface.mesh(1e-2)
     assert mesh.is_manifold
     assert mesh.points.mean(axis=0) == pytest.approx([float(Fraction(c)) for c in center], abs=1)
     jets = surface.jets(mesh.points)
@@ -96,7 +98,7 @@ def test_meshes_move_with_the_model(center):
 
 
 def test_pyvista_mesh_has_normals():
-    data = solved(EQUAL, 1).surface.mesh(tolerance=1e-2)
+    data = solved(EQUAL, 1).surface.mesh(tolerance=1e-2).to_pyvista()
     assert data.is_all_triangles
     assert data.is_manifold is False  # it has a boundary
     assert data.point_data.active_normals.shape == (data.n_points, 3)
@@ -125,7 +127,7 @@ def test_tolerances_that_need_too_many_triangles_are_refused(monkeypatch):
 
     monkeypatch.setattr(module, "LARGEST", 20_000)
     with pytest.raises(pas.MeshError, match="needs more than 20000 triangles"):
-        solved(EQUAL, 1).surface.triangulate(1e-5)
+        solved(EQUAL, 1).surface.mesh(1e-5)
 
 
 def test_no_surface_is_said():
@@ -144,13 +146,13 @@ def test_split_keeps_area_and_orientation():
         areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
         assert areas.min() > 0
         assert areas.sum() == pytest.approx(1)
-        mesh = TriangleMesh(p, t, p)
+        mesh = Mesh.smooth(p, t, p)
         assert mesh.is_manifold
         assert mesh.euler_characteristic == 1
 
 
 def test_manifold_check_can_fail():
-    bow_tie = TriangleMesh(np.zeros((5, 3)), np.array([[0, 1, 2], [0, 3, 4]]), np.zeros((5, 3)))
+    bow_tie = Mesh.smooth(np.zeros((5, 3)), np.array([[0, 1, 2], [0, 3, 4]]), np.zeros((5, 3)))
     assert not bow_tie.is_manifold
-    book = TriangleMesh(np.zeros((5, 3)), np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]), np.zeros((5, 3)))
+    book = Mesh.smooth(np.zeros((5, 3)), np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]), np.zeros((5, 3)))
     assert not book.is_manifold

@@ -9,9 +9,9 @@ import pas
 from pas import solid
 from pas.mesh.collapse import _independent, collapse
 from pas.mesh.faces import Crossings
-from pas.mesh.field import is_closed_manifold
 from pas.mesh.octree import BASE, QUIET, Octree
 from pas.mesh.remesh import cosines, pair_normals
+from pas.mesh.topology import is_closed_manifold
 from pas.mesh.triangulate import MeshError
 from pas.solid.bank import Bank
 from pas.solid.pieces import Pieces

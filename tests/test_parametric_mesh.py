@@ -12,10 +12,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import pas
-from pas.mesh.field import TriangleMesh
+from pas.bernstein.subdivision import halved
+from pas.mesh.mesh import Mesh
 from pas.parametric.bounds import bounded
 from pas.parametric.meshing import exact_rectangle
-from pas.parametric.nets import exact_net, halved
+from pas.parametric.nets import exact_net
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
@@ -32,7 +33,7 @@ CLOSED = {
 """Surface, domain, Euler characteristic and number of boundary curves."""
 
 
-def boundary_curves(mesh: TriangleMesh) -> int:
+def boundary_curves(mesh: Mesh) -> int:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -57,8 +58,8 @@ def test_seams_and_poles(name):
     p = mesh.points[mesh.triangles]
     facets = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     assert (np.linalg.norm(facets, axis=1) > 1e-7).all()
-    assert ((facets[:, None] * mesh.normals[mesh.triangles]).sum(axis=-1) > 0).all()
-    assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+    assert ((facets[:, None] * mesh.point_normals[mesh.triangles]).sum(axis=-1) > 0).all()
+    assert np.allclose(np.linalg.norm(mesh.point_normals, axis=1), 1)
     assert np.array_equal(np.unique(mesh.triangles), np.arange(len(mesh.points)))
 
 
@@ -71,7 +72,7 @@ def test_deviation_and_normals(name, equation, tolerance):
     assert (np.abs(f(inside)) / np.linalg.norm(f.gradient(inside), axis=1)).max() < tolerance
     assert np.abs(f(mesh.points)).max() < 1e-12
     gradient = f.gradient(mesh.points)
-    cosines = (gradient * mesh.normals).sum(axis=1) / np.linalg.norm(gradient, axis=1)
+    cosines = (gradient * mesh.point_normals).sum(axis=1) / np.linalg.norm(gradient, axis=1)
     assert np.abs(np.abs(cosines) - 1).max() < 1e-9
     assert np.ptp(np.sign(cosines)) == 0
 
@@ -180,7 +181,7 @@ def test_a_blend_is_meshed_within_the_default_tolerance():
 
 def test_a_double_cone_has_normals_at_its_apex():
     mesh = pas.elliptic_cone().mesh(0.01, ((-1, 1), (-1, 1)))
-    assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+    assert np.allclose(np.linalg.norm(mesh.point_normals, axis=1), 1)
     assert (np.linalg.norm(mesh.points, axis=1) == 0).sum() == 1
 
 

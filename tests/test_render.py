@@ -92,7 +92,7 @@ def test_stripes_run_on_across_contacts_and_break_without():
         (inner, outer), found = (layers[0].mesh, layers[1].mesh), []
         for mesh in (inner, outer):
             on = mesh.parameters[:, 1] == 0
-            found.append(dict(zip(mesh.parameters[on, 0].round(9), mesh.normals[on], strict=True)))
+            found.append(dict(zip(mesh.parameters[on, 0].round(9), mesh.point_normals[on], strict=True)))
         common = sorted(set(found[0]) & set(found[1]))
         assert len(common) > 10
         gaps = [np.abs(found[0][t] - found[1][t]).max() for t in common]

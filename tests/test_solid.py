@@ -42,7 +42,7 @@ def test_volume_area_and_topology(name):
     assert shape.volume() == pytest.approx(volume, rel=1e-5)
     assert shape.area() == pytest.approx(area, rel=1e-5)
     assert mesh.volume == pytest.approx(volume, rel=5e-3)
-    assert mesh.triangle_mesh.smallest_angles.min() > 3
+    assert mesh.smallest_angles.min() > 3
 
 
 @pytest.mark.parametrize("name", ["ball", "torus", "steinmetz", "lens"])

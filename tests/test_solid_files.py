@@ -11,9 +11,10 @@ import pytest
 
 import pas
 from pas import solid
-from pas.exchange.solids import SOLID_SUFFIXES, write_solid
+from pas.exchange.formats import suffixes_of
+from pas.exchange.write import write_solid
+from pas.mesh.mesh import Mesh
 from pas.solid.assembly import COLORS, assembly
-from pas.solid.mesh import SolidMesh
 
 trimesh = pytest.importorskip("trimesh")
 pyvista = pytest.importorskip("pyvista")
@@ -22,8 +23,11 @@ TOLERANCE = 0.05
 BLUE = "#112a80"
 
 
+SUFFIXES = suffixes_of("triangles")
+
+
 @pytest.fixture(scope="module")
-def cut_box() -> SolidMesh:
+def cut_box() -> Mesh:
     """A box without a corner, its faces named."""
     return (solid.box((0, 0, 0), (1, 1, 1)) - solid.ball((1, 1, 1), "1/2", face="dent")).mesh(TOLERANCE)
 
@@ -34,9 +38,9 @@ def ball() -> solid.Solid:
 
 
 @pytest.fixture(scope="module")
-def globe() -> SolidMesh:
+def globe() -> Mesh:
     sphere = trimesh.creation.icosphere(subdivisions=2)
-    return SolidMesh.from_triangles(sphere.vertices + (3, 0, 0), sphere.faces, "ball")
+    return Mesh.from_triangles(sphere.vertices + (3, 0, 0), sphere.faces, "ball")
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +60,7 @@ def volume(mesh) -> float:
 
 
 def test_every_suffix_is_tested():
-    assert SOLID_SUFFIXES == (".stl", ".obj", ".ply", ".3mf", ".glb", ".vtp")
+    assert SUFFIXES == (".stl", ".obj", ".ply", ".3mf", ".glb", ".vtp")
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".3mf", ".glb"])
@@ -66,7 +70,7 @@ def test_a_mesh_comes_back_closed_with_its_triangles(cut_box, tmp_path, suffix):
     assert volume(again) == pytest.approx(cut_box.volume, rel=1e-6)
 
 
-@pytest.mark.parametrize("suffix", SOLID_SUFFIXES)
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_solids_are_meshed_with_the_tolerance(ball, tmp_path, suffix):
     path = written(ball, tmp_path, suffix, tolerance=0.1)
     again = pyvista.read(path).n_cells if suffix == ".vtp" else len(trimesh.load_mesh(path).faces)
@@ -142,7 +146,7 @@ def test_ply_has_colours_faces_and_parts(parts, cut_box, tmp_path):
 
 
 def test_ply_keeps_double_precision(globe, tmp_path):
-    far = SolidMesh.from_triangles(globe.points + 1e6, globe.triangles)
+    far = Mesh.from_triangles(globe.points + 1e6, globe.triangles)
     again = trimesh.load_mesh(written(far, tmp_path, ".ply"), process=False)
     assert np.array_equal(again.vertices, far.points)
 
@@ -212,14 +216,14 @@ def test_suffixes_units_and_shapes_are_checked(globe, tmp_path):
         write_solid(globe, tmp_path / "a.step")
     with pytest.raises(ValueError, match=r"unit must be one of micrometer, .*, not 'mile'"):
         write_solid(globe, tmp_path / "a.stl", unit="mile")
-    with pytest.raises(TypeError, match="a Solid, a SolidMesh or an Assembly"):
+    with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly, a surface or a blend"):
         write_solid("globe", tmp_path / "a.stl")
     with pytest.raises(ValueError, match="does not exist"):
         write_solid(globe, tmp_path / "none" / "a.stl")
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("suffix", SOLID_SUFFIXES)
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_nothing_is_left_half_written(globe, tmp_path, suffix, monkeypatch):
     before = written(globe, tmp_path, suffix).read_bytes()
     empty = solid.ball((0, 0, 0), 1) & solid.ball((5, 0, 0), 1)

@@ -14,10 +14,10 @@ import pas
 from pas import cli, solid
 from pas.exchange import container
 from pas.exchange.solid_records import function_record, read_function, storable
+from pas.mesh.mesh import Mesh
 from pas.solid.affine import rotation, translation
 from pas.solid.assembly import assembly
 from pas.solid.distance import Distance, Moved
-from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, Node
 
@@ -66,7 +66,7 @@ def test_functions_are_written_once(tmp_path):
 
 @pytest.fixture
 def pair():
-    mesh = SolidMesh.from_triangles(
+    mesh = Mesh.from_triangles(
         [(0, 0, 0), (1 / 3, 0, 0), (0, 0.1, 0), (0, 0, 1e-7)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], "tetra"
     )
     return assembly({"a ball": SOLIDS["ball"], "joined": (doubled(), "#0a0B0c"), "mesh": (mesh, "#ffffff")})

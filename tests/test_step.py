@@ -11,9 +11,9 @@ import pytest
 
 import pas
 from pas import solid
-from pas.exchange import step as module
+from pas.exchange.formats import step as module
 from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
-from pas.exchange.step import write_step
+from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
 
 AXIS, START, END = (1, -2, "1/2"), (1, 2, 3), (2, 0, "7/2")

@@ -43,7 +43,7 @@ def seam(surface: pas.PiecewiseSurface, number: int) -> tuple[np.ndarray, pas.Po
 @pytest.mark.parametrize(("radii", "order"), CASES)
 def test_normals_and_curvatures_agree_across_contacts(radii, order):
     surface = solved(radii, order).surface
-    mesh = surface.triangulate(5e-3)
+    mesh = surface.mesh(5e-3)
     boundary = mesh.points[mesh.boundary]
     for number, contact in enumerate(surface.contacts):
         x = boundary[np.abs(contact.clip(boundary)) < 1e-12]
@@ -68,7 +68,7 @@ def test_normals_and_curvatures_agree_across_faces(radii, order):
 
 def test_curvatures_are_those_of_the_shape_operator():
     surface = solved(UNEQUAL, 2).surface
-    mesh = surface.triangulate(2e-2)
+    mesh = surface.mesh(2e-2)
     inner = np.setdiff1d(np.arange(len(mesh.points)), mesh.boundary)[::7]
     x = mesh.points[inner]
     owner = surface.partition.locate(x)

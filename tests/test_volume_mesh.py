@@ -13,9 +13,9 @@ from pas import solid
 from pas.exchange import volume as module
 from pas.exchange.tetwild import tetrahedralize
 from pas.exchange.volume import VolumeSettings, volume_mesh
-from pas.mesh.field import is_closed_manifold
+from pas.mesh.mesh import Mesh
+from pas.mesh.topology import is_closed_manifold
 from pas.solid.assembly import assembly
-from pas.solid.mesh import SolidMesh
 
 trimesh = pytest.importorskip("trimesh")
 pyvista = pytest.importorskip("pyvista")
@@ -25,17 +25,17 @@ COARSE = {"edge_length": 0.6, "tolerance": 0.02}
 SPHERE = trimesh.creation.icosphere(subdivisions=2)
 
 
-def globe(center=(0, 0, 0), radius=1.0, name="ball") -> SolidMesh:
-    return SolidMesh.from_triangles(radius * SPHERE.vertices + center, SPHERE.faces, name)
+def globe(center=(0, 0, 0), radius=1.0, name="ball") -> Mesh:
+    return Mesh.from_triangles(radius * SPHERE.vertices + center, SPHERE.faces, name)
 
 
-def cube() -> SolidMesh:
+def cube() -> Mesh:
     """The unit cube with six named faces."""
     box = trimesh.creation.box()
     names = ("x-", "x+", "y-", "y+", "z-", "z+")
     axes = np.abs(box.face_normals).argmax(axis=1)
     faces = 2 * axes + (box.face_normals[np.arange(12), axes] > 0)
-    mesh = SolidMesh.from_triangles(box.vertices, box.faces)
+    mesh = Mesh.from_triangles(box.vertices, box.faces)
     return replace(mesh, faces=faces.astype(np.intp), names=names)
 
 
@@ -60,7 +60,7 @@ def test_a_ball_is_filled(filled):
     assert filled.region_names == ("solid",)
     assert not filled.regions.any() and not filled.faces.any()
     assert np.array_equal(np.unique(filled.tetrahedra), np.arange(len(filled.points)))
-    surface = SolidMesh.from_triangles(filled.points, filled.boundary)
+    surface = Mesh.from_triangles(filled.points, filled.boundary)
     assert surface.volume == pytest.approx(filled.volume, rel=1e-12)
     assert surface.euler_characteristic == 2
     away = np.abs(np.linalg.norm(filled.points[np.unique(filled.boundary)], axis=1) - 1)
@@ -74,7 +74,7 @@ def test_edges_have_at_most_about_the_length_asked_for():
 
 def test_faces_are_tagged(filled_cube):
     assert filled_cube.names == ("x-", "x+", "y-", "y+", "z-", "z+")
-    surface = SolidMesh.from_triangles(filled_cube.points, filled_cube.boundary)
+    surface = Mesh.from_triangles(filled_cube.points, filled_cube.boundary)
     normals = surface.normals[:, 0]
     corners = filled_cube.points[filled_cube.boundary]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
@@ -97,18 +97,18 @@ def test_a_solid_is_filled_as_its_mesh():
 
 def test_cavities_stay_empty():
     inner = globe(radius=0.5)
-    shell = SolidMesh.from_triangles(
+    shell = Mesh.from_triangles(
         np.concatenate([SPHERE.vertices, inner.points]),
         np.concatenate([SPHERE.faces, inner.triangles[:, ::-1] + len(SPHERE.vertices)]),
     )
     filled = volume_mesh(shell, **COARSE)
     assert filled.volume == pytest.approx(shell.volume, rel=0.02)
-    assert SolidMesh.from_triangles(filled.points, filled.boundary).components == 2
+    assert Mesh.from_triangles(filled.points, filled.boundary).components == 2
 
 
 def plate(thickness):
     box = trimesh.creation.box((1, 1, thickness))
-    return SolidMesh.from_triangles(box.vertices, box.faces, "plate")
+    return Mesh.from_triangles(box.vertices, box.faces, "plate")
 
 
 def test_a_crash_is_an_error():
@@ -219,7 +219,7 @@ def test_gmsh_names_are_different_and_quotable(filled, tmp_path):
     assert meshio.read(named.write(tmp_path / "a.msh")).field_data.keys() == {"a 'b' c", "a 'b' c 2"}
 
 
-def broken(change) -> SolidMesh:
+def broken(change) -> Mesh:
     mesh = globe()
     points, triangles = change(mesh.points.copy(), mesh.triangles.copy())
     return replace(mesh, points=points, triangles=triangles, faces=np.zeros(len(triangles), dtype=np.intp))
@@ -246,7 +246,7 @@ def test_bad_meshes_are_refused(change, words):
 
 def test_meshes_that_cut_themselves_are_refused():
     other = globe((1, 0, 0))
-    both = SolidMesh.from_triangles(
+    both = Mesh.from_triangles(
         np.concatenate([SPHERE.vertices, other.points]),
         np.concatenate([SPHERE.faces, other.triangles + len(SPHERE.vertices)]),
     )
@@ -306,7 +306,7 @@ def test_settings_are_checked():
         VolumeSettings(stop_energy=2)
     with pytest.raises(ValueError, match="threads must be a whole number"):
         VolumeSettings(threads=-1)
-    with pytest.raises(TypeError, match="a Solid, a SolidMesh or an Assembly"):
+    with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly, a surface or a blend"):
         volume_mesh(SPHERE)
     rough = volume_mesh(globe(), **COARSE, settings=VolumeSettings(coarsen=True, stop_energy=50, threads=1))
     assert rough.volume == pytest.approx(globe().volume, rel=0.02)

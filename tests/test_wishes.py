@@ -47,7 +47,7 @@ def test_wishes_that_can_hold_are_not_refused():
 
 def test_the_surface_keeps_away_from_the_centre():
     for radii, order in ((EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1)):
-        points = solved(radii, order).surface.triangulate(0.05).points
+        points = solved(radii, order).surface.mesh(0.05).points
         assert np.linalg.norm(points, axis=1).min() > 0.09, (radii, order)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import pas
+from pas.algebra.expressions import FUNCTIONS
+from pas.algebra.rational_function import RationalFunction
 from pas.algebra.written import steps
-from pas.parametric.expressions import FUNCTIONS
-from pas.parametric.rational_function import RationalFunction
 
 MEANT = [
     ("2y^2", "2*y**2"),

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from pas.exchange.solid_records import save_solid
-from pas.exchange.solids import write_solid
+from pas.exchange.write import write_solid
 from pas.render.parts import Look, draw_parts
 from pas.teapot.pot import STYLES, teapot
 

@@ -16,7 +16,7 @@ from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
     from pas.blending.blend import Blend
-    from pas.mesh.field import TriangleMesh
+    from pas.mesh.mesh import Mesh
 
 
 def run_blend(options: argparse.Namespace) -> int:
@@ -24,8 +24,8 @@ def run_blend(options: argparse.Namespace) -> int:
     from pas.blending.blend import blend
     from pas.blending.summary import summary
     from pas.exchange.files import together
-    from pas.exchange.meshes import write_mesh
     from pas.exchange.problem import read_problem
+    from pas.exchange.write import write_mesh
 
     problem = read_problem(problem_file(options.problem))
     folder = output_folder(options.output)
@@ -37,7 +37,7 @@ def run_blend(options: argparse.Namespace) -> int:
         **problem.options,
     )
     start = time.perf_counter()
-    mesh = result.surface.triangulate(tolerance)
+    mesh = result.surface.mesh(tolerance)
     result.timings["mesh"] = passed(f"mesh ({len(mesh.triangles)} triangles)", start) - start
     with together(folder) as place:
         base = place / problem.name
@@ -70,7 +70,7 @@ def run_solve(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _draw(result: Blend, mesh: TriangleMesh, base: Path, written: list[Path]) -> str:
+def _draw(result: Blend, mesh: Mesh, base: Path, written: list[Path]) -> str:
     """Draw the picture; returns why there is none where OpenGL is missing."""
     from pas.render.picture import draw
 
@@ -132,8 +132,7 @@ def run_mesh(options: argparse.Namespace) -> int:
     """`pas mesh`."""
     from pas.blending.blend import Blend
     from pas.blending.project import load
-    from pas.exchange.meshes import check_mesh_suffix, write_mesh
-    from pas.exchange.solids import write_solid
+    from pas.exchange.write import check_mesh_suffix, write_mesh, write_solid
     from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
@@ -147,7 +146,7 @@ def run_mesh(options: argparse.Namespace) -> int:
         return DONE
     check_mesh_suffix(options.output)
     tolerance = 0.001 if tolerance is None else tolerance
-    mesh = thing.surface.triangulate(tolerance)
+    mesh = thing.surface.mesh(tolerance)
     path = write_mesh(mesh, options.output)
     print(f"{path}: {len(mesh.triangles)} triangles, within {tolerance:g} of the surface")
     return DONE
@@ -177,7 +176,7 @@ def run_convert(options: argparse.Namespace) -> int:
     """`pas convert`."""
     from pas.blending.blend import Blend
     from pas.blending.project import load
-    from pas.exchange.solids import write_solid
+    from pas.exchange.write import write_solid
     from pas.solid.assembly import Assembly
     from pas.solid.solid import Solid
 
@@ -197,7 +196,7 @@ def run_teapot(options: argparse.Namespace) -> int:
     """`pas teapot`."""
     from pas.exchange.files import together
     from pas.exchange.solid_records import save_solid
-    from pas.exchange.solids import write_solid
+    from pas.exchange.write import write_solid
     from pas.render.parts import Look, draw_parts
     from pas.teapot.pot import teapot
 

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from pas.exchange.parametric_problem import ParametricProblem
     from pas.generatrix.blend import GeneratrixBlend
     from pas.generatrix.verdicts import GeneratrixCertificate
+    from pas.mesh.mesh import Mesh
     from pas.parametric.blends import ParametricBlend
-    from pas.parametric.meshing import ParametricMesh
     from pas.parametric.proofs import ParametricCertificate
     from pas.parametric.surface import ParametricSurface
 
@@ -45,9 +45,9 @@ WORDS = {
 def run_parametric(options: argparse.Namespace) -> int:
     """`pas parametric`."""
     from pas.exchange.files import together
-    from pas.exchange.meshes import write_mesh
     from pas.exchange.parametric_problem import read_parametric_problem
     from pas.exchange.parametric_records import save_parametric
+    from pas.exchange.write import write_mesh
 
     problem = read_parametric_problem(problem_file(options.problem))
     if options.order is not None:
@@ -136,7 +136,7 @@ def _with_order(problem: Problem, order: int) -> Problem:
 
 def mesh(thing: Thing, path: str, tolerance: float | None) -> int:
     """`pas mesh` of a parametric surface or blend."""
-    from pas.exchange.meshes import check_mesh_suffix, write_mesh
+    from pas.exchange.write import check_mesh_suffix, write_mesh
     from pas.parametric.conversion import surface_of
 
     check_mesh_suffix(path)
@@ -145,13 +145,13 @@ def mesh(thing: Thing, path: str, tolerance: float | None) -> int:
     return DONE
 
 
-def size_of(mesh: ParametricMesh) -> str:
+def size_of(mesh: Mesh) -> str:
     """How large and how near a mesh is, in words."""
-    how = "proved" if mesh.certified else "measured"
+    how = "proved" if mesh.proved else "measured"
     return f"{len(mesh.triangles)} triangles, within {mesh.deviation:.3g} of the surface ({how})"
 
 
-def _draw(problem: Problem, blend: Made, mesh: ParametricMesh, base: Path, written: list[Path]) -> str:
+def _draw(problem: Problem, blend: Made, mesh: Mesh, base: Path, written: list[Path]) -> str:
     """Draw the picture; returns why there is none where OpenGL is missing."""
     from pas.parametric.blends import ParametricBlend
     from pas.render.picture import Style, draw

@@ -35,6 +35,7 @@ from typing import Any, ClassVar
 
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import rational
+from pas.algebra.rational_function import PARAMETERS
 from pas.errors import LimitError, PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS, GeneratrixProblem, GeneratrixReader
 from pas.exchange.picture_options import PictureReader
@@ -43,7 +44,6 @@ from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.domain import ExactDomain
 from pas.parametric.methods import METHODS, blend_by
-from pas.parametric.rational_function import PARAMETERS
 from pas.parametric.surface import ParametricSurface
 
 OPTIONS = {name for method in METHODS.values() for name in method.options}

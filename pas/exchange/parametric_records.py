@@ -19,6 +19,7 @@ from flint import fmpq, fmpq_mpoly
 from pas._version import __version__
 from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.rational import plain, rational
+from pas.algebra.rational_function import RING, RationalFunction
 from pas.exchange.container import check_name, understood, write
 from pas.exchange.generatrix_records import GENERATRIX_DATA, generatrix_record, read_generatrix
 from pas.exchange.records import VERDICT
@@ -30,7 +31,6 @@ from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.methods import blend_by, method_of
 from pas.parametric.proofs import ParametricCertificate
-from pas.parametric.rational_function import RING, RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX = "parametric surface", "parametric blend", "generatrix blend"

@@ -28,11 +28,11 @@ from pas.exchange.records import partition_record, read_partition
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.limits import Report, limited
+from pas.mesh.mesh import Mesh
 from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
 from pas.solid.joints import Joint
-from pas.solid.mesh import SolidMesh
 from pas.solid.pieces import Pieces
 from pas.solid.shell import Near
 from pas.solid.solid import Solid
@@ -269,16 +269,14 @@ def _class_named(name: str) -> type | None:
 def _part_record(name: str, part: Part) -> dict[str, Any]:
     try:
         shape = (
-            {"mesh": _mesh_record(part.shape)}
-            if isinstance(part.shape, SolidMesh)
-            else {"solid": solid_record(part.shape)}
+            {"mesh": _mesh_record(part.shape)} if isinstance(part.shape, Mesh) else {"solid": solid_record(part.shape)}
         )
     except ValueError as error:
         raise ValueError(f"the part {name!r}: {error}") from None
     return {"name": name, "color": part.color, **shape}
 
 
-def _read_shape(record: dict[str, Any]) -> Solid | SolidMesh:
+def _read_shape(record: dict[str, Any]) -> Solid | Mesh:
     return read_solid(record["solid"]) if "solid" in record else _read_mesh(record["mesh"])
 
 
@@ -290,7 +288,7 @@ _ARRAYS = {
 }
 
 
-def _mesh_record(mesh: SolidMesh) -> dict[str, Any]:
+def _mesh_record(mesh: Mesh) -> dict[str, Any]:
     """The arrays in base 64, little end first."""
     record: dict[str, Any] = {"names": list(mesh.names)}
     for name, (number, _) in _ARRAYS.items():
@@ -314,7 +312,7 @@ def _read_array(text: str, name: str) -> Any:
     return array
 
 
-def _read_mesh(record: dict[str, Any]) -> SolidMesh:
+def _read_mesh(record: dict[str, Any]) -> Mesh:
     points, triangles, faces, normals = (_read_array(record[name], name) for name in _ARRAYS)
     names = tuple(record["names"])
     if not 0 < len(triangles) == len(faces) == len(normals):
@@ -322,4 +320,4 @@ def _read_mesh(record: dict[str, Any]) -> SolidMesh:
     for numbers, size in ((triangles, len(points)), (faces, len(names))):
         if numbers.min() < 0 or numbers.max() >= size:
             raise ValueError("the mesh has numbers of points or faces that do not exist")
-    return SolidMesh(points, triangles.astype(np.intp), faces.astype(np.intp), names, normals)
+    return Mesh(points, triangles.astype(np.intp), faces.astype(np.intp), names, normals)

@@ -19,13 +19,15 @@ from typing import Any
 import numpy as np
 
 from pas.errors import GeometryError
-from pas.exchange.solids import Piece, pieces
+from pas.exchange.formats.format import Content, Request
+from pas.exchange.parts import Piece, face_names, parts_of
 from pas.exchange.tetwild import require_library, tetrahedralize
-from pas.exchange.volume_files import check_volume_suffix, write_volume
+from pas.exchange.write import write_volume
 from pas.limits import Report, limited
-from pas.mesh.field import Floats, Integers, is_closed_manifold
+from pas.mesh.field import Floats, Integers
+from pas.mesh.mesh import Mesh
+from pas.mesh.topology import is_closed_manifold
 from pas.solid.assembly import Assembly
-from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
 
 VOLUME_TOLERANCE = 0.02
@@ -99,10 +101,23 @@ class VolumeMesh:
         return dict(zip(self.region_names, sums.tolist(), strict=True))
 
     def to_pyvista(self) -> Any:
-        """A `pyvista.UnstructuredGrid`; see `pas.exchange.volume_files.to_grid`."""
-        from pas.exchange.volume_files import to_grid
+        """A `pyvista.UnstructuredGrid` of the tetrahedra and after them the boundary triangles.
 
-        return to_grid(self)
+        `region` is -1 for triangles, `face` is -1 for tetrahedra.  The names are bytes, a line each (UTF-8),
+        in the field arrays `region names` and `face names`: readers such as meshio refuse files with strings.
+        """
+        import pyvista
+
+        cells = {
+            pyvista.CellType.TETRA: self.tetrahedra.astype(int),
+            pyvista.CellType.TRIANGLE: self.boundary.astype(int),
+        }
+        grid = pyvista.UnstructuredGrid(cells, self.points)
+        grid.cell_data["region"] = np.concatenate([self.regions, np.full(len(self.boundary), -1)])
+        grid.cell_data["face"] = np.concatenate([np.full(len(self.tetrahedra), -1), self.faces])
+        grid.field_data["region names"] = _lines(self.region_names)
+        grid.field_data["face names"] = _lines(self.names)
+        return grid
 
     def write(self, path: str | Path) -> Path:
         """Write the mesh as .vtu (VTK) or .msh (Gmsh 2.2), whole or not at all; returns the path.
@@ -110,13 +125,12 @@ class VolumeMesh:
         Gmsh's physical groups are the faces and the parts, by name; VTK's arrays are `face` and
         `region`, -1 where a cell has none.  Raises `ValueError` for another suffix.
         """
-        check_volume_suffix(path)
         return write_volume(self, path)
 
 
 @limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")
 def volume_mesh(
-    shape: Solid | SolidMesh | Assembly,
+    shape: Solid | Mesh | Assembly,
     *,
     edge_length: float | None = None,
     tolerance: float | None = None,
@@ -142,11 +156,23 @@ def volume_mesh(
     if not 0 < volume_tolerance < 1:
         raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
     require_library()
-    parts = pieces(shape, "solid", tolerance)
+    parts = parts_of(shape, Request("solid", tolerance))
     for part in parts:
         _require_fillable(part, edge_length)
     filled = [_filled(p, edge_length, tolerance, volume_tolerance, settings or VolumeSettings()) for p in parts]
     return _together(parts, filled)
+
+
+def tetrahedra_of(thing: Any, request: Request) -> VolumeMesh:
+    """A volume mesh itself, else what fills a solid, a closed mesh or an assembly within the request's tolerance."""
+    if not isinstance(thing, VolumeMesh):
+        return volume_mesh(thing, tolerance=request.tolerance)
+    if request.tolerance is not None:
+        raise ValueError("tolerance is for solids; a mesh has it behind it")
+    return thing
+
+
+TETRAHEDRA: Content[VolumeMesh] = Content("tetrahedra", tetrahedra_of, ("tolerance",))
 
 
 @dataclass(frozen=True)
@@ -160,7 +186,6 @@ class _Filled:
 def _together(parts: Sequence[Piece], filled: Sequence[_Filled]) -> VolumeMesh:
     points = np.cumsum([0, *(len(f.points) for f in filled)])
     faces = np.cumsum([0, *(len(p.mesh.names) for p in parts)])
-    single = len(parts) == 1
     return VolumeMesh(
         np.concatenate([f.points for f in filled]),
         np.concatenate([f.tetrahedra + start for f, start in zip(filled, points, strict=False)]),
@@ -168,7 +193,7 @@ def _together(parts: Sequence[Piece], filled: Sequence[_Filled]) -> VolumeMesh:
         tuple(p.name for p in parts),
         np.concatenate([f.boundary + start for f, start in zip(filled, points, strict=False)]),
         np.concatenate([f.faces + start for f, start in zip(filled, faces, strict=False)]),
-        tuple(name if single else f"{p.name}: {name}" for p in parts for name in p.mesh.names),
+        tuple(face_names(parts)),
     )
 
 
@@ -255,6 +280,10 @@ def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:
     return tetrahedra
 
 
+def _lines(names: Sequence[str]) -> Any:
+    return np.frombuffer("\n".join(" ".join(n.split()) for n in names).encode("utf-8"), dtype=np.uint8)
+
+
 def signed_volumes(points: Floats, tetrahedra: Integers) -> Floats:
     """The volumes (M,), negative for tetrahedra that are inverted."""
     a, b, c, d = (points[tetrahedra[:, i]] for i in range(4))
@@ -274,7 +303,7 @@ def _boundary(tetrahedra: Integers, name: str) -> Integers:
     return boundary
 
 
-def _nearest_faces(mesh: SolidMesh, points: Floats) -> Integers:
+def _nearest_faces(mesh: Mesh, points: Floats) -> Integers:
     """The faces (P,) of the triangles of a mesh that are nearest to points (P, 3)."""
     import pyvista
 

@@ -19,12 +19,14 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.callables import plain
 from pas.algebra.inputs import shown
+from pas.algebra.jets import Jet, composed
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, NotProvedError
 from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
 from pas.generatrix.boundary import Boundary
-from pas.generatrix.checks import closes
+from pas.generatrix.checks import closes, refuse_both
 from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
 from pas.generatrix.lengths import with_lengths
@@ -32,9 +34,7 @@ from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.space import NAMES, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
-from pas.mesh.field import TriangleMesh
-from pas.parametric.callables import plain
-from pas.parametric.jets import Jet, composed
+from pas.mesh.mesh import Mesh
 from pas.parametric.surface import ParametricSurface
 
 HALVINGS = 6
@@ -49,6 +49,9 @@ TRIED = 16
 """Generatrices that are tried when a blend is made."""
 
 UNIT_SQUARE = ((0, 1), (0, 1))
+
+GRID = 100, 100
+"""Points of a mesh in s and t where neither tolerance nor size is given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,22 +121,33 @@ class GeneratrixBlend:
         normals /= np.maximum(length, 1e-300)[..., None]
         return points, -normals if self.frames.inward else normals
 
-    @limited("meshing a blend", "a smaller size")
+    @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
-        self, size: tuple[int, int] = (100, 100), *, seconds: float | None = None, progress: Report | None = None
-    ) -> TriangleMesh:
-        """Triangles on that grid, the seam of closed curves welded.
+        self,
+        tolerance: float | None = None,
+        *,
+        size: tuple[int, int] | None = None,
+        seconds: float | None = None,
+        progress: Report | None = None,
+    ) -> Mesh:
+        """Triangles within `tolerance` (the model's units) of the blend, or on a grid of `size` points in s and t.
 
-        Connectivity and all that does not depend on the shape values are kept, so that a blend of changed shape
-        costs milliseconds.  Where the first boundary knows its surface's normal, the mesh's agree with it.
-        Raises `ValueError` for grids of fewer than 3 x 2 points.
+        With a tolerance it is the mesh of `surface`, see `ParametricSurface.mesh`; without one the grid has
+        `size`, by default 100 x 100, and no deviation is known: connectivity and all that does not depend on the
+        shape values are kept, so that a blend of changed shape costs milliseconds.  The seam of closed curves is
+        welded.  Where the first boundary knows its surface's normal, the mesh's agree with it.
+        Raises `ValueError` for both and for grids of fewer than 3 x 2 points.
         """
-        n, m = size
+        if tolerance is not None:
+            refuse_both(tolerance, size)
+            mesh = self.surface.mesh(tolerance)
+            return mesh.flipped if self.frames.inward else mesh
+        n, m = size or GRID
         if n < 3 or m < 2:
             raise ValueError(f"size must be at least (3, 2), not {size}")
         points, normals = self.sheet((n, m))
         triangles = connectivity((n, m), self.closed, self.frames.inward)
-        return TriangleMesh(points.reshape(-1, 3), triangles, normals.reshape(-1, 3))
+        return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
 
     def with_shape(self, **changes: Any) -> GeneratrixBlend:
         """The same blend with some of l1, l2, lambda1, lambda2, middle replaced; cheap unless middle is.

@@ -20,13 +20,13 @@ from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
 from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
 from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
 from pas.generatrix.quadric import within_reach
 from pas.generatrix.space import NAMES, read_path, value_at
 from pas.parametric.curves import SurfaceCurve
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import composed
 from pas.parametric.surface import ParametricSurface
 

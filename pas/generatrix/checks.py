@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,14 @@ SIZES = (1e-280, 1e280)
 ON_SURFACE = 1e-8
 """Distance from its surface, over the curve's size, up to which a numeric curve counts as lying on it: data typed
 with nine digits pass, a wrong formula does not."""
+
+
+def refuse_both(tolerance: Any, size: Any) -> None:
+    """Raise `ValueError` where a mesh is asked for both by its tolerance and by its size, or `TypeError` for a size."""
+    if size is not None:
+        raise ValueError("tolerance and size are two ways to say how fine the mesh is; give one of them")
+    if isinstance(tolerance, tuple):
+        raise TypeError(f"tolerance must be a positive number; a grid is given as size={tolerance}")
 
 
 def require_boundary(boundary: Boundary) -> None:

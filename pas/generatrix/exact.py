@@ -12,8 +12,8 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float
+from pas.algebra.rational_function import GENERATORS, RationalFunction, total
 from pas.errors import GeometryError
-from pas.parametric.rational_function import GENERATORS, RationalFunction, total
 from pas.parametric.roots import roots_between
 from pas.parametric.surface import Components
 

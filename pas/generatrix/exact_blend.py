@@ -7,11 +7,11 @@ from math import comb
 from flint import fmpq
 
 from pas.algebra.rational import rational
+from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
 from pas.generatrix.exact import square_root
 from pas.generatrix.frames import Frames
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.generatrix.space import NAMES
-from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction, total
 from pas.parametric.surface import Components
 
 

@@ -20,7 +20,7 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, rational, to_float, to_fraction
-from pas.parametric.rational_function import RationalFunction, total
+from pas.algebra.rational_function import RationalFunction, total
 from pas.parametric.regularity import positive_on_unit_square
 from pas.parametric.surface import ParametricSurface
 

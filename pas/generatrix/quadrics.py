@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import short, shown
+from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -18,14 +19,23 @@ from pas.algebra.rational import plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.generatrix.boundary import Boundary
+from pas.generatrix.checks import refuse_both
 from pas.generatrix.quadric import text
 from pas.generatrix.sections import plane_section
 from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.sphere_mesh import sphere_mesh
-from pas.limits import Report, limited
-from pas.mesh.field import TriangleMesh
+from pas.generatrix.sphere_mesh import grid_deviation, sphere_deviation, sphere_mesh
+from pas.limits import Report, checkpoint, limited
+from pas.mesh.mesh import Mesh
+from pas.mesh.triangulate import MeshError
 
 SAMPLES = 256
+
+GRID = 96, 48
+"""Points of each blend's mesh in s and t where neither tolerance nor size is given."""
+
+SIZES = tuple((round(24 * 2 ** (k / 2)), round(12 * 2 ** (k / 2))) for k in range(13))
+"""Grids that are tried for a tolerance, each with twice the points of the last; the finest has 3 million triangles
+on three blends."""
 
 ROOM = 0.8
 """Share of half the angle between neighbouring directions that a circle on the middle sphere takes at most."""
@@ -73,21 +83,48 @@ class SphereBlend:
     angles: tuple[float, ...]
     blends: tuple[GeneratrixBlend, ...]
 
-    @limited("meshing a blend", "a smaller size")
+    @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
-        self, size: tuple[int, int] = (96, 48), *, seconds: float | None = None, progress: Report | None = None
-    ) -> TriangleMesh:
-        """Triangles of all blends, each on a grid of that size, and of the sphere between the circles, all welded.
+        self,
+        tolerance: float | None = None,
+        *,
+        size: tuple[int, int] | None = None,
+        seconds: float | None = None,
+        progress: Report | None = None,
+    ) -> Mesh:
+        """Triangles of all blends and of the sphere between the circles, all welded, within `tolerance` as measured.
 
-        Normals point out of the sphere.
+        Each blend is on a grid of `size` points in s and t, by default 96 x 48; with a tolerance on the coarsest of
+        a sequence of grids that meets it.  The faces are `blend 1`, ... and `sphere`; normals point out of the
+        sphere.  Raises `ValueError` for both, `MeshError` for a tolerance that needs too many triangles.
         """
-        return sphere_mesh(self.center, self.radius, [blend.mesh(size) for blend in self.blends], size)
+        if tolerance is None:
+            return self._gridded(size or GRID)
+        refuse_both(tolerance, size)
+        wanted = check_tolerance(tolerance, self.radius)
+        for grid in SIZES:
+            checkpoint(f"meshing on {grid[0]} x {grid[1]} points")
+            mesh = self._gridded(grid)
+            on_blends = (grid_deviation(partial(_points, blend), grid, blend.closed) for blend in self.blends)
+            reached = max(*on_blends, sphere_deviation(mesh, self.center, self.radius))
+            if reached <= wanted:
+                return replace(mesh, deviation=reached)
+        raise MeshError(
+            f"the tolerance {wanted:.3g} needs more than {len(mesh.triangles)} triangles; {reached:.2g} is reached"
+        )
+
+    def _gridded(self, size: tuple[int, int]) -> Mesh:
+        return sphere_mesh(self.center, self.radius, [blend.mesh(size=size) for blend in self.blends], size)
 
     def require(self) -> SphereBlend:
         """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted or measured to fail."""
         for blend in self.blends:
             blend.require()
         return self
+
+
+def _points(blend: GeneratrixBlend, size: tuple[int, int]) -> Floats:
+    return blend.sheet(size)[0]
 
 
 @limited("finding a blend by a generatrix", "lengths l1 and l2")

@@ -17,8 +17,8 @@ from flint import fmpq, fmpq_poly
 from pas.algebra.inputs import short, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
+from pas.algebra.rational_function import ONE, RationalFunction
 from pas.generatrix.exact import zeros_in_unit_interval
-from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.series import univariate
 
 MANY = 24

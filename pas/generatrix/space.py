@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.callables import component
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
+from pas.algebra.rational_function import RationalFunction
 from pas.generatrix.exact import on_unit_interval
-from pas.parametric.callables import component
-from pas.parametric.expressions import Names
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 NAMES: Names = ("s", "t")

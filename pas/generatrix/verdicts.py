@@ -31,6 +31,7 @@ from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
 from pas.bernstein.signs import Status
+from pas.bernstein.subdivision import halves
 from pas.generatrix.align import alignment
 from pas.generatrix.crossings import crossings
 from pas.generatrix.exact import exact_dot
@@ -106,7 +107,7 @@ def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
 
 def _touches(blend: GeneratrixBlend, number: int) -> bool:
     """Whether P(s, i) is the curve and P_s, P_t there are perpendicular to N, from the components alone."""
-    from pas.parametric.rational_function import GENERATORS, ONE, RationalFunction
+    from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
 
     boundary = blend.boundaries[number]
     exact = boundary.exact
@@ -237,7 +238,7 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
 
 def _avoid_origin(forms: Floats) -> tuple[NDArray[np.bool_], Floats]:
     """Which curves of vectors (n, k, 3), Bernstein forms in t, avoid the origin; else a t near where they may not."""
-    n, k = forms.shape[:2]
+    n = len(forms)
     settled, place = np.ones(n, dtype=bool), np.zeros(n)
     rows, starts, width = np.arange(n), np.zeros(n), 1.0
     for depth in range(DEEP + 1):
@@ -250,12 +251,8 @@ def _avoid_origin(forms: Floats) -> tuple[NDArray[np.bool_], Floats]:
         if depth == DEEP:
             settled[rows], place[rows] = False, starts + width / 2
             break
-        left, right = np.empty_like(forms), np.empty_like(forms)
-        for i in range(k):
-            left[:, i], right[:, k - 1 - i] = forms[:, 0], forms[:, -1]
-            forms = (forms[:, :-1] + forms[:, 1:]) / 2
         width /= 2
-        forms, rows = np.concatenate([left, right]), np.concatenate([rows, rows])
+        forms, rows = np.concatenate(halves(forms, 1)), np.concatenate([rows, rows])
         starts = np.concatenate([starts, starts + width])
     return settled, place
 
@@ -276,7 +273,7 @@ def is_safe(blend: GeneratrixBlend, size: tuple[int, int]) -> bool:
     turns = (_largest_turn(normals, blend.closed), _largest_turn(normals.swapaxes(0, 1), False))
     if max(angle for angle, _ in turns) >= 90.0:
         return False
-    mesh = blend.mesh(size)
+    mesh = blend.mesh(size=size)
     return not len(crossings(mesh.points, mesh.triangles)[0])
 
 
@@ -285,7 +282,7 @@ def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verd
     claim = "does not cross itself"
     if blend.surface.is_exact and is_injective(blend.surface, EXACT_EFFORT):
         return Verdict(Status.PROVED, claim, "the map from the square is monotone with respect to its mean tangents")
-    mesh = blend.mesh(size)
+    mesh = blend.mesh(size=size)
     pairs, places = crossings(mesh.points, mesh.triangles)
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):

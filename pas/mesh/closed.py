@@ -11,14 +11,14 @@ that neither lattice has a node in them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.collapse import untangle
-from pas.mesh.field import FaceField, Floats, Integers, TriangleMesh
+from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.first import FOLD, first_mesh, unsound
+from pas.mesh.mesh import Mesh
 from pas.mesh.refine import split, with_longest
 from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, project, smooth
 from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
@@ -34,19 +34,28 @@ class FaceMesh:
     """A closed mesh whose triangles carry labels, with outward unit normals of each vertex's faces.
 
     `mesh` holds points (N, 3), triangles (T, 3) and labels (T,); `normals` (P, 3) belongs to the rows
-    of `mesh.topology.pairs`, the (vertex, label) pairs.
+    of `mesh.topology.pairs`, the (vertex, label) pairs; `deviation` is the measured distance from the set.
     """
 
     mesh: Labelled
     normals: Floats
+    deviation: float
 
-    @cached_property
-    def triangle_mesh(self) -> TriangleMesh:
-        """The same without labels; a vertex's normal is the mean of its faces'."""
-        total = np.zeros_like(self.mesh.points)
-        np.add.at(total, self.mesh.topology.pairs[:, 0], self.normals)
-        length = np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
-        return TriangleMesh(self.mesh.points, self.mesh.triangles, total / length)
+    def named(self, field: FaceField) -> Mesh:
+        """The mesh in the user's coordinates, with the names of the field's faces; equal names are one face."""
+        labels = np.unique(self.mesh.labels)
+        title = {int(label): field.face(int(label)) for label in labels}
+        names = tuple(dict.fromkeys(title.values()))
+        numbers = np.zeros(int(labels.max()) + 1, dtype=np.intp)
+        numbers[labels] = [names.index(title[int(label)]) for label in labels]
+        return Mesh(
+            field.world(self.mesh.points),
+            self.mesh.triangles,
+            numbers[self.mesh.labels],
+            names,
+            self.normals[self.mesh.topology.corner_pairs],
+            deviation=self.deviation * field.scale,
+        )
 
 
 def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
@@ -64,7 +73,7 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
             reason, _ = unsound(mesh, field, tolerance)
             if reason:
                 raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-            return FaceMesh(mesh, pair_normals(mesh, field))
+            return FaceMesh(mesh, pair_normals(mesh, field), worst)
         if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
             raise MeshError(
                 f"the tolerance {tolerance * field.scale:.3g} needs more than {LARGEST} triangles; "

@@ -19,8 +19,9 @@ from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
-from pas.mesh.field import FaceField, Floats, Integers, edge_table, pinched
+from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.remesh import Labelled, grouped, least_norm, newton
+from pas.mesh.topology import edge_table, pinched
 
 SNAP = 0.4
 """Share of a lattice edge from its node within which crossings merge."""

@@ -1,10 +1,8 @@
-"""What the mesher needs to know of a surface, and what it returns."""
+"""What the meshers need to know of a surface."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,110 +100,3 @@ def place_of(field: FaceField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
     least = VISIBLE * float(np.abs(field.world(field.box)).max())
     return "(" + ", ".join(f"{x if abs(x) > least else 0.0:.4g}" for x in field.world(point)) + ")"
-
-
-@dataclass(frozen=True)
-class TriangleMesh:
-    """Points (N, 3), triangles (T, 3) and unit normals (N, 3), pointing to where f > 0."""
-
-    points: Floats
-    triangles: Integers
-    normals: Floats
-
-    @cached_property
-    def edges(self) -> tuple[Integers, Integers]:
-        """The distinct edges (E, 2), and how many triangles each belongs to (E,)."""
-        return edge_table(self.triangles)
-
-    @cached_property
-    def boundary(self) -> Integers:
-        """The vertices on the mesh's boundary."""
-        edges, times = self.edges
-        return np.unique(edges[times == 1])
-
-    @property
-    def euler_characteristic(self) -> int:
-        """Vertices - edges + triangles."""
-        return len(np.unique(self.triangles)) - len(self.edges[0]) + len(self.triangles)
-
-    @property
-    def is_manifold(self) -> bool:
-        """Whether every edge has one or two triangles and every vertex one fan of them."""
-        if len(self.triangles) == 0 or self.edges[1].max() > 2:
-            return False
-        return bool((_fans(self.triangles) == 1).all())
-
-    def to_pyvista(self) -> Any:
-        """The same mesh as a `pyvista.PolyData` with point normals."""
-        import pyvista
-
-        data = pyvista.PolyData.from_regular_faces(self.points, self.triangles.astype(int))
-        data.point_data.active_normals = self.normals
-        return data
-
-    @property
-    def smallest_angles(self) -> Floats:
-        """The smallest angle of each triangle, in degrees (T,)."""
-        p = self.points[self.triangles]
-        angles = []
-        for i in range(3):
-            a, b = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
-            cosine = (a * b).sum(1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-300)
-            angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
-        return np.min(angles, axis=0)
-
-
-def distinct(keys: Integers) -> Integers:
-    """The distinct keys, sorted (several times faster than `np.unique`)."""
-    ordered = np.sort(keys, axis=None)
-    return ordered[np.concatenate([np.ones(min(len(ordered), 1), dtype=bool), ordered[1:] != ordered[:-1]])]
-
-
-def is_closed_manifold(triangles: Integers) -> bool:
-    """Whether every edge has two triangles and every vertex one fan of them."""
-    return len(triangles) > 0 and not len(pinched(triangles))
-
-
-def pinched(triangles: Integers) -> Integers:
-    """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold."""
-    if not len(triangles):
-        return np.empty(0, dtype=np.intp)
-    edges, times = edge_table(triangles)
-    if (times != 2).any():
-        return np.unique(edges[times != 2])
-    return np.unique(triangles)[_fans(triangles) != 1]
-
-
-def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
-    """The distinct edges (E, 2) of triangles (T, 3) and their numbers of triangles."""
-    size = int(triangles.max(initial=0)) + 1
-    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    keys, times = np.unique(pairs[:, 0] * size + pairs[:, 1], return_counts=True)
-    return np.stack([keys // size, keys % size], axis=1), times
-
-
-def _fans(triangles: Integers) -> Integers:
-    """How many edge-connected fans of triangles meet at each used vertex."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    corners = len(triangles) * 3
-    owner = triangles.ravel()
-    ids = np.arange(corners).reshape(-1, 3)
-    size = int(triangles.max()) + 1
-    sides, ends = [], []
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        low = np.minimum(triangles[:, i], triangles[:, j])
-        high = np.maximum(triangles[:, i], triangles[:, j])
-        sides.append(low * size + high)
-        ends.append(np.where((triangles[:, i] < triangles[:, j])[:, None], ids[:, [i, j]], ids[:, [j, i]]))
-    keys, pairs = np.concatenate(sides), np.concatenate(ends)
-    order = np.argsort(keys)
-    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
-    first, second = pairs[order[same]], pairs[order[same + 1]]
-    rows, columns = first.ravel(), second.ravel()
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(corners, corners))
-    components, label = connected_components(graph, directed=False)
-    vertex_of = np.empty(components, dtype=np.intp)
-    vertex_of[label] = owner
-    return np.unique(vertex_of, return_counts=True)[1]

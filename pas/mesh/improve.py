@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import CellField, Floats, Integers, edge_table
+from pas.mesh.field import CellField, Floats, Integers
+from pas.mesh.topology import edge_table
 
 NEWTON_STEPS = 20
 FLIP_PASSES = 12

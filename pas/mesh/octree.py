@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers, distinct
+from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.topology import distinct
 from pas.mesh.triangulate import MeshError
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers, distinct
+from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross, flip_once
 from pas.mesh.refine import split
+from pas.mesh.topology import distinct
 
 NEWTON_STEPS = 16
 NEARBY = 8

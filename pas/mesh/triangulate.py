@@ -17,9 +17,10 @@ from scipy.spatial import cKDTree
 from pas.errors import PasError
 from pas.limits import checkpoint
 from pas.mesh.contour import march
-from pas.mesh.field import CellField, Floats, Integers, TriangleMesh
+from pas.mesh.field import CellField, Floats, Integers
 from pas.mesh.improve import boundary_of, flip, folded, project, smooth
 from pas.mesh.lattice import lattice
+from pas.mesh.mesh import Mesh
 from pas.mesh.refine import split, with_longest
 
 RESOLUTION = 1.8
@@ -51,7 +52,7 @@ class MeshError(PasError):
     """The surface has no mesh of this tolerance; the message says why."""
 
 
-def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
+def triangulate(field: CellField, tolerance: float) -> Mesh:
     """A mesh whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, or the tolerance needs too many triangles.
@@ -59,13 +60,14 @@ def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
     mesh = _first(field)
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
-        if deviation(field, mesh) <= tolerance:
-            return mesh
+        reached = deviation(field, mesh)
+        if reached <= tolerance:
+            return Mesh.smooth(mesh.points, mesh.triangles, mesh.point_normals, deviation=reached)
         edges, far = _far_edges(field, mesh, AIM * tolerance)
         if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
             raise MeshError(
                 f"the tolerance {tolerance:.3g} needs more than {LARGEST} triangles; "
-                f"{deviation(field, mesh):.2g} is reached with {len(mesh.triangles)}"
+                f"{reached:.2g} is reached with {len(mesh.triangles)}"
             )
         mesh = _refined(field, mesh, far)
     raise MeshError(
@@ -74,7 +76,7 @@ def triangulate(field: CellField, tolerance: float) -> TriangleMesh:
     )
 
 
-def deviation(field: CellField, mesh: TriangleMesh) -> float:
+def deviation(field: CellField, mesh: Mesh) -> float:
     """The largest distance |f| / |grad f| of the mesh's edges and triangles from the surface.
 
     Measured at edge midpoints and at points inside each triangle; on the boundary in the wall's
@@ -84,7 +86,7 @@ def deviation(field: CellField, mesh: TriangleMesh) -> float:
     return float(max(_edge_distances(field, mesh, edges, times).max(), _inner_distances(field, mesh).max()))
 
 
-def _far_edges(field: CellField, mesh: TriangleMesh, tolerance: float) -> tuple[Integers, Integers]:
+def _far_edges(field: CellField, mesh: Mesh, tolerance: float) -> tuple[Integers, Integers]:
     """All edges, and those to split: too far themselves, or the longest of a triangle that is."""
     edges, times = mesh.edges
     far = edges[_edge_distances(field, mesh, edges, times) > tolerance]
@@ -92,7 +94,7 @@ def _far_edges(field: CellField, mesh: TriangleMesh, tolerance: float) -> tuple[
     return edges, with_longest(mesh.points, triangles, far)
 
 
-def _edge_distances(field: CellField, mesh: TriangleMesh, edges: Integers, times: Integers) -> Floats:
+def _edge_distances(field: CellField, mesh: Mesh, edges: Integers, times: Integers) -> Floats:
     middles = mesh.points[edges].mean(axis=1)
     normals = np.zeros_like(middles)
     rim = np.flatnonzero(times == 1)
@@ -103,7 +105,7 @@ def _edge_distances(field: CellField, mesh: TriangleMesh, edges: Integers, times
     return _distances(field, middles, normals)
 
 
-def _inner_distances(field: CellField, mesh: TriangleMesh) -> Floats:
+def _inner_distances(field: CellField, mesh: Mesh) -> Floats:
     points = np.einsum("wk,tkx->twx", INNER, mesh.points[mesh.triangles])
     distances = _distances(field, points.reshape(-1, 3), None)
     return distances.reshape(-1, len(INNER)).max(axis=1)
@@ -117,7 +119,7 @@ def _distances(field: CellField, points: Floats, normals: Floats | None) -> Floa
     return np.abs(jets[:, 0]) / np.maximum(np.sqrt((gradient * gradient).sum(axis=1)), 1e-300)
 
 
-def _first(field: CellField) -> TriangleMesh:
+def _first(field: CellField) -> Mesh:
     """The mesh of the coarsest lattice that shows all contact curves, manifold and without folds.
 
     Else that of the finest, as it is.
@@ -135,7 +137,7 @@ def _first(field: CellField) -> TriangleMesh:
         empty = False
         for snap in SNAPS:
             mesh = _improved(field, *march(grid, snap), FIRST_SMOOTHINGS)
-            sound = mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.normals).any()
+            sound = mesh.is_manifold and not folded(mesh.points, mesh.triangles, mesh.point_normals).any()
             if sound and _shows_curves(field, mesh):
                 return mesh
     if empty:
@@ -143,7 +145,7 @@ def _first(field: CellField) -> TriangleMesh:
     return _improved(field, *march(grid, 0.0), FIRST_SMOOTHINGS)
 
 
-def _shows_curves(field: CellField, mesh: TriangleMesh) -> bool:
+def _shows_curves(field: CellField, mesh: Mesh) -> bool:
     """Whether each curve on which the surface must end is near the mesh's boundary all along."""
     if not len(mesh.boundary):
         return not field.curves
@@ -151,12 +153,12 @@ def _shows_curves(field: CellField, mesh: TriangleMesh) -> bool:
     return all(tree.query(curve)[0].max(initial=0.0) < 2 * field.feature_size for curve in field.curves)
 
 
-def _refined(field: CellField, mesh: TriangleMesh, edges: Integers) -> TriangleMesh:
+def _refined(field: CellField, mesh: Mesh, edges: Integers) -> Mesh:
     points, triangles, _ = split(mesh.points, mesh.triangles, edges)
     return _improved(field, points, triangles, LATER_SMOOTHINGS)
 
 
-def _improved(field: CellField, points: Floats, triangles: Integers, smoothings: int) -> TriangleMesh:
+def _improved(field: CellField, points: Floats, triangles: Integers, smoothings: int) -> Mesh:
     boundary = boundary_of(points, triangles, field)
     points = project(points, field, boundary)
     for _ in range(smoothings):
@@ -165,7 +167,7 @@ def _improved(field: CellField, points: Floats, triangles: Integers, smoothings:
         triangles = flip(points, triangles, normals)
         points = project(smooth(points, triangles, normals, boundary), field, boundary)
     normals = _normals(field, points)
-    return TriangleMesh(points, flip(points, triangles, normals), normals)
+    return Mesh.smooth(points, flip(points, triangles, normals), normals)
 
 
 def _normals(field: CellField, points: Floats) -> Floats:

@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq, fmpq_mpoly, fmpq_poly
 
-from pas.parametric.rational_function import PARAMETERS, RationalFunction
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 BITS = 256

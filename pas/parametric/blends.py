@@ -17,17 +17,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from pas.algebra.callables import Values
 from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain
+from pas.algebra.rational_function import RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
-from pas.parametric.callables import Values
+from pas.mesh.mesh import Mesh
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.evaluation import hermite_values
 from pas.parametric.interpolation import exact_hermite
-from pas.parametric.meshing import ParametricMesh, mesh_surface
+from pas.parametric.meshing import mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
-from pas.parametric.rational_function import RationalFunction, total
 from pas.parametric.regularity import regularity
 from pas.parametric.series import univariate
 from pas.parametric.solutions import ParametricSolutions
@@ -90,7 +91,7 @@ class ParametricBlend:
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> ParametricMesh:
+    ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
 

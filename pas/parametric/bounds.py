@@ -16,11 +16,12 @@ from flint import fmpq
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.bernstein.boxes import product
 from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.parametric.framed import Framed
-from pas.parametric.nets import SMALLEST, Nets, product
+from pas.parametric.nets import SMALLEST, Nets
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.tiling import GRID, Placing
 

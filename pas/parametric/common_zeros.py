@@ -26,12 +26,13 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational_function import GENERATORS, ONE
+from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import rounded
 from pas.bernstein.signs import UNIT_ROUNDOFF, Status
+from pas.bernstein.subdivision import halves
 from pas.limits import checkpoint
 from pas.parametric.domain import Ends, ExactDomain
-from pas.parametric.nets import bernstein
-from pas.parametric.rational_function import GENERATORS, ONE
 
 LOCATED = 24
 """Halvings after which a change of sign is reported: the place is then known to about 1 in 4000."""
@@ -145,7 +146,7 @@ class _Cell:
         """Both halves across the parameter along which the coefficients change more."""
         steps = [float(np.abs(np.diff(self.net, axis=axis)).max(initial=0.0)) for axis in (0, 1)]
         axis = 0 if steps[0] > steps[1] or (steps[0] == steps[1] and self.depth % 2 == 0) else 1
-        left, right = _halved(self.net, axis)
+        left, right = halves(self.net, axis)
         size, moved = list(self.size), list(self.corner)
         size[axis] /= 2
         moved[axis] += size[axis]
@@ -216,7 +217,7 @@ class _Search:
 
     def fresh(self, piece: Piece, depth: int) -> _Cell:
         """A whole piece with coefficients (n+1, m+1, k), those of each polynomial over the greatest, rounded."""
-        tables = [bernstein(_moved(p, piece, self.degrees), self.degrees) for p in self.polynomials]
+        tables = [box_form(_moved(p, piece, self.degrees), self.degrees) for p in self.polynomials]
         nets = [rounded([c for row in table for c in row]).reshape(len(table), -1) for table in tables]
         whole = (Fraction(0), Fraction(0)), (Fraction(1), Fraction(1))
         return _Cell(piece, np.stack(nets, axis=-1), *whole, 0, depth)
@@ -267,17 +268,6 @@ def _changes_sign(polynomial: fmpq_mpoly, cell: _Cell) -> bool:
 
 def _rounding(halvings: int, degrees: list[int]) -> float:
     return 8 * (2 + halvings * (max(degrees) + 1)) * UNIT_ROUNDOFF
-
-
-def _halved(coefficients: Floats, axis: int) -> tuple[Floats, Floats]:
-    """De Casteljau's subdivision at the middle along one axis."""
-    row = np.moveaxis(coefficients, axis, 0)
-    size = len(row)
-    left, right = np.empty_like(row), np.empty_like(row)
-    for i in range(size):
-        left[i], right[size - 1 - i] = row[0], row[-1]
-        row = (row[:-1] + row[1:]) * 0.5
-    return np.moveaxis(left, 0, axis), np.moveaxis(right, 0, axis)
 
 
 def _moved(polynomial: fmpq_mpoly, piece: Piece, degrees: list[int]) -> fmpq_mpoly:

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from math import comb, factorial
 from typing import Any, Protocol
 
@@ -26,12 +25,14 @@ from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, plain, rational, to_float, to_fraction
+from pas.bernstein.boxes import product
 from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.bernstein.subdivision import halves
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.framed import Framed
 from pas.parametric.meshing import RELATIVE, exact_rectangle
-from pas.parametric.nets import ExactNet, Nets, Table, exact_net, product
+from pas.parametric.nets import ExactNet, Nets, exact_net
 from pas.parametric.patches import ExactControl, Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 
@@ -205,30 +206,14 @@ def _doubles(numbers: Any) -> Floats:
 
 
 def _split(net: ExactNet, axis: int) -> tuple[ExactNet, ExactNet]:
-    tables = [_halved_exactly(table, axis) for table in (*net.tops, net.below)]
+    tables = [halves(np.array(table, dtype=object), axis) for table in (*net.tops, net.below)]
     low, high = net.rectangle[axis]
-    halves = []
+    parts = []
     for side, interval in ((0, (low, (low + high) / 2)), (1, ((low + high) / 2, high))):
-        x, y, z, w = (pair[side] for pair in tables)
+        x, y, z, w = (pair[side].tolist() for pair in tables)
         sides = (interval, net.rectangle[1]) if axis == 0 else (net.rectangle[0], interval)
-        halves.append(ExactNet((x, y, z), w, sides))
-    return halves[0], halves[1]
-
-
-def _halved_exactly(table: Table, axis: int) -> tuple[Table, Table]:
-    rows = [list(r) for r in zip(*table, strict=True)] if axis == 0 else table
-    left, right = [], []
-    for start in rows:
-        row, first, last = start, list[fmpq](), list[fmpq]()
-        while row:
-            first.append(row[0])
-            last.insert(0, row[-1])
-            row = [(a + b) / 2 for a, b in pairwise(row)]
-        left.append(first)
-        right.append(last)
-    if axis == 1:
-        return left, right
-    return [list(r) for r in zip(*left, strict=True)], [list(r) for r in zip(*right, strict=True)]
+        parts.append(ExactNet((x, y, z), w, sides))
+    return parts[0], parts[1]
 
 
 def _least(net: ExactNet) -> Fraction:

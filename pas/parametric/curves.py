@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.callables import component
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, short, shown
+from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational
-from pas.parametric.callables import component
-from pas.parametric.expressions import Names
-from pas.parametric.jets import Jet, variables
-from pas.parametric.rational_function import RationalFunction
+from pas.algebra.rational_function import RationalFunction
 from pas.parametric.surface import Components, ParametricSurface
 
 

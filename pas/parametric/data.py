@@ -20,10 +20,10 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import MOST_SURFACES, short, shown
 from pas.algebra.rational import plain, to_float, to_fraction
+from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.hermite import distinct
-from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.roots import real_roots
 from pas.parametric.series import taylor, univariate
 from pas.parametric.surface import ParametricSurface

@@ -9,9 +9,9 @@ import math
 from fractions import Fraction
 from typing import Any
 
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float, to_fraction
-from pas.parametric.expressions import Names
 
 Interval = tuple[float, float]
 Domain = tuple[Interval, Interval]

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.callables import Values
+from pas.algebra.horner import as_arrays, combinations, dense, horner
+from pas.algebra.jets import Jet, along, constant, nilpotency, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
-from pas.parametric.callables import Values
+from pas.algebra.rational_function import RationalFunction
 from pas.parametric.data import BlendingData
 from pas.parametric.hermite import inverse_series
-from pas.parametric.horner import as_arrays, combinations, dense, horner
-from pas.parametric.jets import Jet, along, constant, nilpotency, variables
 from pas.parametric.kernel import FactoredGroup, Group, GroupBuilder, functions_of_h, stacked
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
 

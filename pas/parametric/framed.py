@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.errors import GeometryError
 from pas.parametric.domain import Interval
-from pas.parametric.jets import Jet
 from pas.parametric.surface import ParametricSurface
 
 UNIT_SQUARE = ((0, 1), (0, 1))

@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.rational import plain, rational, to_fraction
-from pas.parametric.rational_function import ONE, RationalFunction
+from pas.algebra.rational_function import ONE, RationalFunction
 from pas.parametric.series import univariate
 
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
+from pas.algebra.expressions import Names
+from pas.algebra.rational_function import RING, RationalFunction
 from pas.limits import checkpoint
 from pas.parametric.data import BlendingData, Expansion
-from pas.parametric.expressions import Names
 from pas.parametric.hermite import taylor_basis
-from pas.parametric.rational_function import RING, RationalFunction
 from pas.parametric.series import univariate
 from pas.parametric.surface import Components
 

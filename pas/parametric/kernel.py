@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.horner import dense, horner, product
+from pas.algebra.jets import Jet, power
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
-from pas.parametric.horner import dense, horner, product
-from pas.parametric.jets import Jet, power
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ guaranteed: that the surface does not pass through itself.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +26,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.field import Integers, TriangleMesh
+from pas.mesh.field import Integers
+from pas.mesh.mesh import Mesh
 from pas.mesh.triangulate import MeshError
 from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
 from pas.parametric.domain import Domain
@@ -64,25 +64,11 @@ BATCH = 1 << 21
 """Numbers held in one batch of cells."""
 
 
-@dataclass(frozen=True)
-class ParametricMesh(TriangleMesh):
-    """A triangle mesh with the parameters (N, 2) of its vertices (one pair for those on seams and poles).
-
-    `deviation` bounds the distance of the triangles from the surface: proved where `certified`, else measured.
-    """
-
-    parameters: Floats
-    deviation: float
-    certified: bool
-
-    def to_pyvista(self) -> Any:
-        """The mesh as a `pyvista.PolyData` with normals and `parameters` as point data."""
-        data = super().to_pyvista()
-        data.point_data["parameters"] = self.parameters
-        return data
+ParametricMesh = Mesh
+"""What the meshes of parametric surfaces were called."""
 
 
-def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> ParametricMesh:
+def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> Mesh:
     """The mesh of a surface over its domain, or another; see `ParametricSurface.mesh`."""
     rectangle = exact_rectangle(surface, domain)
     framed = Framed.of(surface.with_domain(rectangle))
@@ -107,13 +93,13 @@ def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any 
     deviation = framed.outside((worst + tiles.away) * ROUNDED)
     if tiles.away > wanted - worst:
         raise MeshError(too_fine(framed.outside(wanted)))
-    return ParametricMesh(
+    return Mesh.smooth(
         framed.points_outside(tiles.points),
         tiles.triangles,
         tiles.normals,
-        framed.parameters_outside(tiles.shares),
-        deviation,
-        nets is not None,
+        parameters=framed.parameters_outside(tiles.shares),
+        deviation=deviation,
+        proved=nets is not None,
     )
 
 

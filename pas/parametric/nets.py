@@ -1,16 +1,13 @@
-"""Bernstein nets: polynomials and exact surfaces over rectangles, exact, and halved in doubles with bounds on rounding.
+"""Bernstein nets of exact surfaces over rectangles, exact, and halved in doubles with bounds on rounding.
 
-Over [0, 1]^2 a polynomial has the coefficients b_ij = sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq in the
-basis B_i(u) B_j(v) and its values lie between them (Farin 2002, chapters 6 and 13).  A rational surface over one
-denominator is a net in four coordinates, weight times point and weight.
+A rational surface over one denominator is a net in four coordinates, weight times point and weight (Farin 2002,
+chapter 13).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +15,10 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
+from pas.bernstein.boxes import Table, box_form
 from pas.bernstein.signs import UNIT_ROUNDOFF
-from pas.parametric.rational_function import GENERATORS, ONE, RING, lcm
+from pas.bernstein.subdivision import halved
 
 if TYPE_CHECKING:
     from pas.parametric.surface import ParametricSurface
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 SMALLEST = math.ulp(0.0)
 """By which the smallest numbers err that doubles hold."""
 
-Table = list[list[fmpq]]
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 
 
@@ -93,64 +91,11 @@ def exact_net(surface: ParametricSurface, rectangle: Rectangle) -> ExactNet:
     sizes = [p.degrees() for p in parts if not p.is_zero()]
     degrees = [max(1, *(int(d[axis]) for d in sizes)) for axis in (0, 1)]
     sign = -1 if parts[3](fmpq(1, 2), fmpq(1, 2)) < 0 else 1
-    x, y, z, w = (bernstein(p * sign, degrees) for p in parts)
+    x, y, z, w = (box_form(p * sign, degrees) for p in parts)
     return ExactNet((x, y, z), w, rectangle)
-
-
-def bernstein(polynomial: fmpq_mpoly, degrees: list[int]) -> Table:
-    """The coefficients over [0, 1]^2 as a polynomial of these degrees, exact."""
-    n, m = degrees
-    table = [[fmpq(0)] * (m + 1) for _ in range(n + 1)]
-    for (p, q), c in polynomial.to_dict().items():
-        table[int(p)][int(q)] = c / (math.comb(n, int(p)) * math.comb(m, int(q)))
-    rows = [_accumulated(row) for row in table]
-    return [list(row) for row in zip(*(_accumulated(list(c)) for c in zip(*rows, strict=True)), strict=True)]
-
-
-def halved(nets: Floats, axis: int) -> tuple[Floats, Floats]:
-    """Both halves of nets (C, m+1, n+1, d) along parameter `axis`, by de Casteljau's subdivision."""
-    if axis == 0:
-        flat = nets.reshape(*nets.shape[:2], -1)
-        left, right = (np.matmul(matrix, flat).reshape(nets.shape) for matrix in _halving(nets.shape[1]))
-    else:
-        left, right = (np.matmul(matrix, nets) for matrix in _halving(nets.shape[2]))
-    return left, right
-
-
-def product(left: Floats, right: Floats) -> Floats:
-    """Products of nets (C, m+1, n+1, d) and (C, k+1, l+1, d): degrees add, C and d broadcast (Farin 2002, 5.12)."""
-    degrees = [(a - 1, b - 1) for a, b in zip(left.shape[1:3], right.shape[1:3], strict=True)]
-    (rows, more), (columns, further) = ((_binomials(a), _binomials(b)) for a, b in degrees)
-    first = left * (rows[:, None] * columns[None, :])[..., None]
-    second = right * (more[:, None] * further[None, :])[..., None]
-    count, last = max(len(left), len(right)), max(left.shape[3], right.shape[3])
-    result = np.zeros((count, degrees[0][0] + degrees[0][1] + 1, degrees[1][0] + degrees[1][1] + 1, last))
-    for i in range(right.shape[1]):
-        for j in range(right.shape[2]):
-            result[:, i : i + left.shape[1], j : j + left.shape[2]] += first * second[:, i, j][:, None, None]
-    return result / (_binomials(sum(degrees[0]))[:, None] * _binomials(sum(degrees[1]))[None, :])[..., None]
-
-
-def _binomials(degree: int) -> Floats:
-    return np.array([math.comb(degree, i) for i in range(degree + 1)], dtype=float)
-
-
-@lru_cache(maxsize=64)
-def _halving(size: int) -> tuple[Floats, Floats]:
-    left = np.array([[math.comb(i, k) / 2**i for k in range(size)] for i in range(size)])
-    return left, np.ascontiguousarray(left[::-1, ::-1])
 
 
 def _moved(polynomial: fmpq_mpoly, rectangle: Rectangle) -> fmpq_mpoly:
     """The polynomial as one on [0, 1]^2."""
     first, second = (low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True))
     return polynomial.compose(first, second, ctx=RING)
-
-
-def _accumulated(values: list[fmpq]) -> list[fmpq]:
-    """b_i = sum_p C(i, p) a_p by repeated sums."""
-    result, row = [], list(values)
-    while row:
-        result.append(row[0])
-        row = [a + b for a, b in pairwise(row)]
-    return result

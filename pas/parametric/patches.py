@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.expressions import Names
+from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
-from pas.parametric.expressions import Names
-from pas.parametric.jets import composed
-from pas.parametric.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
+from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.parametric.surface import Components, ParametricSurface
 
 Knots = tuple[Floats, Floats]

@@ -15,9 +15,9 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain, to_float
+from pas.algebra.rational_function import RationalFunction
 from pas.bernstein.signs import Status
 from pas.parametric.data import AXES, BlendingData
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
 from pas.surface.certificate import Verdict, Verdicts

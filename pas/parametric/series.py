@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.polynomial import Polynomial
-from pas.parametric.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
+from pas.algebra.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
 
 
 def composed(polynomial: Polynomial, functions: Sequence[RationalFunction]) -> RationalFunction:

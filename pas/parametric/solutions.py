@@ -14,14 +14,14 @@ from typing import Any
 
 from flint import fmpq_mpoly
 
+from pas.algebra.callables import component
 from pas.algebra.inputs import short
+from pas.algebra.jets import power
 from pas.algebra.rational import plain, to_float
+from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.callables import component
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.hermite import blending_polynomial
-from pas.parametric.jets import power
-from pas.parametric.rational_function import ONE, RationalFunction
 from pas.parametric.series import taylor, univariate
 from pas.parametric.surface import Components, ParametricSurface
 

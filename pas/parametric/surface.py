@@ -20,22 +20,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.callables import Values, component, from_derivatives
+from pas.algebra.expressions import Names, as_text
+from pas.algebra.horner import Bundle
 from pas.algebra.inputs import check_derivative, shown
+from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, plain, to_float, vector
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import Report, checkpoint, limited
-from pas.parametric.callables import Values, component, from_derivatives
 from pas.parametric.domain import Domain, ExactDomain, read_domain
-from pas.parametric.expressions import Names, as_text
-from pas.parametric.horner import Bundle
-from pas.parametric.jets import Jet, variables
-from pas.parametric.rational_function import PARAMETERS, RationalFunction
 from pas.parametric.series import composed
 
 if TYPE_CHECKING:
-    from pas.parametric.meshing import ParametricMesh
+    from pas.mesh.mesh import Mesh
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
@@ -224,7 +224,7 @@ class ParametricSurface:
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> ParametricMesh:
+    ) -> Mesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
         The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a

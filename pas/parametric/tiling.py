@@ -14,7 +14,8 @@ import numpy as np
 
 from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
-from pas.mesh.field import Integers, edge_table
+from pas.mesh.field import Integers
+from pas.mesh.topology import edge_table
 
 if TYPE_CHECKING:
     from pas.parametric.surface import ParametricSurface

@@ -25,10 +25,10 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whole
+from pas.algebra.jets import power
 from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational_function import RationalFunction
 from pas.parametric.hermite import distinct
-from pas.parametric.jets import power
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.roots import roots_and_sides
 from pas.parametric.series import univariate
 

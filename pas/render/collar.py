@@ -13,7 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.frames import connectivity
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.parametric.surface import ParametricSurface
 
 ROWS, NEWTON = 40, 4
@@ -24,7 +24,7 @@ STRAY = 0.5
 """Or where bringing a point back to the surface moves it by this much of a step."""
 
 
-def collar(boundary: Boundary, sign: int, reach: float, number: int) -> TriangleMesh | None:
+def collar(boundary: Boundary, sign: int, reach: float, number: int) -> Mesh | None:
     """The strip beside a curve at `number` points, `reach` wide; None where the surface is not known.
 
     `sign` times N x C' (or V) points to the blend.
@@ -41,7 +41,7 @@ def collar(boundary: Boundary, sign: int, reach: float, number: int) -> Triangle
     if rows is None or len(rows) < 2:
         return None
     points, normals = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
-    return TriangleMesh(points, connectivity((number, len(rows)), boundary.closed, False), normals)
+    return Mesh.smooth(points, connectivity((number, len(rows)), boundary.closed, False), normals)
 
 
 def _implicit(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Floats]:

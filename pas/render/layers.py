@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.parametric.surface import ParametricSurface
 
 BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
@@ -29,7 +29,7 @@ class Layer:
     `outlined` draws its boundary, `opacity` is 1 for what is not seen through.
     """
 
-    mesh: TriangleMesh
+    mesh: Mesh
     color: str
     tint: str = "white"
     curvature: Floats | None = None

@@ -13,7 +13,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.mesh.field import Integers, TriangleMesh, edge_table
+from pas.mesh.field import Integers
+from pas.mesh.mesh import Mesh
 from pas.partition.single_cell import SingleCell
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
@@ -25,9 +26,9 @@ RINGS = 24
 """Rings of triangles along an extruded neighbour: enough for stripes to be straight."""
 
 
-def neighbours(surface: PiecewiseSurface, mesh: TriangleMesh, length: float) -> list[TriangleMesh]:
+def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mesh]:
     """Each cylindrical contact surface, extruded by `length` (model units) from the blend's mesh."""
-    edges, times = edge_table(mesh.triangles)
+    edges, times = mesh.edges
     rim = edges[times == 1]
     result = []
     near = 1e-7 * (1 + np.abs(mesh.points).max())
@@ -62,7 +63,7 @@ def _is_cylinder(surface: Polynomial, clip: Polynomial) -> bool:
     return bool(change.is_zero())
 
 
-def _beyond(contact: Contact, surface: PiecewiseSurface, length: float) -> list[TriangleMesh]:
+def _beyond(contact: Contact, surface: PiecewiseSurface, length: float) -> list[Mesh]:
     """The contact surface on the far side of its clip, in a box `length` wider than the region."""
     slope = [contact.clip.diff(i).at((0, 0, 0)) for i in range(3)]
     axis = next((i for i in range(3) if slope[i] != 0), None)
@@ -79,10 +80,10 @@ def _beyond(contact: Contact, surface: PiecewiseSurface, length: float) -> list[
     else:
         lower[axis], upper[axis] = plane - 2 * reach, plane
     alone = PiecewiseSurface.from_polynomials(SingleCell(lower, upper), [], 0, [contact.surface])
-    return [alone.triangulate(length * NEIGHBOUR_TOLERANCE)]
+    return [alone.mesh(length * NEIGHBOUR_TOLERANCE)]
 
 
-def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats) -> TriangleMesh:
+def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats) -> Mesh:
     vertices, inverse = np.unique(rim, return_inverse=True)
     ring, count = inverse.reshape(-1, 2), len(vertices)
     steps = np.linspace(0.0, 1.0, RINGS + 1)
@@ -97,4 +98,4 @@ def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats)
     p = grid[faces]
     turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[faces[:, 0]]).sum(axis=1) < 0
     faces[turned] = faces[turned][:, [0, 2, 1]]
-    return TriangleMesh(grid, faces, normals)
+    return Mesh.smooth(grid, faces, normals)

@@ -11,11 +11,11 @@ from pas.algebra.rational import to_float
 from pas.errors import LimitError, PasError
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.quadrics import SphereBlend
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.domain import Domain
 from pas.parametric.framed import extent
-from pas.parametric.meshing import ParametricMesh, finite_domain
+from pas.parametric.meshing import finite_domain
 from pas.parametric.surface import ParametricSurface
 from pas.render.generatrix import generatrix_layers, sphere_layers
 from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
@@ -36,9 +36,7 @@ TURNS, RISE, USUAL = 16, 0.55, 1.1
 """Views that are tried, their height over their distance, and by how much another must be better than the first."""
 
 
-def parametric_layers(
-    things: Drawable | Sequence[Drawable], mesh: TriangleMesh | None, domain: Any, style: str
-) -> list[Layer]:
+def parametric_layers(things: Drawable | Sequence[Drawable], mesh: Mesh | None, domain: Any, style: str) -> list[Layer]:
     """The layers of a picture; `mesh` is that of the first thing.
 
     Raises `TypeError` for other things, `ValueError` for none, and what meshing raises.
@@ -63,19 +61,17 @@ def parametric_layers(
     return layers
 
 
-def _layer(
-    surface: ParametricSurface, mesh: TriangleMesh | None, domain: Any, style: str, color: str, tint: str
-) -> Layer:
+def _layer(surface: ParametricSurface, mesh: Mesh | None, domain: Any, style: str, color: str, tint: str) -> Layer:
     if mesh is None:
         bounded = surface.with_domain(finite_domain(surface, domain))
         mesh = bounded.mesh((FINE if style == "zebra" else COARSE) * extent(bounded))
     curvature = None
-    if style == "curvature" and isinstance(mesh, ParametricMesh):
+    if style == "curvature" and mesh.parameters is not None:
         curvature = mean_curvatures(surface, mesh.parameters)
     return Layer(mesh, color, tint, curvature, outlined=True)
 
 
-def _blend_layers(blend: ParametricBlend, mesh: TriangleMesh | None, domain: Any, style: str) -> list[Layer]:
+def _blend_layers(blend: ParametricBlend, mesh: Mesh | None, domain: Any, style: str) -> list[Layer]:
     rectangle = finite_domain(blend.surface, domain)
     layers = [_layer(blend.surface, mesh, rectangle, style, BLEND_COLOR, BLEND_TINT)]
     size = float(np.ptp(layers[0].mesh.points, axis=0).max())
@@ -88,9 +84,7 @@ def _blend_layers(blend: ParametricBlend, mesh: TriangleMesh | None, domain: Any
     return layers
 
 
-def _neighbour(
-    blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float
-) -> ParametricMesh | None:
+def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float) -> Mesh | None:
     """The part of a surface beside its curve, as far as it has no poles and is not larger than the blend.
 
     None where there is no such part, or the curve is not within the rectangle.
@@ -118,7 +112,7 @@ def _neighbour(
     return None
 
 
-def widest_view(meshes: Sequence[TriangleMesh]) -> tuple[float, float, float]:
+def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
     """From where most of the surfaces is seen, among directions all around and a little above."""
     around = np.arange(TURNS) * 2 * np.pi / TURNS - np.pi / 4
     directions = np.stack([np.cos(around), np.sin(around), np.full(TURNS, RISE)], axis=1)

@@ -12,10 +12,10 @@ import numpy as np
 from pas.exchange.files import replacing, target
 from pas.limits import Report, limited
 from pas.mesh.field import Floats
+from pas.mesh.mesh import Mesh
 from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import look_at
 from pas.solid.assembly import Assembly, assembly
-from pas.solid.mesh import SolidMesh
 from pas.solid.solid import Solid
 
 VIEWS = ((0.35, -1.0, 0.45), (0.0, -1.0, 0.0), (1.0, -0.2, 0.3), (0.0, -0.05, 1.0))
@@ -45,13 +45,13 @@ class Look(Enum):
 
 @limited("drawing", "a coarser tolerance")
 def draw_parts(
-    shape: Solid | SolidMesh | Assembly,
+    shape: Solid | Mesh | Assembly,
     path: str | Path,
     *,
     look: Look = Look.PLAIN,
     tolerance: float | None = None,
     size: tuple[int, int] = (1200, 900),
-    meshes: dict[str, SolidMesh] | None = None,
+    meshes: dict[str, Mesh] | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
@@ -84,18 +84,18 @@ def draw_parts(
     return Path(path)
 
 
-def _shift(look: Look, place: int, meshes: dict[str, SolidMesh]) -> Floats:
+def _shift(look: Look, place: int, meshes: dict[str, Mesh]) -> Floats:
     if look is not Look.EXPLODED:
         return np.zeros(3)
     points = np.concatenate([m.points for m in meshes.values()])
     return np.array([0.0, 0.0, GAP * place * float(np.ptp(points, axis=0).max())])
 
 
-def _add(plotter: Any, mesh: SolidMesh, color: str, look: Look, shift: Sequence[float] | Floats) -> None:
+def _add(plotter: Any, mesh: Mesh, color: str, look: Look, shift: Sequence[float] | Floats) -> None:
     data = mesh.to_pyvista().translate(shift, inplace=False)
     shading = {"smooth_shading": False, "specular": 0.3, "specular_power": 25, "ambient": 0.2}
     if look is Look.CUT:
-        whole = mesh.triangle_mesh.to_pyvista()
+        whole = mesh.smoothed.to_pyvista()
         middle = float(mesh.points[:, 1].min() + mesh.points[:, 1].max()) / 2
         half = whole.clip_closed_surface(normal=(0, 1, 0), origin=(0, middle, 0))
         smooth = {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": SHARP_DEGREES}

@@ -12,7 +12,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
 from pas.limits import Report, limited
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.render.layers import BLEND_COLOR, CURVE_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
 from pas.render.offscreen import offscreen_pyvista
@@ -62,7 +62,7 @@ def draw(
     path: str | Path,
     *,
     style: Style = Style.PLAIN,
-    mesh: TriangleMesh | None = None,
+    mesh: Mesh | None = None,
     size: tuple[int, int] = SIZE,
     domain: Any = None,
     view: Any = None,
@@ -92,10 +92,10 @@ def draw(
     plotter.set_background(low, top=high)
     if isinstance(surface, PiecewiseSurface):
         extent = float(np.ptp(surface.partition.points, axis=0).max())
-        mesh = mesh or surface.triangulate(extent * (FINE if style is Style.ZEBRA else COARSE))
+        mesh = mesh or surface.mesh(extent * (FINE if style is Style.ZEBRA else COARSE))
         others = neighbours(surface, mesh, extent * 0.25)
         layers, frame = _layers(surface, mesh, others, style), _frame(surface)
-        meshes: list[TriangleMesh] = [mesh, *others]
+        meshes: list[Mesh] = [mesh, *others]
     else:
         layers, frame = parametric_layers(surface, mesh, domain, style.value), np.eye(3)
         meshes = [layer.mesh for layer in layers]
@@ -110,7 +110,7 @@ def draw(
     return Path(path)
 
 
-def _layers(surface: PiecewiseSurface, mesh: TriangleMesh, others: list[TriangleMesh], style: Style) -> list[Layer]:
+def _layers(surface: PiecewiseSurface, mesh: Mesh, others: list[Mesh], style: Style) -> list[Layer]:
     curvature = surface.curvatures(mesh.points)[:, 0] if style is Style.CURVATURE else None
     blend = Layer(mesh, BLEND_COLOR, curvature=curvature, outlined=True)
     return [blend, *(Layer(other, PIPE_COLOR) for other in others)]
@@ -122,7 +122,7 @@ def _add(plotter: Any, layer: Layer, style: Style, frame: Floats, scale: float) 
     }  # fmt: skip
     data = layer.mesh.to_pyvista()
     if style is Style.ZEBRA:
-        data["isophotes"] = _isophotes(layer.mesh.normals, frame)
+        data["isophotes"] = _isophotes(layer.mesh.shading[2], frame)
         plotter.add_mesh(
             data, scalars="isophotes", cmap=[layer.tint, "black"] * (STRIPES // 2), clim=(-1, 1),
             interpolate_before_map=True, show_scalar_bar=False, n_colors=STRIPES,
@@ -130,7 +130,7 @@ def _add(plotter: Any, layer: Layer, style: Style, frame: Floats, scale: float) 
         )  # fmt: skip
         return
     if layer.curvature is not None:
-        data["mean curvature"] = layer.curvature
+        data["mean curvature"] = layer.curvature[layer.mesh.shading_points]
         limit = max(float(np.nanpercentile(np.abs(layer.curvature), 98)), 1e-12)
         fonts = {f"{part}_font_size": round(font * scale) for part, font in FONTS.items()}
         plotter.add_mesh(

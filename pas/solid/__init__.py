@@ -7,12 +7,15 @@ part = cross - solid.ball((0, 0, 0), "3/4")
 part.mesh(1e-3)
 """
 
+from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.joints import Joint
-from pas.solid.mesh import SolidMesh
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.solid import Solid, intersection, patch, union
 from pas.solid.tube import tube
+
+SolidMesh = Mesh
+"""What the meshes of solids were called."""
 
 __all__ = [
     "Assembly",

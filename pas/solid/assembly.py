@@ -12,7 +12,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
-from pas.solid.mesh import SolidMesh
+from pas.mesh.mesh import Mesh
 from pas.solid.solid import Solid
 
 COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
@@ -23,15 +23,15 @@ COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
 class Part:
     """A solid (or a closed mesh) with its colour, `#rrggbb`."""
 
-    shape: Solid | SolidMesh
+    shape: Solid | Mesh
     color: str
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
         self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> SolidMesh:
+    ) -> Mesh:
         """The part's mesh; see `Solid.mesh`."""
-        return self.shape if isinstance(self.shape, SolidMesh) else self.shape.mesh(tolerance)
+        return self.shape.mesh(tolerance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class Assembly:
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
         self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> dict[str, SolidMesh]:
+    ) -> dict[str, Mesh]:
         """The mesh of each part."""
         return {name: part.mesh(tolerance) for name, part in self.parts.items()}
 
@@ -74,10 +74,7 @@ class Assembly:
     @property
     def box(self) -> Floats:
         """Two corners (2, 3) of a box that holds all parts."""
-        boxes = [
-            p.shape.box if isinstance(p.shape, Solid) else np.stack([p.shape.points.min(0), p.shape.points.max(0)])
-            for p in self.parts.values()
-        ]
+        boxes = [p.shape.box for p in self.parts.values()]
         return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
     @property
@@ -105,7 +102,7 @@ def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:
     result = {}
     for number, (name, value) in enumerate(given.items()):
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
-        if not isinstance(shape, Solid | SolidMesh):
+        if not isinstance(shape, Solid | Mesh):
             raise TypeError(f"the part {name!r} must be a solid or a SolidMesh, not {shape!r}")
         result[name] = Part(shape, _color(color, name))
     return Assembly(MappingProxyType(result))

@@ -21,11 +21,12 @@ from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
+from pas.mesh.mesh import Mesh
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.joints import Joint, refuse_unknown
-from pas.solid.mesh import SolidMesh, curved_measures
+from pas.solid.measures import curved_measures
 from pas.solid.pieces import polynomials_of
 from pas.solid.proofs import prove
 from pas.solid.shell import shelled
@@ -234,18 +235,14 @@ class Solid:
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(
         self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> SolidMesh:
+    ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
         Every triangle lies on one face; edges between faces lie on their common curve.  By default
         the tolerance is 1e-3 of the longest side of the box.  Raises `MeshError` where the solid is
         too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
         """
-        found = self.face_mesh(tolerance)
-        return SolidMesh.of(found, self._label_names(found), self.field.world)
-
-    def _label_names(self, found: FaceMesh) -> dict[int, str]:
-        return {int(label): self.field.face(int(label)) for label in np.unique(found.mesh.labels)}
+        return self.face_mesh(tolerance).named(self.field)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(

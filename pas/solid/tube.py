@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.algebra.callables import component
 from pas.algebra.inputs import whole
+from pas.algebra.jets import Jet, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float
 from pas.errors import GeometryError
-from pas.parametric.callables import component
-from pas.parametric.jets import Jet, variables
 from pas.solid.distance import Distance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined

@@ -16,7 +16,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.limits import Report, limited
-from pas.mesh.field import TriangleMesh
+from pas.mesh.mesh import Mesh
 from pas.mesh.triangulate import MeshError, triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.certificate import Certificate
@@ -24,6 +24,9 @@ from pas.surface.contact import Contact
 from pas.surface.joins import Join, joins
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
+
+DEFAULT_TOLERANCE = 1e-3
+"""Of a mesh, over the longest side of the region's box."""
 
 
 @dataclass(frozen=True)
@@ -232,25 +235,31 @@ class PiecewiseSurface:
         return self.certify()
 
     @limited("meshing a surface", "a coarser tolerance")
-    def triangulate(
-        self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None
-    ) -> TriangleMesh:
-        """A triangle mesh as plain arrays; see `mesh`."""
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """Triangles within `tolerance` (the model's units) of the surface, as measured.
+
+        Vertices lie on the surface, boundary vertices on the contact curves; normals point outwards.  By default
+        the tolerance is a thousandth of the longest side of the region's box.  Raises `MeshError` where there is
+        no surface or the tolerance is too small.
+        """
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         frame = self.partition.frame
-        check_tolerance(tolerance, float(to_fraction(frame.scale)))
-        mesh = triangulate(_LocalField(self), tolerance / float(to_fraction(frame.scale)))
-        return TriangleMesh(frame.global_points(mesh.points), mesh.triangles, mesh.normals)
+        scale = float(to_fraction(frame.scale))
+        if tolerance is None:
+            tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
+        found = triangulate(_LocalField(self), check_tolerance(tolerance, scale) / scale)
+        reached = None if found.deviation is None else found.deviation * scale
+        return Mesh.smooth(frame.global_points(found.points), found.triangles, found.point_normals, deviation=reached)
 
     @limited("meshing a surface", "a coarser tolerance")
-    def mesh(self, tolerance: float = 1e-3, *, seconds: float | None = None, progress: Report | None = None) -> Any:
-        """A `pyvista.PolyData` of triangles within `tolerance` (the model's units) of the surface.
-
-        Vertices lie on the surface, boundary vertices on the contact curves; point normals point
-        outwards.  Raises `MeshError` where there is no surface or the tolerance is too small.
-        """
-        return self.triangulate(tolerance).to_pyvista()
+    def triangulate(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """What `mesh` was called when it made something else."""
+        return self.mesh(tolerance)
 
     def __repr__(self) -> str:
         return (

@@ -6,8 +6,8 @@ from fractions import Fraction
 from random import Random
 from typing import Any
 
+from pas.mesh.mesh import Mesh
 from pas.parametric.conversion import DEGREE, FittedPatch
-from pas.parametric.meshing import ParametricMesh
 from pas.parametric.surface import ParametricSurface
 
 GRID = 1 << 26
@@ -21,7 +21,7 @@ def square_distance(first: Any, second: Any) -> Fraction:
     return sum(((a - b) ** 2 for a, b in zip(first, second, strict=True)), Fraction(0))
 
 
-def off_mesh(surface: ParametricSurface, mesh: ParametricMesh, draw: Random) -> Fraction:
+def off_mesh(surface: ParametricSurface, mesh: Mesh, draw: Random) -> Fraction:
     """The square of the distance of a point of a triangle from the surface at equal parameters.
 
     `surface` has the mesh's domain; its vertices stand at multiples of 1 / GRID of it.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 
-from pas.parametric.rational_function import RationalFunction
+from pas.algebra.rational_function import RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 Map = tuple[RationalFunction, RationalFunction, RationalFunction]

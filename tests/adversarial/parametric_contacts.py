@@ -14,10 +14,10 @@ from random import Random
 
 from parametric_cases import ONE, POWERS, H, Map, T, number, polynomial, positive
 
+from pas.algebra.rational_function import RationalFunction
 from pas.parametric.blends import hermite_blend, weighted_blend
 from pas.parametric.data import BlendingData
 from pas.parametric.hermite import hermite_basis
-from pas.parametric.rational_function import RationalFunction
 from pas.parametric.surface import ParametricSurface
 
 

@@ -78,7 +78,7 @@ def require_whole(seed: int) -> None:
     if found.regular.proved:
         assert np.linalg.norm(normals, axis=-1).min() > 0
     assert found.regular.status is not Status.REFUTED or "vanishes" in found.regular.reason
-    mesh = blend.mesh((48, 16))
+    mesh = blend.mesh(size=(48, 16))
     assert np.isfinite(points).all()
     if found.simple.proved:
         assert not len(crossings(mesh.points, mesh.triangles)[0])

@@ -15,10 +15,11 @@ from parametric_cases import ONE, H, T
 
 import pas
 from pas.bernstein.signs import Status
+from pas.bernstein.subdivision import halves
 from pas.generatrix.injective import is_injective
 from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.bounds import NetPoints, bounded
-from pas.parametric.common_zeros import UNIT_SQUARE, _avoids_origin, _halved, _rounding, without_common_zero
+from pas.parametric.common_zeros import UNIT_SQUARE, _avoids_origin, _rounding, without_common_zero
 from pas.parametric.conversion import FittedPatch, _bound, _knots, _outer
 from pas.parametric.data import BlendingData
 from pas.parametric.framed import Framed
@@ -193,7 +194,7 @@ def test_rounding_is_bounded(degrees):
     net = np.array([[float(c) for c in row] for row in exact])[..., None]
     for count in range(1, 31):
         axis, side = count % 2, draw.randrange(2)
-        net = _halved(net, axis)[side]
+        net = halves(net, axis)[side]
         rows = exact if axis else [list(r) for r in zip(*exact, strict=True)]
         rows = [halved_row(row, side) for row in rows]
         exact = rows if axis else [list(r) for r in zip(*rows, strict=True)]

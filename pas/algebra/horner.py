@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
+from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
-from pas.parametric.jets import Jet
 
 BLOCK = 1 << 18
 """Multiplications in one matrix product: above, OpenBLAS starts threads, which costs more than it saves here."""

@@ -9,7 +9,7 @@ process, are set by each call.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -19,18 +19,9 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
-from pas.exchange.files import replacing, target
-from pas.generatrix.blend import GeneratrixBlend
-from pas.limits import Report, limited
-from pas.parametric.blends import ParametricBlend
-from pas.parametric.conversion import bezier_patches
+from pas.exchange.formats.format import Format, Request
+from pas.exchange.patches import PATCHES
 from pas.parametric.patches import RationalPatch
-from pas.parametric.surface import ParametricSurface
-from pas.surface.piecewise import PiecewiseSurface
-
-Shape = RationalPatch | ParametricSurface | ParametricBlend | GeneratrixBlend
-
-SUFFIXES = (".step", ".stp")
 
 UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M", "inch": "INCH", "foot": "FT"}
 """Units of lengths by name, and what Open Cascade calls them."""
@@ -38,80 +29,18 @@ UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M
 DEGENERATE = 1e-9
 """Sides of patches that are shorter, over the patch's size, are points to Open Cascade."""
 
-HIGHEST_DEGREE = 25
-"""In each direction: what the common kernels take."""
-
 FORMAT = "%.16E"
 """Of numbers: doubles come back as they were, which Open Cascade's own twelve digits would round.  Its
 suppression of zeros must stay off: it drops exponents of this format."""
 
 
-@limited("writing a STEP file", "fewer patches")
-def write_step(
-    patches: Shape | Sequence[Shape],
-    path: str | Path,
-    *,
-    domain: Any = None,
-    sew: float | None = None,
-    unit: str = "millimeter",
-    seconds: float | None = None,
-    progress: Report | None = None,
-) -> Path:
-    """Write patches, exact surfaces and exact blends as the faces of a STEP file; returns the path.
-
-    A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
-    `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
-    within that distance are joined to shells, and a shell that is closed becomes a solid.  `unit` is micrometer,
-    millimeter, centimeter, meter, inch or foot.
-
-    Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
-    exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch
-    that Open Cascade refuses or a surface with a pole, `MissingLibraryError` without Open Cascade.
-    """
-    target(path, SUFFIXES, "STEP")
-    if unit not in UNITS:
-        raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
-    if sew is not None and not 0 < sew < float("inf"):
-        raise ValueError(f"sew must be a positive number, not {sew}")
-    items = _patches(patches, domain)
+def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) -> None:
+    """Each patch as a face, sewn where that is asked for; raises `GeometryError` for one that is refused."""
     _require_library()
-    with replacing(path) as temporary, _quiet():
-        faces = [_face(item, number) for number, item in enumerate(items)]
-        _export(_compound(faces) if sew is None else _sewn(faces, sew), temporary, Path(path).stem, UNITS[unit])
-    return Path(path)
-
-
-def _patches(patches: Any, domain: Any) -> list[RationalPatch]:
-    """All patches, checked; an error names the item by its number."""
-    items = list(patches) if isinstance(patches, Iterable) else [patches]
-    if not items:
-        raise ValueError("there must be at least one patch")
-    found: list[RationalPatch] = []
-    for number, item in enumerate(items):
-        surface = item.surface if isinstance(item, ParametricBlend | GeneratrixBlend) else item
-        if isinstance(surface, ParametricSurface) and not surface.is_exact:
-            raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
-        if isinstance(surface, ParametricSurface):
-            found += bezier_patches(surface, domain)
-        elif isinstance(surface, RationalPatch):
-            found.append(surface)
-        else:
-            raise TypeError(_refusal(item))
-        if max(found[-1].degrees) > HIGHEST_DEGREE:
-            raise ValueError(
-                f"patches[{number}] has the degrees {found[-1].degrees}, but STEP is read up to {HIGHEST_DEGREE}; "
-                "write fit_patch(surface, tolerance) in its place"
-            )
-    return found
-
-
-def _refusal(item: Any) -> str:
-    if isinstance(getattr(item, "surface", item), PiecewiseSurface):
-        return (
-            "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
-            "with pas.write_mesh(surface.triangulate(), 'name.stl') or pas.write_solid(blend.solid(), 'name.3mf')"
-        )
-    return f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {item!r}"
+    with _quiet():
+        faces = [_face(item, number) for number, item in enumerate(patches)]
+        whole = _compound(faces) if request.sew is None else _sewn(faces, request.sew)
+        _export(whole, path, request.name, UNITS[request.unit])
 
 
 def _require_library() -> None:
@@ -228,3 +157,6 @@ def _export(shape: Any, path: Path, name: str, unit: str) -> None:
     if not text.Print(buffer):
         raise GeometryError("Open Cascade could not write the patches as STEP")
     path.write_bytes(buffer.getvalue())
+
+
+STEP = Format(".step", PATCHES, write_faces)

@@ -16,12 +16,12 @@ from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
+from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
 from pas.algebra.locus import primitive
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.written import Step
-from pas.parametric.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
-from pas.parametric.horner import Bundle
 
 PARAMETERS: Names = ("t", "h")
 RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.expressions import Formula, Names, NotRationalError, read_formula
+from pas.algebra.jets import Jet, composed, variables
 from pas.algebra.monomials import Floats
-from pas.parametric.expressions import Formula, Names, NotRationalError, read_formula
-from pas.parametric.jets import Jet, composed, variables
-from pas.parametric.rational_function import RationalFunction
+from pas.algebra.rational_function import RationalFunction
 
 Values = Callable[[Any, Any], tuple[Any, ...]]
 """Three coordinates at two arrays (or jets) of parameters that broadcast."""

@@ -13,36 +13,21 @@ its own polynomial.
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.exchange.files import replacing, target
 from pas.surface.piecewise import Cell, PiecewiseSurface
-
-SUFFIX = ".vtu"
-
-
-def write_cells(surface: PiecewiseSurface, path: str | Path) -> Path:
-    """Write the cells of a surface as a .vtu file; returns the path.
-
-    Point data `f` (N,) has the values, negative inside.  Cell data `piece` has the numbers of the
-    polynomials and `b_coefficients` (C, (n+1)(n+2)(n+3)/6) the B-coefficients, whose multi-indices, one a
-    row, are the field data `b_indices`.
-
-    Raises `ValueError` for another suffix or a surface without cells.
-    """
-    target(path, (SUFFIX,), "cells")
-    grid = cell_grid(surface)
-    with replacing(path) as temporary:
-        grid.save(temporary)
-    return Path(path)
 
 
 def cell_grid(surface: PiecewiseSurface) -> Any:
-    """The cells as a `pyvista.UnstructuredGrid`; see `write_cells`."""
+    """The cells of a surface as a `pyvista.UnstructuredGrid`.
+
+    Point data `f` (N,) has the values, negative inside.  Cell data `piece` has the numbers of the
+    polynomials and `b_coefficients` (C, (n+1)(n+2)(n+3)/6) the B-coefficients, whose multi-indices, one a
+    row, are the field data `b_indices`.  Raises `ValueError` for a surface without cells.
+    """
     import pyvista
 
     if not surface.cells:

@@ -1,7 +1,7 @@
 """3MF files, by lib3mf: one named object a part, its colour and the unit of lengths.
 
-Guaranteed: each part is an object of its own in the file's build, closed where its mesh is.  Not
-guaranteed: more than single precision, which is what lib3mf takes.
+Guaranteed: each part is a closed object of its own in the file's build.  Not guaranteed: more than single precision,
+which is what lib3mf takes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from pas.errors import MissingLibraryError
-from pas.mesh.field import Floats, Integers
+from pas.exchange.formats.format import Format, Request
+from pas.exchange.parts import TRIANGLES, Piece
 
 UNITS = {
     "micrometer": "MicroMeter",
@@ -41,20 +42,21 @@ def require_library() -> Any:
     return lib3mf
 
 
-def write_3mf(
-    parts: Sequence[tuple[str, tuple[int, int, int], Floats, Integers]], path: Path, unit: str = "millimeter"
-) -> None:
-    """Write parts (name, colour, points (N, 3), triangles (T, 3)); raises `MissingLibraryError`."""
+def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
+    """All parts; raises `ValueError` for one that is open."""
     lib3mf = require_library()
     wrapper = lib3mf.get_wrapper()
     model = wrapper.CreateModel()
-    model.SetUnit(getattr(lib3mf.ModelUnit, UNITS[unit]))
-    for name, color, points, triangles in parts:
+    model.SetUnit(getattr(lib3mf.ModelUnit, UNITS[request.unit]))
+    for part in parts:
+        if not part.mesh.is_closed:
+            raise ValueError(f"3MF files hold closed bodies, and the mesh of {part.name!r} is open")
         item = model.AddMeshObject()
-        item.SetName(name)
+        item.SetName(part.name)
+        points, triangles = part.mesh.points, part.mesh.triangles
         item.SetGeometry(_records(lib3mf.Position, points, "<f4"), _records(lib3mf.Triangle, triangles, "<u4"))
         group = model.AddColorGroup()
-        item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*color, 255)))
+        item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*part.color, 255)))
         model.AddBuildItem(item, wrapper.GetIdentityTransform())
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(DIGITS)
@@ -65,3 +67,6 @@ def _records(kind: Any, rows: Any, number: str) -> Any:
     """The rows (N, 3) as an array of structures."""
     data = np.ascontiguousarray(rows, dtype=number).tobytes()
     return (kind * len(rows)).from_buffer_copy(data)
+
+
+THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_library)

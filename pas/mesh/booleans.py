@@ -1,0 +1,57 @@
+"""Booleans of closed meshes, by manifold3d."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pas.errors import GeometryError, MissingLibraryError
+from pas.mesh.field import Floats, Integers
+
+
+class Triangles(NamedTuple):
+    """Points (N, 3), triangles (T, 3) and the numbers (T,) of their faces."""
+
+    points: Floats
+    triangles: Integers
+    faces: Integers
+
+
+def boolean(first: Triangles, second: Triangles, operation: str) -> Triangles:
+    """The union ("Add"), intersection ("Intersect") or difference ("Subtract") of what two meshes enclose.
+
+    Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.
+    """
+    try:
+        import manifold3d
+    except ImportError:
+        raise MissingLibraryError("booleans of meshes need manifold3d: pip install manifold3d") from None
+    solids = [_manifold(manifold3d, mesh) for mesh in (first, second)]
+    result = manifold3d.Manifold.batch_boolean(solids, getattr(manifold3d.OpType, operation))
+    _check_status(result, "the result")
+    if result.is_empty():
+        raise GeometryError("the boolean of the two meshes is empty")
+    mesh = result.to_mesh64()
+    return Triangles(
+        np.asarray(mesh.vert_properties)[:, :3],
+        np.asarray(mesh.tri_verts).astype(np.intp),
+        np.asarray(mesh.face_id).astype(np.intp),
+    )
+
+
+def _manifold(manifold3d: Any, mesh: Triangles) -> Any:
+    made = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(mesh.points),
+        tri_verts=mesh.triangles.astype(np.uint64),
+        face_id=mesh.faces.astype(np.uint64),
+    )
+    solid = manifold3d.Manifold(made)
+    _check_status(solid, "a mesh")
+    return solid
+
+
+def _check_status(solid: Any, name: str) -> None:
+    status = solid.status()
+    if status.name != "NoError":
+        raise GeometryError(f"{name} was refused as no closed manifold ({status.name}); mend it before a boolean")

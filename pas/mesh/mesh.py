@@ -1,0 +1,244 @@
+"""The mesh that everything with a surface has: triangles on named faces, normals, distance from the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.errors import GeometryError
+from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.field import Floats, Integers
+from pas.mesh.shading import flat_normals, mean_normals, sharp_points
+from pas.mesh.topology import edge_table, is_closed_manifold, is_manifold, piece_count, seams
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """A triangle mesh whose triangles lie on named faces.
+
+    `points` (N, 3), `triangles` (T, 3) counterclockwise seen from where the normals point, `faces` (T,) the
+    numbers of the triangles' faces in `names`, `normals` (T, 3, 3) unit normals of the face at each corner.
+
+    `parameters` (N, 2) are those of the points of a parametric surface (one pair for those on seams and poles).
+    `deviation`, where known, is the largest distance of the triangles from the surface in the model's units:
+    a bound where `proved`, else measured.
+    """
+
+    points: Floats
+    triangles: Integers
+    faces: Integers
+    names: tuple[str, ...]
+    normals: Floats
+    parameters: Floats | None = None
+    deviation: float | None = None
+    proved: bool = False
+
+    @classmethod
+    def smooth(
+        cls, points: Floats, triangles: Integers, normals: Floats, name: str = "surface", **options: Any
+    ) -> Mesh:
+        """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
+        faces = np.zeros(len(triangles), dtype=np.intp)
+        mesh = cls(points, triangles, faces, (name,), normals[triangles], **options)
+        vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
+        return mesh
+
+    @classmethod
+    def from_triangles(cls, points: Any, triangles: Any, name: str = "mesh") -> Mesh:
+        """A closed mesh of one face from arrays (N, 3) and (T, 3), say of a file.
+
+        Raises `GeometryError` where it is not a closed manifold, or inside out.
+        """
+        p, t = np.asarray(points, dtype=float), np.asarray(triangles, dtype=np.intp)
+        if p.ndim != 2 or p.shape[1] != 3 or t.ndim != 2 or t.shape[1] != 3:
+            raise ValueError(f"points and triangles must have shapes (N, 3) and (T, 3), not {p.shape} and {t.shape}")
+        if not np.isfinite(p).all():
+            raise GeometryError("the mesh has points that are not finite")
+        mesh = cls(p, t, np.zeros(len(t), dtype=np.intp), (name,), flat_normals(p, t))
+        mesh.require_closed()
+        if mesh.volume <= 0:
+            raise GeometryError("the mesh is inside out: its volume is not positive; turn its triangles round")
+        return mesh
+
+    def mesh(self, tolerance: float | None = None) -> Mesh:
+        """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer."""
+        return self
+
+    @property
+    def certified(self) -> bool:
+        """Whether `deviation` is proved, as `proved` says."""
+        return self.proved
+
+    @cached_property
+    def edges(self) -> tuple[Integers, Integers]:
+        """The distinct edges (E, 2), and how many triangles each belongs to (E,)."""
+        return edge_table(self.triangles)
+
+    @cached_property
+    def boundary(self) -> Integers:
+        """The vertices on the mesh's boundary."""
+        edges, times = self.edges
+        return np.unique(edges[times == 1])
+
+    @cached_property
+    def feature_edges(self) -> Integers:
+        """The edges (E, 2) between triangles of different faces."""
+        return seams(self.triangles, self.faces)
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether every edge has two triangles and every vertex one fan of them."""
+        return is_closed_manifold(self.triangles)
+
+    @property
+    def is_manifold(self) -> bool:
+        """Whether every edge has one or two triangles and every vertex one fan of them."""
+        return is_manifold(self.triangles)
+
+    def require_closed(self) -> Mesh:
+        """The mesh itself; raises `GeometryError` where it is open or no manifold."""
+        if not self.is_closed:
+            raise GeometryError("the mesh is open or no manifold: each edge must have two triangles")
+        return self
+
+    @property
+    def euler_characteristic(self) -> int:
+        """Vertices - edges + triangles: 2 for a ball, 0 for a ring, summed over components."""
+        return len(np.unique(self.triangles)) - len(self.edges[0]) + len(self.triangles)
+
+    @property
+    def components(self) -> int:
+        """The number of connected pieces."""
+        return piece_count(self.triangles)
+
+    @property
+    def box(self) -> Floats:
+        """The two corners (2, 3) of the least box that holds all points."""
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
+    @property
+    def volume(self) -> float:
+        """The volume enclosed by the triangles, worked out about their middle, so that none is lost far away.
+
+        Raises `GeometryError` for a mesh that is not closed.
+        """
+        self.require_closed()
+        points = self.points - self.points.mean(axis=0)
+        a, b, c = (points[self.triangles[:, i]] for i in range(3))
+        return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6)
+
+    @property
+    def area(self) -> float:
+        """The total area of the triangles."""
+        return float(self._areas.sum())
+
+    @cached_property
+    def _areas(self) -> Floats:
+        a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
+        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+    @property
+    def face_areas(self) -> dict[str, float]:
+        """The area of the triangles on each face."""
+        sums = np.bincount(self.faces, self._areas, minlength=len(self.names))
+        return dict(zip(self.names, sums.tolist(), strict=True))
+
+    @property
+    def smallest_angles(self) -> Floats:
+        """The smallest angle of each triangle, in degrees (T,)."""
+        p = self.points[self.triangles]
+        angles = []
+        for i in range(3):
+            a, b = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
+            cosine = (a * b).sum(1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-300)
+            angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+        return np.min(angles, axis=0)
+
+    @cached_property
+    def point_normals(self) -> Floats:
+        """A unit normal (N, 3) for each point: the mean of those of the faces there."""
+        return mean_normals(len(self.points), self.triangles, self.normals)
+
+    @cached_property
+    def _sharp(self) -> tuple[Integers, Integers, Floats]:
+        return sharp_points(len(self.points), self.triangles, self.normals)
+
+    @property
+    def shading(self) -> tuple[Floats, Integers, Floats]:
+        """Points, triangles and point normals with vertices doubled along sharp edges only."""
+        numbers, triangles, normals = self._sharp
+        return self.points[numbers], triangles, normals
+
+    @property
+    def shading_points(self) -> Integers:
+        """Which of `points` those of `shading` are (M,)."""
+        return self._sharp[0]
+
+    @property
+    def smoothed(self) -> Mesh:
+        """The same triangles with each point's mean normal at all its corners, so that no vertex is doubled."""
+        return replace(self, normals=self.point_normals[self.triangles])
+
+    @property
+    def flipped(self) -> Mesh:
+        """The same mesh seen from its other side."""
+        return replace(self, triangles=self.triangles[:, ::-1], normals=-self.normals[:, ::-1])
+
+    def to_pyvista(self) -> Any:
+        """A `pyvista.PolyData` with point normals, the array `face`, the faces' names, and `parameters` if known.
+
+        Vertices are doubled along sharp edges, as in `shading`.
+        """
+        import pyvista
+
+        points, triangles, normals = self.shading
+        data = pyvista.PolyData.from_regular_faces(points, triangles.astype(int))
+        data.point_data.active_normals = normals
+        if self.parameters is not None:
+            data.point_data["parameters"] = self.parameters[self.shading_points]
+        data.cell_data["face"] = self.faces
+        data.field_data["face names"] = np.array(self.names)
+        return data
+
+    def to_trimesh(self) -> Any:
+        """A `trimesh.Trimesh` with point normals, its vertices doubled along sharp edges."""
+        import trimesh
+
+        points, triangles, normals = self.shading
+        return trimesh.Trimesh(points, triangles, vertex_normals=normals, process=False)
+
+    def __or__(self, other: Any) -> Mesh:
+        return self._boolean(other, "Add")
+
+    def __and__(self, other: Any) -> Mesh:
+        return self._boolean(other, "Intersect")
+
+    def __sub__(self, other: Any) -> Mesh:
+        return self._boolean(other, "Subtract")
+
+    def _boolean(self, other: Any, operation: str) -> Mesh:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        names = tuple(dict.fromkeys(self.names + other.names))
+        points, triangles, faces = boolean(self._named(names), other._named(names), operation)
+        return Mesh(points, triangles, faces, names, flat_normals(points, triangles))
+
+    def _named(self, names: tuple[str, ...]) -> Triangles:
+        """The closed mesh with the faces' numbers among other names."""
+        self.require_closed()
+        numbers = np.array([names.index(name) for name in self.names])
+        return Triangles(self.points, self.triangles, numbers[self.faces])
+
+    def __repr__(self) -> str:
+        faces = f"{len(self.names)} face{'s' if len(self.names) != 1 else ''}"
+        kind = "closed" if self.is_closed else "open" if self.is_manifold else "no manifold"
+        return f"<Mesh: {len(self.points)} points, {len(self.triangles)} triangles, {faces}, {kind}>"
+
+    def __str__(self) -> str:
+        text = repr(self)[1:-1]
+        if self.deviation is None:
+            return text
+        return f"{text}; within {self.deviation:.3g} of the surface ({'proved' if self.proved else 'measured'})"

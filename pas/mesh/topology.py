@@ -1,0 +1,92 @@
+"""Edges, fans, pieces and holes of triangles given as vertex numbers (T, 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.mesh.field import Integers
+
+
+def distinct(keys: Integers) -> Integers:
+    """The distinct keys, sorted (several times faster than `np.unique`)."""
+    ordered = np.sort(keys, axis=None)
+    return ordered[np.concatenate([np.ones(min(len(ordered), 1), dtype=bool), ordered[1:] != ordered[:-1]])]
+
+
+def is_closed_manifold(triangles: Integers) -> bool:
+    """Whether every edge has two triangles and every vertex one fan of them."""
+    return len(triangles) > 0 and not len(pinched(triangles))
+
+
+def is_manifold(triangles: Integers) -> bool:
+    """Whether every edge has one or two triangles and every vertex one fan of them."""
+    if len(triangles) == 0 or edge_table(triangles)[1].max() > 2:
+        return False
+    return bool((_fans(triangles) == 1).all())
+
+
+def pinched(triangles: Integers) -> Integers:
+    """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold."""
+    if not len(triangles):
+        return np.empty(0, dtype=np.intp)
+    edges, times = edge_table(triangles)
+    if (times != 2).any():
+        return np.unique(edges[times != 2])
+    return np.unique(triangles)[_fans(triangles) != 1]
+
+
+def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
+    """The distinct edges (E, 2) of triangles (T, 3) and their numbers of triangles."""
+    size = int(triangles.max(initial=0)) + 1
+    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    keys, times = np.unique(pairs[:, 0] * size + pairs[:, 1], return_counts=True)
+    return np.stack([keys // size, keys % size], axis=1), times
+
+
+def seams(triangles: Integers, faces: Integers) -> Integers:
+    """The edges (E, 2) between two triangles of different faces."""
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    key = np.minimum(start, end) * (int(triangles.max(initial=0)) + 1) + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    sorted_key, face = key[order], np.repeat(faces, 3)[order]
+    first = order[:-1][(sorted_key[:-1] == sorted_key[1:]) & (face[:-1] != face[1:])]
+    return np.stack([start[first], end[first]], axis=1)
+
+
+def piece_count(triangles: Integers) -> int:
+    """The number of connected pieces."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    rows = np.concatenate([triangles[:, 0], triangles[:, 1]])
+    columns = np.concatenate([triangles[:, 1], triangles[:, 2]])
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(int(triangles.max(initial=0)) + 1,) * 2)
+    label = connected_components(graph, directed=False)[1]
+    return len(np.unique(label[triangles[:, 0]]))
+
+
+def _fans(triangles: Integers) -> Integers:
+    """How many edge-connected fans of triangles meet at each used vertex."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    corners = len(triangles) * 3
+    owner = triangles.ravel()
+    ids = np.arange(corners).reshape(-1, 3)
+    size = int(triangles.max()) + 1
+    sides, ends = [], []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        low = np.minimum(triangles[:, i], triangles[:, j])
+        high = np.maximum(triangles[:, i], triangles[:, j])
+        sides.append(low * size + high)
+        ends.append(np.where((triangles[:, i] < triangles[:, j])[:, None], ids[:, [i, j]], ids[:, [j, i]]))
+    keys, pairs = np.concatenate(sides), np.concatenate(ends)
+    order = np.argsort(keys)
+    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+    first, second = pairs[order[same]], pairs[order[same + 1]]
+    rows, columns = first.ravel(), second.ravel()
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(corners, corners))
+    components, label = connected_components(graph, directed=False)
+    vertex_of = np.empty(components, dtype=np.intp)
+    vertex_of[label] = owner
+    return np.unique(vertex_of, return_counts=True)[1]

@@ -1,0 +1,133 @@
+"""Files for other programs: one verb, every registered format, and one from outside the package."""
+
+from __future__ import annotations
+
+import runpy
+
+import numpy as np
+import pytest
+import trimesh
+from conftest import ROOT
+
+import pas
+from pas import solid
+from pas.exchange.formats import FORMATS, Format, suffixes_of
+from pas.exchange.formats.format import UNITS
+from pas.exchange.parts import TRIANGLES
+
+HOLDS = {"triangles", "patches", "cells", "tetrahedra"}
+
+
+@pytest.fixture
+def shapes():
+    ball = solid.ball((0, 0, 0), 1)
+    pipes = [pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    blend = pas.blend(pipes, 1)
+    return {
+        "solid": ball,
+        "mesh": ball.mesh(0.1),
+        "assembly": solid.assembly(ball=ball, box=solid.box((2, 2, 2), (3, 3, 3))),
+        "blend": blend,
+        "surface": blend.surface,
+        "parametric": pas.torus(2, 1, angle=True),
+        "several": [ball, pas.torus(2, 1, angle=True)],
+    }
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_every_format_says_what_it_is(suffix):
+    form = FORMATS[suffix]
+    assert isinstance(form, Format) and form.content.noun in HOLDS
+    assert suffix.startswith(".") and suffix == suffix.lower() and suffix in (form.name, ".stp")
+    module = __import__(form.write.__module__, fromlist=["x"])
+    assert module.__doc__ and form.write.__doc__
+
+
+@pytest.mark.parametrize("suffix", suffixes_of("triangles"))
+def test_one_verb_writes_everything(shapes, suffix, tmp_path):
+    if suffix == ".3mf":
+        pytest.importorskip("lib3mf")
+    for name, shape in shapes.items():
+        path = tmp_path / f"{name}{suffix}"
+        tolerance = None if name == "mesh" else 0.1
+        if suffix == ".3mf" and name in ("blend", "surface"):
+            with pytest.raises(ValueError, match=f"the mesh of '{name}' is open"):
+                pas.write(shape, path, tolerance=tolerance)
+            assert not path.exists()
+            continue
+        assert pas.write(shape, path, tolerance=tolerance, unit="inch") == path
+        assert path.stat().st_size > 500
+
+
+def test_the_cells_of_a_surface_are_written_by_the_same_verb(shapes, tmp_path):
+    import pyvista
+
+    grid = pyvista.read(pas.write(shapes["surface"], tmp_path / "cells.vtu"))
+    assert grid.n_cells == len(shapes["surface"].cells)
+    with pytest.raises(TypeError, match="must be a mesh, a solid"):
+        pas.write("ball", tmp_path / "a.vtu")
+
+
+def test_solids_are_filled_for_formats_of_tetrahedra(tmp_path):
+    pytest.importorskip("pytetwild")
+    import pyvista
+
+    for suffix in (".vtu", ".msh"):
+        path = pas.write(solid.box((0, 0, 0), (1, 1, 1)), tmp_path / f"box{suffix}", tolerance=0.01)
+        grid = pyvista.read(path).extract_cells_by_type(pyvista.CellType.TETRA)
+        assert grid.volume == pytest.approx(1, rel=2e-3)
+
+
+def test_misuse_is_refused_in_words(shapes, tmp_path):
+    ball, mesh = shapes["solid"], shapes["mesh"]
+    cases = [
+        ((ball, "a.dwg"), {}, ValueError, r"cannot write a shape as 'a.dwg'; the suffix must be one of \.stl"),
+        ((ball, "a.stl"), {"sew": 1}, ValueError, r"sew says nothing of triangles, which \.stl files hold"),
+        ((ball, "a.stl"), {"domain": ((0, 1), (0, 1))}, ValueError, "domain is that of a parametric surface"),
+        ((ball, "a.stl"), {"unit": "mile"}, ValueError, f"unit must be one of {', '.join(UNITS)}"),
+        ((ball, "a.step"), {"tolerance": 1}, ValueError, r"tolerance says nothing of patches, which \.step files hold"),
+        ((mesh, "a.stl"), {"tolerance": 1}, ValueError, "a mesh has them behind it"),
+        ((42, "a.stl"), {}, TypeError, "must be a mesh, a solid, an assembly, a surface or a blend, not 42"),
+        (([], "a.stl"), {}, ValueError, "at least one shape"),
+    ]
+    for (thing, name), options, error, words in cases:
+        with pytest.raises(error, match=words):
+            pas.write(thing, tmp_path / name, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_tolerance_reaches_the_mesh(tmp_path):
+    torus = pas.torus(2, 1, angle=True)
+    sizes = [pas.write(torus, tmp_path / f"{t}.stl", tolerance=t).stat().st_size for t in (0.1, 0.01)]
+    assert (sizes[1] - 84) // 50 == len(torus.mesh(0.01).triangles) > (sizes[0] - 84) // 50
+    half = pas.write(torus, tmp_path / "half.stl", tolerance=0.1, domain=((0, np.pi), None))
+    assert half.stat().st_size < sizes[0]
+
+
+def test_smooth_meshes_have_their_normals_in_ply_files(tmp_path):
+    torus = pas.torus(2, 1, angle=True)
+    again = trimesh.load_mesh(pas.write(torus, tmp_path / "a.ply", tolerance=0.05), process=False)
+    raw = again.metadata["_ply_raw"]["vertex"]["data"]
+    normals = np.stack([raw[c].ravel() for c in ("nx", "ny", "nz")], axis=1)
+    assert np.array_equal(normals, torus.mesh(0.05).point_normals)
+    box = pas.write(solid.box((0, 0, 0), (1, 1, 1)), tmp_path / "b.ply").read_bytes()
+    assert b"property double nx" not in box
+
+
+@pytest.fixture
+def off():
+    """The example's format, taken out again afterwards."""
+    yield runpy.run_path(str(ROOT / "examples/extend/off.py"))
+    del FORMATS._entries[".off"]
+
+
+def test_a_format_from_outside(off, shapes, tmp_path):
+    for name, shape in shapes.items():
+        path = pas.write(shape, tmp_path / f"{name}.off", tolerance=None if name == "mesh" else 0.1)
+        again = trimesh.load_mesh(path)
+        assert len(again.faces) > 10 and (again.is_watertight or name in ("blend", "surface"))
+    ball = trimesh.load_mesh(pas.write_solid(shapes["solid"], tmp_path / "b.off", tolerance=0.01), process=False)
+    assert np.array_equal(ball.vertices, shapes["solid"].mesh(0.01).points)
+    assert pas.write_mesh(shapes["mesh"], tmp_path / "c.off").exists()
+    with pytest.raises(ValueError, match=r"there is a file format '\.off' already"):
+        FORMATS.register(Format(".off", TRIANGLES, off["write_off"]))
