@@ -14,9 +14,9 @@ from conftest import ROOT
 import pas
 
 ROOMS = [
-    *("_version", "errors", "limits", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "parametric", "generatrix", "fairing", "solid", "exchange", "independent"),
-    *("blending", "render", "teapot", "cli"),
+    *("_version", "errors", "limits", "registry", "described", "algebra", "bernstein", "partition", "mesh"),
+    *("surface", "parametric", "generatrix", "fairing", "solid", "blending", "pipeline"),
+    *("exchange", "independent", "render", "teapot", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 
