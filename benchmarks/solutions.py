@@ -30,7 +30,8 @@ import pas
 from pas.algebra.sparse import solve_sparse
 from pas.blending.net import Net
 from pas.blending.place import place
-from pas.blending.solutions import solve
+from pas.blending.solving import solve
+from pas.surface.placed import PlacedContacts
 
 X, Y, Z, W = sympy.symbols("x y z w")
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -206,7 +207,7 @@ def main() -> None:
             options.limit,
         )
     for cubes, degree in ((1, 4), (2, 3), (2, 4)):
-        net = Net(mesh(cubes).local, (), (), 1, degree)
+        net = Net(PlacedContacts(mesh(cubes), (), 1), degree)
         rows, unknowns = list(net._rows()), len(net.points)
         ours = seconds(lambda rows=rows, unknowns=unknowns: solve_sparse(rows, unknowns), options.repeat)
         others = {
@@ -215,8 +216,8 @@ def main() -> None:
         row(f"C^1, degree {degree}, {6 * cubes**3} tetrahedra", ours, others, options.limit)
     for radii in (("1/3", "1/3", "1/3"), ("1/3", "1/4", "2/5")):
         for order, degree in ((1, 3), (2, 4), (3, 5), (2, 6), (3, 7)):
-            placed = place([pas.Pipe(a, r, 1) for a, r in zip(AXES, radii, strict=True)])
-            ours = seconds(lambda placed=placed, k=order, n=degree: solve(*placed, k, n), options.repeat)
+            placed = place([pas.Pipe(a, r, 1) for a, r in zip(AXES, radii, strict=True)], order)
+            ours = seconds(lambda placed=placed, n=degree: solve(placed, n), options.repeat)
             row(f"corner {radii[1]}, k={order}, n={degree}", ours, {}, options.limit)
     start = time.perf_counter()
     space = pas.solutions([], 1, 4, mesh(3))

@@ -25,20 +25,17 @@ if TYPE_CHECKING:
     from pas.algebra.polynomial import Polynomial as Polynomial
     from pas.algebra.rational_function import RationalFunction as RationalFunction
     from pas.bernstein.signs import Status as Status
-    from pas.blending.blend import Blend as Blend
-    from pas.blending.blend import blend as blend
     from pas.blending.existence import Existence as Existence
     from pas.blending.existence import ExistenceCase as ExistenceCase
     from pas.blending.existence import existence as existence
     from pas.blending.generators import Generator as Generator
+    from pas.blending.method import SolvingMethod as SolvingMethod
     from pas.blending.multipliers import Multipliers as Multipliers
     from pas.blending.normal_form_system import NormalFormSystem as NormalFormSystem
     from pas.blending.normal_form_system import normal_form_system as normal_form_system
-    from pas.blending.project import load as load
     from pas.blending.shaping import LeastSquares as LeastSquares
     from pas.blending.shaping import Optimum as Optimum
-    from pas.blending.solutions import solutions as solutions
-    from pas.blending.space import SolutionSpace as SolutionSpace
+    from pas.blending.solving import register_method as register_method
     from pas.blending.trivial import TrivialPart as TrivialPart
     from pas.errors import GeometryError as GeometryError
     from pas.errors import InfeasibleError as InfeasibleError
@@ -55,6 +52,7 @@ if TYPE_CHECKING:
     from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
     from pas.exchange.parametric_records import save_parametric as save_parametric
     from pas.exchange.problem import read_problem as read_problem
+    from pas.exchange.project import load as load
     from pas.exchange.rational import ball_patches as ball_patches
     from pas.exchange.rational import cone_patches as cone_patches
     from pas.exchange.rational import cylinder_patches as cylinder_patches
@@ -69,12 +67,16 @@ if TYPE_CHECKING:
     from pas.exchange.write import write_mesh as write_mesh
     from pas.exchange.write import write_solid as write_solid
     from pas.exchange.write import write_step as write_step
-    from pas.fairing.constraints import MeanAlpha as MeanAlpha
-    from pas.fairing.constraints import SumOfCoefficients as SumOfCoefficients
-    from pas.fairing.constraints import UnitCoefficients as UnitCoefficients
-    from pas.fairing.constraints import ValueAt as ValueAt
-    from pas.fairing.energy import Box as Box
-    from pas.fairing.energy import ThinPlate as ThinPlate
+    from pas.fairing.energies.membrane import Membrane as Membrane
+    from pas.fairing.energies.thin_plate import ThinPlate as ThinPlate
+    from pas.fairing.energy import Energy as Energy
+    from pas.fairing.energy import register_energy as register_energy
+    from pas.fairing.quadrature import Box as Box
+    from pas.fairing.wishes import MeanAlpha as MeanAlpha
+    from pas.fairing.wishes import SumOfCoefficients as SumOfCoefficients
+    from pas.fairing.wishes import UnitCoefficients as UnitCoefficients
+    from pas.fairing.wishes import ValueAt as ValueAt
+    from pas.fairing.wishes import Wishes as Wishes
     from pas.generatrix.align import Alignment as Alignment
     from pas.generatrix.blend import GeneratrixBlend as GeneratrixBlend
     from pas.generatrix.blend import generatrix_blend as generatrix_blend
@@ -131,8 +133,13 @@ if TYPE_CHECKING:
     from pas.parametric.weights import WeightPole as WeightPole
     from pas.parametric.weights import Weights as Weights
     from pas.partition.cells import Partition as Partition
+    from pas.partition.kinds import register_partition as register_partition
     from pas.partition.single_cell import SingleCell as SingleCell
     from pas.partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
+    from pas.pipeline.blend import blend as blend
+    from pas.pipeline.result import Blend as Blend
+    from pas.pipeline.space import SolutionSpace as SolutionSpace
+    from pas.pipeline.space import solutions as solutions
     from pas.render.picture import Style as Style
     from pas.render.picture import draw as draw
     from pas.surface.certificate import Certificate as Certificate
@@ -149,15 +156,17 @@ _HOMES = {
     "pas.algebra.module": ("Submodule", "syzygies"),
     "pas.algebra.polynomial": ("Polynomial",),
     "pas.bernstein.signs": ("Status",),
-    "pas.blending.blend": ("Blend", "blend"),
+    "pas.pipeline.blend": ("blend",),
+    "pas.pipeline.result": ("Blend",),
     "pas.blending.existence": ("Existence", "ExistenceCase", "existence"),
     "pas.blending.generators": ("Generator",),
+    "pas.blending.method": ("SolvingMethod",),
     "pas.blending.multipliers": ("Multipliers",),
     "pas.blending.normal_form_system": ("NormalFormSystem", "normal_form_system"),
-    "pas.blending.project": ("load",),
+    "pas.exchange.project": ("load",),
     "pas.blending.shaping": ("LeastSquares", "Optimum"),
-    "pas.blending.solutions": ("solutions",),
-    "pas.blending.space": ("SolutionSpace",),
+    "pas.pipeline.space": ("SolutionSpace", "solutions"),
+    "pas.blending.solving": ("register_method",),
     "pas.blending.trivial": ("TrivialPart",),
     "pas.errors": (
         "GeometryError",
@@ -180,8 +189,11 @@ _HOMES = {
     "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.write": ("write", "write_cells", "write_mesh", "write_solid", "write_step"),
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
-    "pas.fairing.constraints": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt"),
-    "pas.fairing.energy": ("Box", "ThinPlate"),
+    "pas.fairing.wishes": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt", "Wishes"),
+    "pas.fairing.energies.membrane": ("Membrane",),
+    "pas.fairing.energies.thin_plate": ("ThinPlate",),
+    "pas.fairing.energy": ("Energy", "register_energy"),
+    "pas.fairing.quadrature": ("Box",),
     "pas.generatrix.align": ("Alignment",),
     "pas.generatrix.blend": ("GeneratrixBlend", "generatrix_blend"),
     "pas.generatrix.boundary": ("Boundary",),
@@ -245,6 +257,7 @@ _HOMES = {
         "Weights",
     ),
     "pas.partition.cells": ("Partition",),
+    "pas.partition.kinds": ("register_partition",),
     "pas.partition.single_cell": ("SingleCell",),
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),
     "pas.render.picture": ("Style", "draw"),

@@ -14,9 +14,9 @@ from conftest import ROOT
 import pas
 
 ROOMS = [
-    *("_version", "errors", "limits", "registry", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "solid", "parametric", "generatrix", "fairing", "exchange", "independent"),
-    *("blending", "render", "teapot", "cli"),
+    *("_version", "errors", "limits", "registry", "described", "algebra", "bernstein", "partition", "mesh"),
+    *("surface", "solid", "parametric", "generatrix", "fairing", "blending", "pipeline"),
+    *("exchange", "independent", "render", "teapot", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 

@@ -242,7 +242,7 @@ def test_a_clip_that_is_tangent_is_refused():
         ({"outside": [(9, 9, 9)]}, ValueError, r"outside \(9, 9, 9\) lies outside the region"),
         ({"near": [(0, 0, float("nan"))]}, ValueError, "finite"),
         ({"near_weight": -1}, ValueError, "must not be negative"),
-        ({"energy": "thin"}, TypeError, "energy must be a pas.ThinPlate"),
+        ({"energy": "thin"}, TypeError, "energy must be a pas.Energy"),
         ({"normalize": "sum"}, TypeError, "normalize must be"),
         ({"guard": False}, ValueError, "needs guard=True"),
         ({"basis": [[0] * 6]}, ValueError, "degree"),

@@ -9,8 +9,8 @@ import pytest
 
 import pas
 from pas import solid
-from pas.blending.bodies import body as body_of
 from pas.cli import main
+from pas.pipeline.bodies import body as body_of
 from pas.solid.pieces import Pieces
 from pas.solid.tree import atoms
 

@@ -14,8 +14,9 @@ from pas import Contact, Polynomial, contact_ideal
 from pas.algebra.monomials import exponents
 from pas.blending.lifting import lift, product_degree
 from pas.blending.multipliers import Consistency, Multipliers
-from pas.blending.solutions import solve
+from pas.blending.solving import solve
 from pas.partition.cells import InteriorFace
+from pas.surface.placed import PlacedContacts
 
 PUBLISHED = ("3/5", "1/5")
 
@@ -59,7 +60,7 @@ SPACES = [
 @pytest.mark.parametrize(("clips", "radii", "order", "degree"), SPACES)
 def test_the_space_is_that_of_normal_forms(clips, radii, order, degree):
     partition, system = corner(clips, radii, order)
-    space = solve(partition, system.contacts, order, degree)
+    space = solve(PlacedContacts(partition, system.contacts, order), degree)
     found = system.solve(degree)
     assert len(found) == space.dimension
     assert rank([s.patches for s in found]) == len(found)
@@ -108,7 +109,7 @@ def test_published_higher_order_multipliers_satisfy_the_system(facts, key, order
     partition, system = corner(facts["h"], facts["r"], order)
     solution = system.solution(published_multipliers(facts, facts[key], system))
     check(system, solution)
-    assert any(solve(partition, system.contacts, order, degree).coordinates(solution.patches))
+    assert any(solve(PlacedContacts(partition, system.contacts, order), degree).coordinates(solution.patches))
     assert system.multipliers(solution.patches) == solution.multipliers
 
 
@@ -128,7 +129,7 @@ def test_generators_span_all_solutions_of_each_degree(clips, radii, order, degre
         check(system, g)
         assert g.degree >= 0
     for degree in degrees:
-        space = solve(partition, system.contacts, order, degree)
+        space = solve(PlacedContacts(partition, system.contacts, order), degree)
         members = [
             [Polynomial({e: 1}) * p for p in g.patches]
             for g in generators

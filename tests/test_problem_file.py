@@ -46,8 +46,8 @@ def test_a_problem(tmp_path):
         pas.Contact("x^2+y^2-4/25", "z-1"),
     )
     assert (problem.order, problem.degree, problem.tolerance) == (2, None, 1e-3)
-    assert problem.points == {"inside": [[0, 0, "1/2"]]}
-    assert problem.energy == pas.ThinPlate()
+    assert problem.wishes == pas.Wishes(inside=[[0, 0, "1/2"]])
+    assert problem.wishes.energy == pas.ThinPlate()
 
 
 def test_everything_else(tmp_path):
@@ -59,15 +59,15 @@ def test_everything_else(tmp_path):
         + '[normalize]\nkind = "value-at"\npoint = [0, 0, 0]\nvalue = -0.1\n'
     )
     problem = read(tmp_path, text)
-    assert (problem.name, problem.degree, problem.tolerance, problem.prove, problem.guard) == (
+    assert (problem.name, problem.degree, problem.tolerance, problem.wishes.prove, problem.wishes.guard) == (
         "other",
         4,
         0.01,
         False,
         False,
     )
-    assert problem.energy == pas.ThinPlate(pas.Box((0, 0, 0), ("1/2", 1, 1)), 3)
-    assert problem.normalize == pas.ValueAt((0, 0, 0), "-1/10")
+    assert problem.wishes.energy == pas.ThinPlate(pas.Box((0, 0, 0), ("1/2", 1, 1)), 3)
+    assert problem.wishes.normalize == pas.ValueAt((0, 0, 0), "-1/10")
     assert problem.partition.legs == pas.SixTetrahedra().legs
 
 
@@ -100,7 +100,12 @@ def test_the_examples_are_read(path):
         ("[points]\ninside", "[points]\ninsde", 18, "unknown key 'insde'"),
         ("[points]", "[[points]]", 17, "points must be a table"),
         ("[points]", '[normalize]\nkind = "mean"\n[points]', 18, "kind must be one of mean-alpha"),
-        ("[points]", '[energy]\nkind = "bending"\n[points]', 18, "kind must be 'thin-plate'"),
+        (
+            "[points]",
+            '[energy]\nkind = "bending"\n[points]',
+            18,
+            "kind: there is no energy 'bending'; there",
+        ),
         ("[points]", "[energy]\nlower = [0, 0, 0]\n[points]", 17, "both lower and upper"),
         ("[points]", "[energy]\nlower = [0, 0, 0]\nupper = [0, 1, 1]\n[points]", 17, "must be below the upper"),
         ("[points]", "[partition]\nlegs = [[1, 0, 0]]\n[points]", 18, "legs must be three vectors"),

@@ -47,11 +47,13 @@ def test_dimensions_and_regular_ranks_of_the_published_corner(facts, case):
 
 
 def _space(clips, radii, order, degree):
-    from pas.blending.solutions import solve
+    from pas.blending.solving import solve
+    from pas.pipeline.space import SolutionSpace
+    from pas.surface.placed import PlacedContacts
 
     contacts = [p.contact for p in pipes(tuple(radii), tuple(clips))]
     legs = [tuple(Fraction(h) if c else 0 for c in axis) for h, axis in zip(clips, AXES, strict=True)]
-    return solve(pas.SixTetrahedra(legs=legs), contacts, order, degree)
+    return SolutionSpace.of(solve(PlacedContacts(pas.SixTetrahedra(legs=legs), contacts, order), degree))
 
 
 def regular_rank(space: pas.SolutionSpace) -> int:

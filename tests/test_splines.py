@@ -16,9 +16,8 @@ import pas
 from pas.blending.conditions import Conditions
 from pas.blending.net import Net
 from pas.blending.place import place
-from pas.blending.space import SolutionSpace
-from pas.surface.contact import Contact
-from pas.surface.joins import joins
+from pas.blending.space import Space
+from pas.surface.placed import PlacedContacts
 
 
 def freudenthal(cubes: int, seed: int = 0, boundary: bool = False) -> pas.Partition:
@@ -48,13 +47,14 @@ def alfeld() -> pas.Partition:
     return pas.Partition(points, [(1, 2, 3, 4), (0, 2, 3, 4), (0, 1, 3, 4), (0, 1, 2, 4)], center=points[4])
 
 
-def by_conditions(partition, order, degree) -> SolutionSpace:
-    patches = Conditions(partition.local, (), (), order).solve(degree)
-    return SolutionSpace(partition, (), order, degree, patches)
+def by_conditions(partition, order, degree) -> Space:
+    placed = PlacedContacts(partition, (), order)
+    return Space(placed, degree, Conditions(placed).solve(degree))
 
 
-def by_net(partition, order, degree) -> SolutionSpace:
-    return SolutionSpace(partition, (), order, degree, Net(partition.local, (), (), order, degree).solve())
+def by_net(partition, order, degree) -> Space:
+    placed = PlacedContacts(partition, (), order)
+    return Space(placed, degree, Net(placed, degree).solve())
 
 
 def smooth(space) -> bool:
@@ -157,12 +157,8 @@ def test_pieces_of_several_cells_are_one_polynomial():
 @pytest.mark.parametrize("radii", [EQUAL, UNEQUAL])
 @pytest.mark.parametrize(("order", "degree"), [(1, 3), (1, 4), (2, 4), (2, 5), (3, 5)])
 def test_contacts_on_the_net(radii, order, degree):
-    partition, contacts = place(pipes(radii))
-    frame = partition.frame
-    moved = tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in contacts)
-    carriers = tuple(join.pieces for join in joins(partition.local, moved))
-    net = Net(partition.local, moved, carriers, order, degree).solve()
-    space = SolutionSpace(partition, contacts, order, degree, net)
+    placed = place(pipes(radii), order)
+    space = Space(placed, degree, Net(placed, degree).solve())
     assert space.equals(pas.solutions(pipes(radii), order, degree))
 
 

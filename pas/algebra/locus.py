@@ -23,7 +23,6 @@ from pas.limits import checkpoint
 
 Sign = frozenset[int]
 ANY: Sign = frozenset({-1, 0, 1})
-POSITIVE: Sign = frozenset({1})
 
 EFFORT = (60, 400, 2000)
 """Sizes (members, terms, bits) up to which a test for emptiness may grow before it is given up:
@@ -117,11 +116,6 @@ class Locus:
     def where_nonzero(self, *polynomials: fmpq_mpoly) -> list[Locus]:
         """The part where none of the polynomials vanishes, as disjoint loci."""
         return split(self.parameters, self.equations, [*self.inequations, *polynomials])
-
-    def meets(self, other: Locus) -> bool:
-        """Whether the two may have a common point."""
-        both = [*self.inequations, *other.inequations]
-        return bool(split(self.parameters, [*self.equations, *other.equations], both))
 
     def within(self, other: Locus) -> bool:
         """Whether it is certain that this locus is a part of the other."""

@@ -27,24 +27,17 @@ from flint import fmpq, fmpq_mat, fmpz_mat
 from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace
-from pas.partition.cells import InteriorFace, Partition
-from pas.surface.contact import Contact
+from pas.partition.cells import InteriorFace
+from pas.surface.placed import PlacedContacts
 
 Column = dict[Exponents, fmpq]
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a piecewise surface must satisfy.
+    """What a piecewise surface must satisfy: contacts in place, in local coordinates."""
 
-    `contacts[i]` is met by the patch of each piece in `carriers[i]`, and pieces meet with
-    C^`order`.
-    """
-
-    partition: Partition
-    contacts: tuple[Contact, ...]
-    carriers: tuple[tuple[int, ...], ...]
-    order: int
+    placed: PlacedContacts
 
     def solve(self, degree: int) -> tuple[fmpq_mat, ...]:
         """A basis of all solutions of degree <= `degree`.
@@ -55,11 +48,11 @@ class Conditions:
         patches, unknowns = self._parametrised(degree)
         rows: list[dict[int, fmpq]] = []
         tree = {id(face) for face, _, _ in self._tree()}
-        for face in self.partition.interior_faces:
+        for face in self.placed.local.interior_faces:
             if id(face) not in tree:
-                form = NormalForm([face.plane.raw ** (self.order + 1)])
+                form = NormalForm([face.plane.raw ** (self.placed.order + 1)])
                 rows += _remainders(form, degree, patches[face.second], patches[face.first])
-        for number, pieces in enumerate(self.carriers):
+        for number, pieces in enumerate(self.placed.carriers):
             for piece in pieces:
                 if piece != self._root or number != self._root_contact:
                     rows += _remainders(self.contact_form(number), degree, patches[piece])
@@ -74,24 +67,24 @@ class Conditions:
 
     def contact_form(self, number: int) -> NormalForm:
         """Normal forms modulo `<f, h^(k+1)>` of a contact."""
-        contact = self.contacts[number]
-        return NormalForm([contact.surface.raw, contact.clip.raw ** (self.order + 1)])
+        contact = self.placed.local_contacts[number]
+        return NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
 
     @property
     def _root_contact(self) -> int | None:
-        return next((i for i, pieces in enumerate(self.carriers) if pieces), None)
+        return next((i for i, pieces in enumerate(self.placed.carriers) if pieces), None)
 
     @property
     def _root(self) -> int:
         number = self._root_contact
-        return 0 if number is None else self.carriers[number][0]
+        return 0 if number is None else self.placed.carriers[number][0]
 
     def _tree(self) -> list[tuple[InteriorFace, int, int]]:
         """Faces of a breadth-first spanning tree from the root: (face, parent, child)."""
         reached, queue, tree = {self._root}, [self._root], []
         while queue:
             parent = queue.pop(0)
-            for face in self.partition.interior_faces:
+            for face in self.placed.local.interior_faces:
                 if parent in (face.first, face.second):
                     child = face.second if parent == face.first else face.first
                     if child not in reached:
@@ -103,14 +96,14 @@ class Conditions:
     def _parametrised(self, degree: int) -> tuple[list[dict[int, Column]], int]:
         """Each piece's patch as {unknown: polynomial}, and the number of unknowns."""
         root = self._root_columns(degree)
-        patches: list[dict[int, Column]] = [{} for _ in self.partition.pieces]
+        patches: list[dict[int, Column]] = [{} for _ in self.placed.partition.pieces]
         patches[self._root] = dict(enumerate(root))
         unknowns = len(root)
         for face, parent, child in self._tree():
-            factor = (face.plane.raw ** (self.order + 1)).to_dict()
+            factor = (face.plane.raw ** (self.placed.order + 1)).to_dict()
             step = {
                 unknowns + i: {_plus(shift, e): c for e, c in factor.items()}
-                for i, shift in enumerate(exponents(degree - self.order - 1))
+                for i, shift in enumerate(exponents(degree - self.placed.order - 1))
             }
             patches[child] = patches[parent] | step
             unknowns += len(step)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial
-from pas.blending.multipliers import Multipliers
-from pas.blending.single import intersection
-
-if TYPE_CHECKING:
-    from pas.blending.space import SolutionSpace
+from pas.blending.methods.intersection import intersection
+from pas.blending.multipliers import Multipliers, consistency
+from pas.blending.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,19 +32,24 @@ class Generator:
         return ", ".join(map(str, self.polynomials))
 
 
-def generators(space: SolutionSpace) -> tuple[Generator, ...]:
-    """See `SolutionSpace.generators`."""
+def generators(space: Space) -> tuple[Generator, ...]:
+    """Generators of all solutions of any degree, by ascending degree.
+
+    For a single cell the reduced graded Groebner basis of the ideal that they form; for
+    several pieces generators of the module over Q[x, y, z].
+    """
+    system = consistency(space.placed)
     if len(space.patches) == 1:
         basis = intersection(space.contacts, space.order).groebner_basis()
         found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
     else:
-        found = [s.patches for s in space.consistency.generators()]
+        found = [s.patches for s in system.generators()]
     forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
-    carriers = [join.pieces[0] for join in space.joins]
+    carriers = [pieces[0] for pieces in space.placed.carriers]
     made = [
         Generator(
             member,
-            space.consistency.multipliers(member),
+            system.multipliers(member),
             tuple(not form.reduce(member[piece].raw).is_zero() for form, piece in zip(forms, carriers, strict=True)),
         )
         for member in found

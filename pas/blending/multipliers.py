@@ -28,9 +28,9 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.blending.lifting import lift, product_degree
 from pas.limits import checkpoint
-from pas.partition.cells import InteriorFace, Partition
+from pas.partition.cells import InteriorFace
 from pas.surface.contact import Contact
-from pas.surface.joins import joins
+from pas.surface.placed import PlacedContacts
 
 Signs = dict[int, int]
 """A sum of unknown products: the sign of each unknown's."""
@@ -274,13 +274,10 @@ class Consistency:
         return unknowns
 
 
-def consistency(partition: Partition, contacts: Sequence[Contact], order: int) -> Consistency:
-    """The system of contacts in place on a partition, in the user's coordinates."""
-    if len(partition.pieces) == 1:
-        carriers: tuple[tuple[int, ...], ...] = ((0,),) * len(contacts)
-    else:
-        carriers = tuple(join.pieces for join in joins(partition, contacts))
-    return Consistency(partition.interior_faces, tuple(contacts), carriers, len(partition.pieces), order)
+def consistency(placed: PlacedContacts) -> Consistency:
+    """The system of contacts in place, in the user's coordinates."""
+    partition = placed.partition
+    return Consistency(partition.interior_faces, placed.contacts, placed.carriers, len(partition.pieces), placed.order)
 
 
 def descending(degree: int) -> list[Exponents]:

@@ -31,7 +31,7 @@ from pas.algebra.rational import Vector
 from pas.algebra.sparse import Solved, solve_sparse
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
-from pas.surface.contact import Contact
+from pas.surface.placed import PlacedContacts
 
 Row = dict[int, fmpq]
 
@@ -40,14 +40,16 @@ Row = dict[int, fmpq]
 class Net:
     """The B-coefficients of degree `degree` on a partition, cells of a piece being one polynomial.
 
-    `contacts[i]` is met with GC^`order` by the pieces `carriers[i]`; pieces meet with C^`order`.
+    They are in the local coordinates of the contacts in place.
     """
 
-    partition: Partition
-    contacts: tuple[Contact, ...]
-    carriers: tuple[tuple[int, ...], ...]
-    order: int
+    placed: PlacedContacts
     degree: int
+
+    @property
+    def partition(self) -> Partition:
+        """The partition in local coordinates."""
+        return self.placed.local
 
     @cached_property
     def points(self) -> dict[tuple[tuple[int, int], ...], int]:
@@ -68,10 +70,10 @@ class Net:
         for number, (triangle, first, second) in enumerate(self.partition.inner_triangles):
             checkpoint("setting up the conditions across faces", number / len(self.partition.inner_triangles))
             same = self.partition.piece_of[first] == self.partition.piece_of[second]
-            for s in range(1, 1 + min(self.degree if same else self.order, self.degree)):
+            for s in range(1, 1 + min(self.degree if same else self.placed.order, self.degree)):
                 yield from self._across(triangle, first, second, s)
-        for contact, pieces in zip(self.contacts, self.carriers, strict=True):
-            form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.order + 1)])
+        for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
+            form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
             for piece in pieces:
                 yield from self._contact_rows(form, piece)
 

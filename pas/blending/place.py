@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import Any
 
 from pas.algebra.ideal import Ideal
+from pas.algebra.inputs import check_order
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.bernstein.signs import Status
 from pas.blending.corner import check_circle, six_tetrahedra
@@ -19,20 +20,20 @@ from pas.partition.cells import Partition
 from pas.surface.contact import Contact, Pipe, as_contact
 from pas.surface.contact_proofs import check_join, clip_sided
 from pas.surface.joins import Join, joins
+from pas.surface.placed import PlacedContacts
 
-Placed = tuple[Partition, tuple[Contact, ...]]
 
-
-def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
-    """The partition for the given pipes or contacts, and the contacts with their clips turned.
+def place(items: Sequence[Any], order: int, partition: Partition | None = None) -> PlacedContacts:
+    """Pipes or contacts in place on a partition, with their clips turned.
 
     A clip is turned so that it is negative on the region's side of its faces; one without a face, so
     that it is negative at the centre.
 
     Without a partition three perpendicular pipes or contacts get the six-tetrahedra corner.
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
-    for anything that is no contact or no partition.
+    for anything that is no contact or no partition, `ValueError` for an order that is none.
     """
+    check_order(order)
     if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
     items = list(items)
@@ -57,7 +58,7 @@ def place(items: Sequence[Any], partition: Partition | None = None) -> Placed:
             _check_curve(number, join.contact)
     if len(partition.pieces) == 1:
         _check_apart(turned)
-    return partition, turned
+    return PlacedContacts(partition, turned, order)
 
 
 def _turned(join: Join) -> Contact:

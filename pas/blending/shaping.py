@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -22,20 +22,22 @@ from scipy.linalg import svd
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import rational, to_float, to_fraction
-from pas.blending.space import SolutionSpace
+from pas.blending.space import Space
 from pas.errors import InfeasibleError, NoSolutionError
 from pas.fairing.basis import orthonormal, to_doubles
-from pas.fairing.constraints import (
-    Constraints,
+from pas.fairing.energy import Energy
+from pas.fairing.functionals import b_coefficient, value_at
+from pas.fairing.optimum import ExactProgramme, solve_exactly
+from pas.fairing.wishes import (
     Handle,
     MeanAlpha,
+    PointOptions,
     SumOfCoefficients,
     UnitCoefficients,
     ValueAt,
+    Wishes,
+    check_point_options,
 )
-from pas.fairing.energy import ThinPlate
-from pas.fairing.functionals import b_coefficient, value_at
-from pas.fairing.optimum import ExactProgramme, solve_exactly
 from pas.surface.piecewise import PiecewiseSurface
 
 
@@ -67,24 +69,26 @@ class LeastSquares:
     quotient: float
 
 
-def optimum(space: SolutionSpace, energy: ThinPlate | None = None, **options: Any) -> Optimum:
-    """See `SolutionSpace.optimum`."""
+def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointOptions]) -> Optimum:
+    """The exact member of least energy, with its certificate of optimality.
+
+    The options are those of `Wishes` that are linear; `margin` is 0 by default, and the sum of
+    coefficients 1, unless a handle with a value other than 0 fixes the scale.
+
+    Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
+    """
+    check_point_options(options)
     _not_empty(space)
+    wishes = Wishes(energy=energy, **options)
+    free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles)
     if options.get("normalize") is None:
-        options["normalize"] = SumOfCoefficients()
-        free = any(rational(v) != 0 for v in dict(options.get("handles", {})).values())
-    else:
-        free = False
-    constraints = Constraints.of(**options)
-    plate = energy or ThinPlate()
-    if plate.domain is None and not space.partition.cells:
-        raise ValueError("an energy needs a region: give pas.ThinPlate a pas.Box, or the single cell one")
-    quadratic = space.exact_energy(plate)
+        wishes = wishes.changed(normalize=SumOfCoefficients())
+    quadratic = wishes.energy.products(space)
     near = fmpq_mat(space.dimension, space.dimension)
-    for weight, row in zip(constraints.near_weights, _values(space, constraints, "near"), strict=True):
+    for weight, row in zip(wishes.near_weights, _values(space, wishes, "near"), strict=True):
         near += fmpq_mat(space.dimension, 1, row) * fmpq_mat(1, space.dimension, row) * (2 * weight)
-    equations = list(_equations(space, constraints, normalized=not free))
-    sided = list(_inequalities(space, constraints))
+    equations = list(_equations(space, wishes, normalized=not free))
+    sided = list(_inequalities(space, wishes))
     programme = ExactProgramme(
         quadratic + near, _matrix(equations, space.dimension), _matrix([row for _, row in sided], space.dimension)
     )
@@ -98,12 +102,12 @@ def optimum(space: SolutionSpace, energy: ThinPlate | None = None, **options: An
         coefficients=tuple(map(to_fraction, a.entries())),
         energy=to_fraction((a * quadratic * a.transpose())[0, 0] / 2),
         value=to_fraction(solution.value),
-        active={constraints.describe(sided[i][0]): to_fraction(v) for i, v in solution.multipliers.items()},
+        active={wishes.describe(sided[i][0]): to_fraction(v) for i, v in solution.multipliers.items()},
         unique=solution.unique,
     )
 
 
-def handles(space: SolutionSpace) -> tuple[Handle, ...]:
+def handles(space: Space) -> tuple[Handle, ...]:
     """All B-coefficients of a space: (cell, multi-index), each domain point once, cell by cell."""
     cells = space.partition.cells or ((0, 1, 2, 3),)
     seen: set[tuple[tuple[int, int], ...]] = set()
@@ -117,8 +121,12 @@ def handles(space: SolutionSpace) -> tuple[Handle, ...]:
     return tuple(result)
 
 
-def determining_set(space: SolutionSpace, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
-    """See `SolutionSpace.determining_set`."""
+def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
+    """B-coefficients that can be set freely and determine the member: `dimension` many.
+
+    Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
+    they are independent.
+    """
     candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
     functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]
     reduced, rank = space.functional_rows(functionals).transpose().rref()
@@ -127,9 +135,15 @@ def determining_set(space: SolutionSpace, prefer: Sequence[Handle] = ()) -> tupl
 
 
 def least_squares(
-    space: SolutionSpace, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+    space: Space, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
 ) -> LeastSquares:
-    """See `SolutionSpace.least_squares`."""
+    """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
+
+    With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2`.  `points` are three numbers each
+    (floats as the exact rationals they are), `weights` one positive number for each.
+
+    Raises `ValueError` for fewer points than dimensions less one.
+    """
     _not_empty(space)
     if len(points) < space.dimension - 1:
         raise ValueError(
@@ -157,7 +171,7 @@ def least_squares(
     return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, smallest**2)
 
 
-def _gradient_rows(space: SolutionSpace, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:
+def _gradient_rows(space: Space, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:
     """The weighted gradients at the points (3 m, dimension) of the changed basis' members."""
     array = np.array([[to_float(rational(c)) for c in p] for p in points])
     units = np.eye(space.dimension, dtype=int).tolist()
@@ -171,27 +185,27 @@ def _gradient_rows(space: SolutionSpace, points: Sequence[Any], change: fmpq_mat
     return np.asarray(result)
 
 
-def _not_empty(space: SolutionSpace) -> None:
+def _not_empty(space: Space) -> None:
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", space.degrees_tried)
 
 
-def _values(space: SolutionSpace, constraints: Constraints, kind: str) -> list[list[fmpq]]:
-    points = getattr(constraints, kind)
-    names = (constraints.describe((kind, i)) for i in range(len(points)))
+def _values(space: Space, wishes: Wishes, kind: str) -> list[list[fmpq]]:
+    points = getattr(wishes, kind)
+    names = (wishes.describe((kind, i)) for i in range(len(points)))
     there = [value_at(space.partition, p, space.degree, n) for p, n in zip(points, names, strict=True)]
     rows: list[list[fmpq]] = space.functional_rows(there).tolist()
     return rows
 
 
-def _equations(space: SolutionSpace, constraints: Constraints, *, normalized: bool) -> Iterator[list[fmpq]]:
-    for row in _values(space, constraints, "through"):
+def _equations(space: Space, wishes: Wishes, *, normalized: bool) -> Iterator[list[fmpq]]:
+    for row in _values(space, wishes, "through"):
         yield [*row, fmpq(0)]
-    for handle, value in constraints.handles:
+    for handle, value in wishes.handles:
         yield [*b_coefficient(space.partition, handle, space.degree).on(space.patches), value]
     if not normalized:
         return
-    normalize = constraints.normalize
+    normalize = wishes.normalize
     if isinstance(normalize, MeanAlpha | UnitCoefficients):
         raise ValueError("an exact optimum needs a linear normalisation: pas.SumOfCoefficients() or pas.ValueAt(...)")
     if isinstance(normalize, ValueAt):
@@ -201,10 +215,10 @@ def _equations(space: SolutionSpace, constraints: Constraints, *, normalized: bo
         yield [fmpq(1)] * (space.dimension + 1)
 
 
-def _inequalities(space: SolutionSpace, constraints: Constraints) -> Iterator[tuple[tuple[str, int], list[fmpq]]]:
-    margin = fmpq(0) if constraints.margin is None else constraints.margin
+def _inequalities(space: Space, wishes: Wishes) -> Iterator[tuple[tuple[str, int], list[fmpq]]]:
+    margin = fmpq(0) if wishes.margin is None else wishes.margin
     for kind, sign in (("inside", -1), ("outside", 1)):
-        for index, row in enumerate(_values(space, constraints, kind)):
+        for index, row in enumerate(_values(space, wishes, kind)):
             yield (kind, index), [*(sign * v for v in row), margin]
 
 

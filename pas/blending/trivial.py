@@ -21,7 +21,8 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import count, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
-from pas.blending.space import SolutionSpace
+from pas.blending.regularity import vanishing_alpha
+from pas.blending.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +33,10 @@ class TrivialPart:
     (all pieces the same polynomial) for a single one.
     """
 
-    space: SolutionSpace
-    singular: tuple[SolutionSpace, ...]
-    products: SolutionSpace | None
-    same_everywhere: SolutionSpace | None
+    space: Space
+    singular: tuple[Space, ...]
+    products: Space | None
+    same_everywhere: Space | None
 
     @cached_property
     def common_factor(self) -> Polynomial:
@@ -87,16 +88,16 @@ class TrivialPart:
         return "\n".join(self.remarks())
 
 
-def trivial_part(space: SolutionSpace) -> TrivialPart:
+def trivial_part(space: Space) -> TrivialPart:
     """The trivial members of a space."""
-    singular = tuple(space.subspace(space.vanishing_alpha(i)) for i in range(len(space.contacts)))
+    singular = tuple(space.subspace(vanishing_alpha(space, i)) for i in range(len(space.contacts)))
     single = len(space.patches) == 1
     return TrivialPart(
         space, singular, _products(space) if single else None, None if single else _same_everywhere(space)
     )
 
 
-def _products(space: SolutionSpace) -> SolutionSpace:
+def _products(space: Space) -> Space:
     """The span of products of one generator of each contact ideal, times anything, in degree."""
     factors = [(c.surface, c.clip ** (space.order + 1)) for c in space.contacts]
     rows = []
@@ -108,7 +109,7 @@ def _products(space: SolutionSpace) -> SolutionSpace:
     return space.restricted([(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]])
 
 
-def _same_everywhere(space: SolutionSpace) -> SolutionSpace:
+def _same_everywhere(space: Space) -> Space:
     first, *others = (m.transpose().tolist() for m in space.patches)
     rows: list[dict[int, fmpq]] = []
     for other in others:

@@ -15,17 +15,17 @@ from pas.cli.common import DONE, FAILED, output_folder, passed, problem_file, pr
 from pas.errors import MissingLibraryError
 
 if TYPE_CHECKING:
-    from pas.blending.blend import Blend
     from pas.mesh.mesh import Mesh
+    from pas.pipeline.result import Blend
 
 
 def run_blend(options: argparse.Namespace) -> int:
     """`pas blend`."""
-    from pas.blending.blend import blend
-    from pas.blending.summary import summary
     from pas.exchange.files import together
     from pas.exchange.problem import read_problem
     from pas.exchange.write import write_mesh
+    from pas.pipeline.blend import blend
+    from pas.pipeline.summary import summary
 
     problem = read_problem(problem_file(options.problem))
     folder = output_folder(options.output)
@@ -48,14 +48,14 @@ def run_blend(options: argparse.Namespace) -> int:
     if notes:
         print(f"pas: no picture: {notes}", file=sys.stderr)
         return FAILED
-    return DONE if result.certificate.proved or not problem.prove else FAILED
+    return DONE if result.certificate.proved or not problem.wishes.prove else FAILED
 
 
 def run_solve(options: argparse.Namespace) -> int:
     """`pas solve`."""
-    from pas.blending.report import report
-    from pas.blending.solutions import solutions
     from pas.exchange.problem import read_problem
+    from pas.pipeline.report import report
+    from pas.pipeline.space import solutions
 
     problem = read_problem(problem_file(options.problem))
     space = solutions(
@@ -85,11 +85,11 @@ def _draw(result: Blend, mesh: Mesh, base: Path, written: list[Path]) -> str:
 
 def run_check(options: argparse.Namespace) -> int:
     """`pas check`."""
-    from pas.blending.blend import Blend
-    from pas.blending.project import load
+    from pas.exchange.project import load
     from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
+    from pas.pipeline.result import Blend
     from pas.surface.certificate import Certificate
 
     if options.independent:
@@ -130,12 +130,12 @@ def _tell(text: str, records: list[dict[str, Any]], proved: bool, start: float, 
 
 def run_mesh(options: argparse.Namespace) -> int:
     """`pas mesh`."""
-    from pas.blending.blend import Blend
-    from pas.blending.project import load
+    from pas.exchange.project import load
     from pas.exchange.write import check_mesh_suffix, write_mesh, write_solid
     from pas.generatrix.blend import GeneratrixBlend
     from pas.parametric.blends import ParametricBlend
     from pas.parametric.surface import ParametricSurface
+    from pas.pipeline.result import Blend
 
     tolerance = None if options.tolerance is None else check_tolerance(options.tolerance)
     thing = load(project_file(options.project))
@@ -154,8 +154,8 @@ def run_mesh(options: argparse.Namespace) -> int:
 
 def run_render(options: argparse.Namespace) -> int:
     """`pas render`."""
-    from pas.blending.blend import Blend
-    from pas.blending.project import load
+    from pas.exchange.project import load
+    from pas.pipeline.result import Blend
     from pas.render.parts import Look, draw_parts
     from pas.render.picture import Style, draw
     from pas.solid.assembly import Assembly
@@ -174,9 +174,9 @@ def run_render(options: argparse.Namespace) -> int:
 
 def run_convert(options: argparse.Namespace) -> int:
     """`pas convert`."""
-    from pas.blending.blend import Blend
-    from pas.blending.project import load
+    from pas.exchange.project import load
     from pas.exchange.write import write_solid
+    from pas.pipeline.result import Blend
     from pas.solid.assembly import Assembly
     from pas.solid.solid import Solid
 

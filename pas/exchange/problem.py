@@ -10,14 +10,14 @@
     clip = 1
     point = [0, 0, 0]              # optional
 
-    [partition]                    # optional
+    [partition]                    # optional; by its kind, "six tetrahedra" without
     center = [0, 0, 0]
     legs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
-    [energy]                       # optional: one patch over a box instead of all over cells
+    [energy]                       # optional; by its kind, "thin-plate" without
     lower = ["1/4", "-2/5", "-2/5"]
-    upper = ["3/5", "2/5", "2/5"]
-    cell = 0
+    upper = ["3/5", "2/5", "2/5"]  # one patch over a box instead of all over cells
+    piece = 0
 
     [points]                       # optional
     inside = [["1/2", "1/2", "1/2"]]
@@ -44,14 +44,14 @@ from typing import Any
 
 from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
+from pas.described import keys_of
 from pas.errors import LimitError, PasError
-from pas.exchange.records import NORMALIZATIONS, read_energy, read_normalization
+from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.exchange.tables import TableReader, read_toml
-from pas.fairing.constraints import Constraints, Normalization
-from pas.fairing.energy import ThinPlate
+from pas.fairing.energy import ENERGIES, read_energy
+from pas.fairing.wishes import Normalization, Wishes
 from pas.partition.cells import Partition
-from pas.partition.single_cell import SingleCell
-from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.partition.kinds import PARTITIONS, read_partition
 from pas.surface.contact import Contact, Pipe
 
 KEYS = {
@@ -72,8 +72,6 @@ KEYS = {
     },
     "pipes": {"axis", "radius", "clip", "point"},
     "contacts": {"surface", "clip"},
-    "partition": {"kind", "center", "legs", "lower", "upper"},
-    "energy": {"kind", "lower", "upper", "piece", "weight"},
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
 }
@@ -99,18 +97,12 @@ class Problem:
     degree: int | None
     tolerance: float
     partition: Partition | None
-    energy: ThinPlate
-    points: dict[str, Any]
-    normalize: Normalization | None
-    basis: tuple[tuple[Polynomial, ...], ...] | None
-    prove: bool
-    guard: bool
+    wishes: Wishes
 
     @property
     def options(self) -> dict[str, Any]:
         """The keyword arguments of `pas.blend` beside contacts, order and degree."""
-        names = ("partition", "energy", "normalize", "basis", "prove", "guard")
-        return {name: getattr(self, name) for name in names} | self.points
+        return {"partition": self.partition, "wishes": self.wishes}
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -124,7 +116,12 @@ def read_problem(path: str | Path) -> Problem:
 
 
 class _Reader(TableReader):
-    keys, required, lists = KEYS, REQUIRED, LISTS
+    required, lists = REQUIRED, LISTS
+
+    @property
+    def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
+        """Those that there are, whatever has been registered since."""
+        return KEYS | {"partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
 
     def problem(self, data: dict[str, Any]) -> Problem:
         if {"surfaces", "boundaries"} & data.keys():
@@ -141,9 +138,14 @@ class _Reader(TableReader):
             order=self.checked(data, "order", check_order, None),
             degree=self.checked(data, "degree", check_degree, None),
             tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
-            partition=self._made("partition", data, self._partition),
-            energy=self._made("energy", data, self._energy) or ThinPlate(),
-            points=self._made("points", data, self._points) or {},
+            partition=self._made("partition", data, read_partition),
+            wishes=self._wishes(data),
+        )
+
+    def _wishes(self, data: dict[str, Any]) -> Wishes:
+        points = self._made("points", data, lambda table: Wishes(**table)) or Wishes()
+        return points.changed(
+            energy=self._made("energy", data, read_energy),
             normalize=self._made("normalize", data, self._normalization),
             basis=self._basis(data),
             prove=self.typed(data, "prove", bool, True),
@@ -175,27 +177,6 @@ class _Reader(TableReader):
             raise self.error(f"[{table}]: {error}", table, 0, key) from None
 
     @staticmethod
-    def _partition(table: dict[str, Any]) -> Partition:
-        kind = table.get("kind", SixTetrahedra.name)
-        wrong = {SixTetrahedra.name: ("lower", "upper"), SingleCell.name: ("legs",)}
-        if not isinstance(kind, str) or kind not in wrong:
-            raise ValueError(f"kind must be one of {', '.join(map(repr, wrong))}, not {shown(kind)}")
-        for key in wrong[kind]:
-            if key in table:
-                raise ValueError(f"{key!r} does not belong to kind {kind!r}")
-        if kind == SingleCell.name:
-            return SingleCell(table.get("lower"), table.get("upper"), table.get("center"))
-        if "legs" not in table:
-            raise ValueError("the six-tetrahedra corner needs 'legs'")
-        return SixTetrahedra(table.get("center", (0, 0, 0)), table["legs"])
-
-    @staticmethod
-    def _energy(table: dict[str, Any]) -> ThinPlate:
-        if table.get("kind", "thin-plate") != "thin-plate":
-            raise ValueError(f"kind must be 'thin-plate', not {shown(table['kind'])}")
-        return read_energy(table)
-
-    @staticmethod
     def _normalization(table: dict[str, Any]) -> Normalization:
         if table["kind"] not in NORMALIZATIONS:
             raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(table['kind'])}")
@@ -211,8 +192,3 @@ class _Reader(TableReader):
             return tuple(tuple(Polynomial(p) for p in member) for member in members)
         except (ValueError, TypeError) as error:
             raise self.error(f"basis: {error}", "", 0, "basis") from None
-
-    @staticmethod
-    def _points(table: dict[str, Any]) -> dict[str, Any]:
-        Constraints.of(**table)  # which finds what is wrong, while the line is known
-        return table

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
-from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, plain
 from pas.bernstein.signs import Status
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, one_of
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, one_of
 from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
-from pas.fairing.constraints import (
-    Constraints,
+from pas.fairing.wishes import (
     MeanAlpha,
     Normalization,
+    PointOptions,
     SumOfCoefficients,
     UnitCoefficients,
     ValueAt,
+    Wishes,
 )
-from pas.fairing.energy import Box, ThinPlate
-from pas.partition.cells import Partition
-from pas.partition.single_cell import SingleCell
-from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.partition.kinds import read_partition
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
 
@@ -35,7 +32,7 @@ CONSTRAINTS = Table(
         "normalize": NORMALIZATION,
     }
 )
-ENERGY = Table({"kind": one_of(("thin-plate",))}, {"weight": NUMBER, "piece": WHOLE, "lower": POINT, "upper": POINT})
+ENERGY = OpenTable({"kind": TEXT}, {"weight": NUMBER, "piece": WHOLE, "lower": POINT, "upper": POINT})
 VERDICT = Table(
     {
         "claim": TEXT,
@@ -53,41 +50,10 @@ def point_record(point: Vector) -> list[str]:
     return [plain(c) for c in point]
 
 
-def partition_record(partition: Partition) -> dict[str, Any]:
-    """The kind and exact data of a partition."""
-    center = partition.center
-    record: dict[str, Any] = {"kind": partition.name, "center": None if center is None else point_record(center)}
-    if isinstance(partition, SixTetrahedra):
-        record["legs"] = [point_record(leg) for leg in partition.legs]
-    elif isinstance(partition, SingleCell):
-        if partition.box is not None:
-            record["lower"], record["upper"] = map(point_record, partition.box)
-    else:
-        record["vertices"] = [point_record(v) for v in partition.vertices]
-        record["cells"] = [list(cell) for cell in partition.cells]
-        record["pieces"] = [list(piece) for piece in partition.pieces]
-    return record
-
-
-def read_partition(record: dict[str, Any]) -> Partition:
-    """The partition of `partition_record`."""
-    kinds = {SixTetrahedra.name: ("legs",), SingleCell.name: (), Partition.name: ("vertices", "cells", "pieces")}
-    if record["kind"] not in kinds:
-        raise ValueError(f"the partition's kind must be one of {', '.join(kinds)}, not {shown(record['kind'])}")
-    for key in kinds[record["kind"]]:
-        if key not in record:
-            raise ValueError(f"a partition of the kind {record['kind']!r} needs {key!r}")
-    if record["kind"] == SixTetrahedra.name:
-        return SixTetrahedra(record["center"], record["legs"])
-    if record["kind"] == SingleCell.name:
-        return SingleCell(record.get("lower"), record.get("upper"), record["center"])
-    return Partition(record["vertices"], record["cells"], record["center"], record["pieces"])
-
-
 def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
     """Everything that defines a surface, exact."""
     return {
-        "partition": partition_record(surface.partition),
+        "partition": surface.partition.to_record(),
         "contacts": [
             {"surface": equation_record(c.surface), "clip": equation_record(c.clip)} for c in surface.contacts
         ],
@@ -106,21 +72,22 @@ def read_surface(record: dict[str, Any]) -> PiecewiseSurface:
     )
 
 
-def constraints_record(constraints: Constraints) -> dict[str, Any]:
+def constraints_record(wishes: Wishes) -> dict[str, Any]:
     """The points and the normalisation."""
     record: dict[str, Any] = {
-        kind: [point_record(p) for p in getattr(constraints, kind)] for kind in ("inside", "outside", "through", "near")
+        kind: [point_record(p) for p in getattr(wishes, kind)] for kind in ("inside", "outside", "through", "near")
     }
-    record["near_weight"] = [plain(w) for w in constraints.near_weights]
-    record["handles"] = [[[cell, list(index)], plain(value)] for (cell, index), value in constraints.handles]
-    record["margin"] = None if constraints.margin is None else plain(constraints.margin)
-    record["normalize"] = normalization_record(constraints.normalize)
+    record["near_weight"] = [plain(w) for w in wishes.near_weights]
+    record["handles"] = [[[cell, list(index)], plain(value)] for (cell, index), value in wishes.handles]
+    record["margin"] = None if wishes.margin is None else plain(wishes.margin)
+    record["normalize"] = normalization_record(wishes.normalize)
     return record
 
 
-def read_constraints(record: dict[str, Any]) -> Constraints:
-    """The constraints of `constraints_record`."""
-    return Constraints.of(**(record | {"normalize": read_normalization(record["normalize"])}))
+def read_constraints(record: dict[str, Any]) -> PointOptions:
+    """The options of `constraints_record`."""
+    options: Any = record | {"normalize": read_normalization(record["normalize"])}
+    return cast(PointOptions, options)
 
 
 def normalization_record(normalization: Normalization) -> dict[str, Any]:
@@ -147,26 +114,3 @@ def read_normalization(record: dict[str, Any]) -> Normalization:
         "unit-coefficients": UnitCoefficients,
     }
     return plain_kinds.get(kind, MeanAlpha)()
-
-
-def energy_record(energy: ThinPlate) -> dict[str, Any]:
-    """The energy and its domain."""
-    record: dict[str, Any] = {"kind": "thin-plate", "weight": plain(energy.weight)}
-    if energy.domain is None:
-        return record
-    box = energy.domain
-    return record | {
-        "piece": energy.piece,
-        "lower": point_record(box.lower),
-        "upper": point_record(box.upper),
-    }
-
-
-def read_energy(record: dict[str, Any]) -> ThinPlate:
-    """The energy of `energy_record`."""
-    weight = record.get("weight", 1)
-    if ("lower" in record) != ("upper" in record):
-        raise ValueError("a box needs both lower and upper")
-    if "lower" not in record:
-        return ThinPlate(weight=weight)
-    return ThinPlate(Box(record["lower"], record["upper"]), record.get("piece", 0), weight)

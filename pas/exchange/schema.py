@@ -141,6 +141,17 @@ class Table:
 
 
 @dataclass(frozen=True)
+class OpenTable(Table):
+    """A table whose other keys are the business of what reads its kind."""
+
+    def check(self, value: Any, place: str) -> None:
+        """See `Shape`."""
+        if isinstance(value, dict):
+            value = {key: entry for key, entry in value.items() if key in {**self.needs, **self.may}}
+        super().check(value, place)
+
+
+@dataclass(frozen=True)
 class TableOf:
     """A table of any keys with entries of one shape."""
 

@@ -13,13 +13,13 @@ from flint import fmpq
 from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import plain, rational
-from pas.exchange.schema import NUMBER, TEXT, WHOLE, Choice, List, Maybe, Row, Table
+from pas.exchange.schema import NUMBER, TEXT, WHOLE, Choice, List, Maybe, OpenTable, Row, Table
 
 POLYNOMIAL = List(Row((WHOLE, WHOLE, WHOLE, NUMBER)), words="a list of terms")
 EQUATION = Choice((TEXT, POLYNOMIAL), "a polynomial")
 POINT = List(NUMBER, 3, words="a point of three numbers")
 _PARTITION_DATA = {"legs": List(POINT, 3), "lower": POINT, "upper": POINT, "vertices": List(POINT)}
-PARTITION = Table(
+PARTITION = OpenTable(
     {"kind": TEXT, "center": Maybe(POINT)},
     {**_PARTITION_DATA, "cells": List(List(WHOLE, 4)), "pieces": List(List(WHOLE))},
 )

@@ -24,11 +24,11 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
 from pas.errors import ProjectFileError
 from pas.exchange.container import check_name, read, understood, write
-from pas.exchange.records import partition_record, read_partition
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.partition.kinds import read_partition
 from pas.solid.affine import Affine
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
@@ -203,7 +203,7 @@ def function_record(function: Function) -> dict[str, Any]:
         return {"moved": function_record(function.inner), "matrix": rows, "shift": shift}
     if isinstance(function, Pieces):
         polynomials = [polynomial_record(p) for p in function.polynomials]
-        return {"pieces": polynomials, "partition": partition_record(function.partition)}
+        return {"pieces": polynomials, "partition": function.partition.to_record()}
     if isinstance(function, Near):
         return {
             "near": solid_record(function.solid),

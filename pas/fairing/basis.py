@@ -18,11 +18,16 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
-from pas.fairing.energy import SECOND_DERIVATIVES, Box, box_rule, tetrahedra_rule
+from pas.algebra.rational import to_float
+from pas.fairing.quadrature import tetrahedra_rule
 from pas.partition.cells import Partition
+from pas.partition.frame import Frame
 
 CONDITION = 1e4
 """A basis this well conditioned is used as it is: it costs 4 of 16 digits."""
+
+Derivative = tuple[int, ...]
+"""A partial derivative by the numbers of its variables: (0, 2) is d^2/dx dz, () the value itself."""
 
 ATTEMPTS = 6
 """Changes of basis before giving up; each gains about ten digits."""
@@ -33,10 +38,12 @@ class WorkingBasis:
     """A basis of a space of piecewise polynomials, exact and rounded, in local coordinates.
 
     `patches[p]` (m, C(n+3, 3)) is exact; `coefficients` (pieces, m, C(n+3, 3)) are its doubles;
-    `transform` (m, m) gives the working basis in terms of the one it was made from.
+    `transform` (m, m) gives the working basis in terms of the one it was made from.  `partition` is
+    that of the local coordinates, `frame` says where these are: `x = origin + scale * u`.
     """
 
     partition: Partition
+    frame: Frame
     degree: int
     transform: fmpq_mat
     patches: tuple[fmpq_mat, ...]
@@ -44,8 +51,8 @@ class WorkingBasis:
 
     @classmethod
     def of(cls, partition: Partition, patches: Sequence[fmpq_mat], degree: int) -> WorkingBasis:
-        """A well-conditioned basis of the span of `patches`."""
-        rules = tetrahedra_rule(partition, 2 * degree)
+        """A well-conditioned basis of the span of `patches`, which are in the partition's local coordinates."""
+        rules = tetrahedra_rule(partition.local, 2 * degree)
         values = [monomial_values(p, degree) * np.sqrt(w) for p, w in rules]
 
         def samples(tables: list[Floats]) -> Floats:
@@ -53,12 +60,19 @@ class WorkingBasis:
             return np.concatenate([c @ v for c, v in on_cells], axis=1).T
 
         transform, exact = orthonormal(patches, samples)
-        return cls(partition, degree, transform, exact, np.array([to_doubles(patch) for patch in exact]))
+        return cls(
+            partition.local, partition.frame, degree, transform, exact, np.array([to_doubles(patch) for patch in exact])
+        )
 
     @property
     def size(self) -> int:
         """The dimension m."""
         return int(self.coefficients.shape[1])
+
+    @property
+    def scale(self) -> float:
+        """The user's units in a local one."""
+        return to_float(self.frame.scale)
 
     def values(self, piece: int, points: Floats) -> Floats:
         """Values of the members on a piece at local points (N, 3): (N, m)."""
@@ -85,26 +99,35 @@ class WorkingBasis:
     def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
         return [patch.numer_denom() for patch in self.patches]
 
-    @cached_property
-    def cell_energy(self) -> Floats:
-        """A factor J (rows, m) of the energy over the cells: `q^T J^T J q` for coefficients q."""
-        rules = tetrahedra_rule(self.partition, 2 * max(self.degree - 2, 0))
-        pieces = self.partition.piece_of
-        return np.concatenate([self._energy_factor(pieces[cell], p, w) for cell, (p, w) in enumerate(rules)])
+    def derivative(self, piece: int, points: Floats, variables: Derivative) -> Floats:
+        """A partial derivative of the members on a piece at local points (N, 3), in local units: (N, m)."""
+        return monomial_values(points, self.degree).T @ self._derived(piece, variables)
 
-    def box_energy(self, piece: int, box: Box) -> Floats:
-        """The same for one patch over a box in local coordinates."""
-        lower, upper = (np.array([int(c.p) / int(c.q) for c in corner]) for corner in (box.lower, box.upper))
-        points, weights = box_rule(lower, upper, 2 * max(self.degree - 2, 0))
-        return self._energy_factor(piece, points, weights)
+    def quadrature(self, degree: int) -> list[tuple[int, Floats, Floats]]:
+        """For each cell its piece, local points (N, 3) and weights (N,), exact for polynomials of that degree.
 
-    def _energy_factor(self, piece: int, points: Floats, weights: Floats) -> Floats:
+        Weights are local volumes: times `scale^3` they are the user's.
+        """
+        rules = tetrahedra_rule(self.partition, degree)
+        return [(int(piece), *rule) for piece, rule in zip(self.partition.piece_of, rules, strict=True)]
+
+    def squares(
+        self, piece: int, points: Floats, weights: Floats, derivatives: Sequence[tuple[Derivative, int]]
+    ) -> Floats:
+        """A factor J (rows, m) of a weighted sum of squares of derivatives at points: it is `q^T J^T J q`.
+
+        Each derivative comes with the number of times that it counts.
+        """
         values = monomial_values(points, self.degree).T * np.sqrt(weights)[:, None]
-        blocks = []
-        for i, j, times in SECOND_DERIVATIVES:
-            derivative = derivative_matrix(self.degree, i) @ derivative_matrix(self.degree, j)
-            blocks.append(values @ (derivative @ self.coefficients[piece].T) * np.sqrt(times))
+        blocks = [values @ self._derived(piece, variables) * np.sqrt(times) for variables, times in derivatives]
         return np.concatenate(blocks)
+
+    def _derived(self, piece: int, variables: Derivative) -> Floats:
+        """The coefficients of a derivative of the members: (C(n+3, 3), m)."""
+        change = np.eye(self.coefficients.shape[2])
+        for variable in variables:
+            change = change @ derivative_matrix(self.degree, variable)
+        return np.asarray(change @ self.coefficients[piece].T)
 
 
 def orthonormal(

@@ -8,7 +8,7 @@ on a clip face the contact says what is inside.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
@@ -16,10 +16,9 @@ from flint import fmpq
 
 from pas.algebra.rational import Vector, cross, dot, plain
 from pas.errors import InfeasibleError
-from pas.fairing.constraints import Constraints, ValueAt
+from pas.fairing.wishes import ValueAt, Wishes
 from pas.partition.cells import OuterFace, Partition
-from pas.surface.contact import Contact
-from pas.surface.joins import joins
+from pas.surface.placed import PlacedContacts
 
 INSIDE, ON, OUTSIDE = -1, 0, 1
 """The signs of f."""
@@ -34,48 +33,48 @@ class Wish:
     signs: frozenset[int]
 
 
-def check_wishes(constraints: Constraints, partition: Partition, contacts: Sequence[Contact], *, proved: bool) -> None:
+def check_wishes(wishes: Wishes, placed: PlacedContacts) -> None:
     """Raises `InfeasibleError`, which names the wishes, where some contradict by themselves.
 
-    With `proved` the surface is to pass its proofs; without, a point only needs to have one sign.
+    A surface that need not pass its proofs only needs to have one sign at a point.
     """
-    wishes = list(_wishes(constraints))
-    center = partition.center if proved else None
-    if proved:
-        for wish in wishes:
-            for sign, reason in _known(wish.point, partition, contacts):
+    points = list(_wishes(wishes))
+    center = placed.partition.center if wishes.prove else None
+    if wishes.prove:
+        for wish in points:
+            for sign, reason in _known(wish.point, placed):
                 if sign not in wish.signs:
                     raise InfeasibleError(f"the constraint {wish.name} cannot be met: {reason}", [wish.name])
-    for pair in combinations(wishes, 2):
+    for pair in combinations(points, 2):
         clash = _contradiction(*pair, center)
         if clash:
             names = [wish.name for wish in pair]
             raise InfeasibleError(f"the constraints {', '.join(names)} contradict one another: {clash}", names)
 
 
-def _wishes(constraints: Constraints) -> Iterator[Wish]:
-    edge = {ON} if constraints.margin == 0 else set()
+def _wishes(wishes: Wishes) -> Iterator[Wish]:
+    edge = {ON} if wishes.margin == 0 else set()
     signs = {"inside": {INSIDE} | edge, "through": {ON}, "outside": {OUTSIDE} | edge}
-    for kind, index in constraints.hard():
+    for kind, index in wishes.hard():
         if kind in signs:
-            point = getattr(constraints, kind)[index]
-            yield Wish(constraints.describe((kind, index)), point, frozenset(signs[kind]))
-    normalize = constraints.normalize
+            point = getattr(wishes, kind)[index]
+            yield Wish(wishes.describe((kind, index)), point, frozenset(signs[kind]))
+    normalize = wishes.normalize
     if isinstance(normalize, ValueAt):
         name = f"value {plain(normalize.value)} at ({', '.join(map(plain, normalize.point))})"
         yield Wish(name, normalize.point, frozenset({_sign(normalize.value)}))
 
 
-def _known(point: Vector, partition: Partition, contacts: Sequence[Contact]) -> Iterator[tuple[int, str]]:
+def _known(point: Vector, placed: PlacedContacts) -> Iterator[tuple[int, str]]:
     """Signs that a proved surface has at a point, with the reason."""
+    partition = placed.partition
     if partition.center is not None and point == partition.center:
         yield INSIDE, f"the centre {_written(point)} of the partition, from which one sheet is proved, must be inside"
-    faces = [face for face in partition.outer_faces if _holds(face, partition, point)]
-    places = joins(partition, contacts) if faces else ()
-    for number, join in enumerate(places, start=1):
-        if any(face in join.faces for face in faces):
-            yield _sign(join.contact.surface.raw(*point)), f"on that clip face contact {number} says what is inside"
-    if any(all(face not in join.faces for join in places) for face in faces):
+    local = partition.frame.local_point(point)
+    for number, join in enumerate(placed.joins, start=1):
+        if any(_holds(face, placed.local, local) for face in join.faces):
+            yield _sign(join.contact.surface.raw(*local)), f"on that clip face contact {number} says what is inside"
+    if any(_holds(face, placed.local, local) for face in placed.walls):
         yield OUTSIDE, "on the walls of the region all points are outside, since the surface leaves it by its contacts"
 
 

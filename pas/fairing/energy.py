@@ -1,152 +1,197 @@
-"""Thin-plate energy `1/2 * integral of |Hess f|_F^2` over a region or a box.
+"""Energies: what is made small when a member of a solution space is chosen.
 
-Two ways to the matrix of inner products of Hessians: exactly, by moments of a box or by the
-Gram matrix of Bernstein polynomials on tetrahedra, and in floating point, by a Gauss rule of the
-right degree, which gives a factor J with `H = J^T J` and so a positive semidefinite matrix
-whatever the rounding.
+An energy is one class in one file.  It says by which name files know it (`kind`), its quadratic form
+on a working basis, its exact one where it has one, and how it is written as a table of plain data
+and read from one.  Registered, it is known to `pas.blend`, project files and problem files:
+
+    @pas.register_energy
+    @dataclass(frozen=True)
+    class Values(pas.Energy):
+        kind = "values"
+
+        def hessian(self, basis):
+            rules = basis.quadrature(2 * basis.degree)
+            factor = np.concatenate([basis.squares(*rule, [((), 1)]) for rule in rules])
+            return factor.T @ factor * basis.scale**3
+
+    pas.blend(pipes, order=2, energy=Values() + pas.ThinPlate(weight="1/10"))
+
+Sums of energies and their multiples by numbers >= 0 are energies.
+
+The seam for energies that are no quadratic forms (such as of the surface f = 0 rather than of f): they
+are settled by Gauss-Newton steps around the quadratic programme.  Such an energy gives, at a member
+with coefficients q, residuals r and their Jacobian J, and with these a model of itself,
+`1/2 |r + J (x - q)|^2`.  For a quadratic form that is the same at every member, with `J^T J` the
+`hessian`; in general the programme's linear term, `J^T (r - J q)` (see `pas.fairing.qp.Programme`),
+is no longer zero.  What asks an energy for its form is `Fairing.hessian` alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from fractions import Fraction
+from typing import Any, ClassVar, Protocol, Self
 
-import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_mpoly
-from scipy.special import roots_jacobi, roots_legendre
+from flint import fmpq, fmpq_mat
 
-from pas.algebra.inputs import MOST_PIECES, whole
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, rational, vector
-from pas.bernstein.forms import b_form, on_simplex
-from pas.bernstein.gram import gram
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import plain, rational, to_float
+from pas.described import constructor_keys, described
+from pas.fairing.basis import WorkingBasis
 from pas.partition.cells import Partition
+from pas.registry import Registry
 
-SECOND_DERIVATIVES = ((0, 0, 1), (1, 1, 1), (2, 2, 1), (0, 1, 2), (0, 2, 2), (1, 2, 2))
-"""The distinct entries (i, j) of a Hessian and how often each stands in it."""
-
-
-@dataclass(frozen=True)
-class Box:
-    """An axis-parallel box from `lower` to `upper` (three exact numbers each)."""
-
-    lower: Vector
-    upper: Vector
-
-    def __init__(self, lower: Any, upper: Any) -> None:
-        object.__setattr__(self, "lower", vector(lower, "lower"))
-        object.__setattr__(self, "upper", vector(upper, "upper"))
-        if any(a >= b for a, b in zip(self.lower, self.upper, strict=True)):
-            raise ValueError("each lower bound of a box must be below the upper one")
+DEFAULT = "thin-plate"
+"""The kind of energy that is made small where nobody says which."""
 
 
-@dataclass(frozen=True)
-class ThinPlate:
-    """Thin-plate energy over `domain`.
+class Members(Protocol):
+    """Piecewise polynomials of one degree, exact, in the user's coordinates, as a solution space has them."""
 
-    Without a domain, every patch over its own piece.  With a `Box`, the patch of piece number
-    `piece` (from 0) over that box, as some of the literature has it.
-    `weight` multiplies it: 0 leaves the choice to points and their least squares.
+    @property
+    def partition(self) -> Partition:
+        """The region and its pieces."""
+
+    @property
+    def degree(self) -> int:
+        """The highest degree."""
+
+    @property
+    def basis(self) -> tuple[tuple[Polynomial, ...], ...]:
+        """The members: one polynomial for each piece."""
+
+
+class Energy(ABC):
+    """A quadratic form on piecewise polynomials f, in the user's units: `E(f) = 1/2 q^T H q`.
+
+    Energies are immutable and can be compared; a frozen dataclass whose fields are exact numbers,
+    whole numbers or texts is written and read by what is here.
     """
 
-    domain: Box | None = None
-    piece: int = 0
-    weight: fmpq = fmpq(1)
+    kind: ClassVar[str]
+    """The name by which files know the class."""
+
+    @abstractmethod
+    def hessian(self, basis: WorkingBasis) -> Floats:
+        """The matrix H (m, m), symmetric and positive semidefinite, for coefficients q in a working basis."""
+
+    def products(self, members: Members) -> fmpq_mat:
+        """The same for a basis of members, exact: (dimension, dimension).
+
+        Raises `ValueError` for an energy that has no exact form.
+        """
+        raise ValueError(f"the energy {self.kind!r} has no exact form; choose by it with `fit` or `blend`")
+
+    def to_record(self) -> dict[str, Any]:
+        """The energy as a table of plain data, exact numbers as texts."""
+        if not is_dataclass(self):
+            raise TypeError(f"the energy {self.kind!r} is no dataclass, so it must say how it is written (to_record)")
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        written = {name: plain(v) if isinstance(v, fmpq | Fraction) else v for name, v in values.items()}
+        return {"kind": self.kind, **written}
+
+    @classmethod
+    def keys(cls) -> Mapping[str, bool]:
+        """The keys that its tables have besides the kind, and whether they must have them."""
+        return constructor_keys(cls)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Self:
+        """The energy of a table, without its kind; raises `ValueError` or `TypeError` for wrong values."""
+        return cls(**record)
+
+    def __add__(self, other: Energy) -> Combination:
+        return Combination((*_terms(self), *_terms(other))) if isinstance(other, Energy) else NotImplemented
+
+    def __mul__(self, times: Any) -> Combination:
+        return Combination(tuple((rational(times, "the multiple") * own, energy) for own, energy in _terms(self)))
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class Combination(Energy):
+    """A sum of multiples of energies: `terms` are pairs of a number >= 0 and an energy."""
+
+    kind: ClassVar[str] = "combination"
+
+    terms: tuple[tuple[fmpq, Energy], ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "weight", rational(self.weight, "weight"))
-        whole(self.piece, "piece", 0, MOST_PIECES - 1)
-        if self.weight < 0:
-            raise ValueError(f"weight must not be negative, and is {self.weight}")
-        if self.domain is not None and not isinstance(self.domain, Box):
-            raise TypeError(f"domain must be a pas.Box or None, not {self.domain!r}")
+        if not self.terms:
+            raise ValueError("terms must hold at least one energy")
+        if any(times < 0 for times, _ in self.terms):
+            raise ValueError("terms must have multiples that are not negative, or the energy has no least value")
 
-    def piece_of(self, pieces: int) -> int:
-        """The number of the piece whose patch counts, of so many; raises `ValueError` where there is none such."""
-        return whole(self.piece, "piece", 0, pieces - 1, "the pieces of the partition, from 0")
+    def hessian(self, basis: WorkingBasis) -> Floats:
+        """See `Energy.hessian`."""
+        first, *others = (to_float(times) * energy.hessian(basis) for times, energy in self.terms)
+        return sum(others, first)
 
+    def products(self, members: Members) -> fmpq_mat:
+        """See `Energy.products`."""
+        first, *others = (energy.products(members) * times for times, energy in self.terms)
+        return sum(others, first)
 
-def second_derivatives(patch: fmpq_mpoly) -> list[tuple[fmpq_mpoly, int]]:
-    """The distinct second derivatives with their multiplicities in the Hessian."""
-    return [(patch.derivative(i).derivative(j), times) for i, j, times in SECOND_DERIVATIVES]
+    def to_record(self) -> dict[str, Any]:
+        """See `Energy.to_record`."""
+        terms = [{"times": plain(times), "energy": energy.to_record()} for times, energy in self.terms]
+        return {"kind": self.kind, "terms": terms}
 
-
-def tetrahedron_products(patches: Sequence[fmpq_mpoly], corners: Sequence[Vector], degree: int) -> fmpq_mat:
-    """Exact integrals of `<Hess g_i, Hess g_j>` over a tetrahedron (Bernstein Gram matrix)."""
-    lower = max(degree - 2, 0)
-    weights = gram(lower, 3)
-    volume = (
-        abs(dot(_minus(corners[1], corners[0]), cross(_minus(corners[2], corners[0]), _minus(corners[3], corners[0]))))
-        / 6
-    )
-    total = fmpq_mat(len(patches), len(patches))
-    for entry, (_, _, times) in enumerate(SECOND_DERIVATIVES):
-        forms = [b_form(on_simplex(second_derivatives(g)[entry][0], corners), lower, 3) for g in patches]
-        rows = fmpq_mat(len(forms), len(forms[0]), [c for form in forms for c in form])
-        total += rows * weights * rows.transpose() * (volume * times)
-    return total
-
-
-def box_products(patches: Sequence[fmpq_mpoly], box: Box) -> fmpq_mat:
-    """Exact integrals of `<Hess g_i, Hess g_j>` over a box, by its moments."""
-    total = fmpq_mat(len(patches), len(patches))
-    hessians = [second_derivatives(g) for g in patches]
-    for i, left in enumerate(hessians):
-        for j, right in enumerate(hessians[: i + 1]):
-            value = sum(
-                (_integral(a * b, box) * times for (a, times), (b, _) in zip(left, right, strict=True)), fmpq(0)
-            )
-            total[i, j] = total[j, i] = value
-    return total
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Combination:
+        """See `Energy.from_record`."""
+        terms = record["terms"]
+        entries = terms if isinstance(terms, list) else [None]
+        if not all(isinstance(t, dict) and t.keys() == {"times", "energy"} for t in entries):
+            raise ValueError(f"terms must be a list of tables with times and energy, not {shown(terms)}")
+        if not all(isinstance(term["energy"], dict) for term in terms):
+            raise ValueError("terms must have energies that are tables")
+        return cls(tuple((rational(term["times"], "times"), read_energy(term["energy"])) for term in terms))
 
 
-def tetrahedra_rule(partition: Partition, degree: int) -> list[tuple[Floats, Floats]]:
-    """For each cell, points (m, 3) and weights (m,) exact for polynomials of degree `degree`."""
-    barycentric, weights = _conical_rule(degree // 2 + 1)
-    rules = []
-    for cell in partition.cells:
-        corners = partition.points[list(cell)]
-        volume = abs(np.linalg.det(corners[1:] - corners[0])) / 6
-        rules.append((barycentric @ corners, weights * volume))
-    return rules
+ENERGIES: Registry[type[Energy]] = Registry(
+    "energy",
+    {
+        "thin-plate": "pas.fairing.energies.thin_plate:ThinPlate",
+        "membrane": "pas.fairing.energies.membrane:Membrane",
+        "combination": Combination,
+    },
+    key="kind",
+)
+"""The energies that files know, by their kinds."""
 
 
-def box_rule(lower: Floats, upper: Floats, degree: int) -> tuple[Floats, Floats]:
-    """Points (m, 3) and weights (m,) on a box, exact for polynomials of degree `degree`."""
-    nodes, weights = roots_legendre(degree // 2 + 1)
-    axes = [(lo + (hi - lo) * (nodes + 1) / 2, weights * (hi - lo) / 2) for lo, hi in zip(lower, upper, strict=True)]
-    points = np.stack(np.meshgrid(*(a for a, _ in axes), indexing="ij"), axis=-1).reshape(-1, 3)
-    products = np.einsum("i,j,k->ijk", *(w for _, w in axes)).ravel()
-    return points, products
+def register_energy(energy: type[Energy]) -> type[Energy]:
+    """Make a class of energies known to project files and problem files, by its `kind`; returns it.
+
+    Raises `ValueError` for a kind that is taken, `TypeError` for what is no class of energies.
+    """
+    if not isinstance(energy, type) or not issubclass(energy, Energy):
+        raise TypeError(f"energy must be a subclass of pas.Energy, not {shown(energy)}")
+    return ENERGIES.register(energy)
 
 
-@lru_cache(maxsize=None)
-def _conical_rule(points: int) -> tuple[Floats, Floats]:
-    """Barycentric points and weights (of sum 1): the conical product of Gauss-Jacobi rules."""
-    rules = []
-    for power in (2, 1, 0):
-        nodes, weights = roots_jacobi(points, power, 0)
-        rules.append(((nodes + 1) / 2, weights / weights.sum()))
-    (a, wa), (b, wb), (c, wc) = rules
-    u, v, w = np.meshgrid(a, b, c, indexing="ij")
-    first = u
-    second = (1 - u) * v
-    third = (1 - u) * (1 - v) * w
-    stacked = np.stack([1 - first - second - third, first, second, third], axis=-1).reshape(-1, 4)
-    return stacked, np.einsum("i,j,k->ijk", wa, wb, wc).ravel()
+def read_energy(record: Mapping[str, Any]) -> Energy:
+    """The energy that a table describes.
+
+    Raises `ValueError` or `TypeError`, in sentences that begin with the key at fault.
+    """
+    return described(ENERGIES, record, DEFAULT)
 
 
-def _integral(polynomial: fmpq_mpoly, box: Box) -> fmpq:
-    total = fmpq(0)
-    for exponent, coefficient in polynomial.to_dict().items():
-        term = coefficient
-        for e, lo, hi in zip(exponent, box.lower, box.upper, strict=True):
-            term *= (hi ** (e + 1) - lo ** (e + 1)) / (e + 1)
-        total += term
-    return total
+def as_energy(energy: Any) -> Energy:
+    """An energy, the default one for None; raises `TypeError` for anything else."""
+    if energy is None:
+        return ENERGIES[DEFAULT]()
+    if not isinstance(energy, Energy):
+        raise TypeError(f"energy must be a pas.Energy such as pas.ThinPlate(), or None, not {shown(energy)}")
+    return energy
 
 
-def _minus(a: Vector, b: Vector) -> tuple[fmpq, fmpq, fmpq]:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+def _terms(energy: Energy) -> tuple[tuple[fmpq, Energy], ...]:
+    return energy.terms if isinstance(energy, Combination) else ((fmpq(1), energy),)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from pas.algebra.monomials import Floats
 from pas.fairing.guard import Guard, Margins, Rows
-from pas.fairing.problem import Problem
+from pas.fairing.programme import MemberProgramme
 from pas.fairing.rays import Rays
 from pas.limits import checkpoint
 
@@ -52,10 +52,10 @@ class Stage:
 
 
 class Exchange:
-    """The search for clean members of one problem at one set of margins."""
+    """The search for clean members of one programme at one set of margins."""
 
-    def __init__(self, problem: Problem, guard: Guard, margins: Margins) -> None:
-        self.problem, self.guard, self.margins = problem, guard, margins
+    def __init__(self, programme: MemberProgramme, guard: Guard, margins: Margins) -> None:
+        self.programme, self.guard, self.margins = programme, guard, margins
 
     def stages(self) -> Iterator[Stage]:
         """Clean members in the order in which to prove them: the fairest of each lattice, then the others.
@@ -75,7 +75,7 @@ class _Search:
     """The search on one lattice."""
 
     def __init__(self, exchange: Exchange, subdivisions: int) -> None:
-        self.problem, self.guard, self.margins = exchange.problem, exchange.guard, exchange.margins
+        self.programme, self.guard, self.margins = exchange.programme, exchange.guard, exchange.margins
         self.rays = Rays(self.guard, subdivisions)
         self.all_edges = self.guard.edges(subdivisions, self.margins)
 
@@ -86,7 +86,7 @@ class _Search:
             return
         first, rounds, edges = settled
         yield first
-        if rounds == 1 or not self.problem.quadratic:
+        if rounds == 1 or not self.programme.quadratic:
             return  # no sheet is asked for that could be left behind, or the objective is no quadratic form
         member = first.unknowns
         rows = edges + self._own(member)
@@ -94,9 +94,9 @@ class _Search:
             step = self._step(member, rows)
             if step is None:
                 return
-            enough = self.problem.objective(step) >= (1 - ENOUGH) * self.problem.objective(member)
+            enough = self.programme.objective(step) >= (1 - ENOUGH) * self.programme.objective(member)
             member, rows = step, edges + self._own(step)
-            yield Stage(member, rows + self.problem.slope(member))
+            yield Stage(member, rows + self.programme.slope(member))
             if enough:
                 return
 
@@ -105,7 +105,7 @@ class _Search:
         edges, sheet = self.guard.initial(self.margins), Rows.none(self.guard.basis.size)
         for number in range(1, ROUNDS + 1):
             checkpoint(f"choosing a member of degree {self.guard.basis.degree}")
-            member = self.problem.optimum(edges + sheet)
+            member = self.programme.optimum(edges + sheet)
             new_edges, new_sheet = self._failures(member)
             if not len(new_edges) + len(new_sheet):
                 return Stage(member, edges + sheet), number, edges
@@ -115,7 +115,7 @@ class _Search:
     def _step(self, member: Floats, rows: Rows) -> Floats | None:
         """A clean member between this one and the optimum under the rows, the further the better."""
         checkpoint(f"choosing a member of degree {self.guard.basis.degree}")
-        aim, share = self.problem.optimum(rows), 1.0
+        aim, share = self.programme.optimum(rows), 1.0
         while share >= SHORTEST:
             trial: Floats = member + share * (aim - member)
             if not any(map(len, self._failures(trial))):
@@ -125,7 +125,7 @@ class _Search:
 
     def _failures(self, member: Floats) -> tuple[Rows, Rows]:
         """Rows of the walls and clip faces, and of the sheet, that a member misses by too much."""
-        unknowns = self.problem.normalised(member)
+        unknowns = self.programme.normalised(member)
         crossings = self.rays.crossings(unknowns, self.margins.band * self.guard.reach)
         sheet = self.rays.rows(crossings.below(CLEAN * self.margins.sheet), self.margins.sheet)
         return self.all_edges.missed(unknowns, CLEAN), sheet

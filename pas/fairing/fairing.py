@@ -8,7 +8,7 @@ then solved exactly for the coefficients that they determine best, so they hold 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,17 +17,15 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis, to_doubles
-from pas.fairing.constraints import Constraints
-from pas.fairing.energy import Box, ThinPlate
+from pas.fairing.energy import Energy
 from pas.fairing.exchange import Exchange
 from pas.fairing.guard import LADDER, SLIMMEST, Guard, Margins, Rows
-from pas.fairing.problem import Problem
-from pas.partition.cells import Partition
-from pas.surface.contact import Contact
+from pas.fairing.programme import MemberProgramme
+from pas.fairing.wishes import Wishes
 from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
 
 
 @dataclass(frozen=True)
@@ -47,29 +45,18 @@ class Fairing:
     `patches[p]` (m, C(n+3, 3)) are the members' patches in local coordinates, exact.
     """
 
-    def __init__(
-        self,
-        partition: Partition,
-        contacts: Sequence[Contact],
-        order: int,
-        degree: int,
-        patches: Sequence[fmpq_mat],
-        energy: ThinPlate,
-    ) -> None:
-        self.partition, self.contacts, self.order, self.degree = partition, tuple(contacts), order, degree
-        self.energy = energy
-        if not partition.cells:
+    def __init__(self, placed: PlacedContacts, degree: int, patches: Sequence[fmpq_mat], energy: Energy) -> None:
+        self.placed, self.partition, self.degree, self.energy = placed, placed.partition, degree, energy
+        if not placed.partition.cells:
             raise ValueError(
                 "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
             )
-        self.basis = WorkingBasis.of(partition.local, patches, degree)
+        self.basis = WorkingBasis.of(placed.partition, patches, degree)
 
     @cached_property
     def guard(self) -> Guard:
         """The guard rows of this space."""
-        zero = [Polynomial(0)] * len(self.partition.pieces)
-        empty = PiecewiseSurface(self.partition, self.contacts, self.order, zero, self.degree)
-        for number, join in enumerate(empty.joins, start=1):
+        for number, join in enumerate(self.placed.joins, start=1):
             if not join.confined:
                 what = (
                     f"the clip of contact {number} passes through the region"
@@ -80,7 +67,7 @@ class Fairing:
                     f"{what}, so the surface can be neither guarded nor proved there: fit with prove=False, "
                     "guard=False and another normalisation than pas.MeanAlpha(), or give the region such a side"
                 )
-        return Guard(self.basis, empty)
+        return Guard(self.basis, self.placed)
 
     @cached_property
     def coefficient_gram(self) -> Floats:
@@ -96,13 +83,10 @@ class Fairing:
     @cached_property
     def hessian(self) -> Floats:
         """The energy matrix H in the working basis, in the user's units: `1/2 q^T H q`."""
-        if self.energy.domain is None:
-            factor = self.basis.cell_energy
-        else:
-            frame = self.partition.frame
-            box = Box(frame.local_point(self.energy.domain.lower), frame.local_point(self.energy.domain.upper))
-            factor = self.basis.box_energy(self.energy.piece_of(len(self.partition.pieces)), box)
-        return factor.T @ factor * (to_float(self.energy.weight) / to_float(self.partition.frame.scale))
+        hessian, m = np.asarray(self.energy.hessian(self.basis)), self.basis.size
+        if hessian.shape != (m, m) or not np.isfinite(hessian).all():
+            raise ValueError(f"the energy {self.energy.kind!r} must give a finite matrix of shape {m, m}")
+        return hessian
 
     def energy_of(self, working: fmpq_mat) -> float:
         """The energy of a member."""
@@ -112,56 +96,56 @@ class Fairing:
     def surface(self, working: fmpq_mat) -> PiecewiseSurface:
         """The exact surface with given working coefficients (1, m)."""
         patches = [Polynomial.from_row(entries, self.degree) for entries in self.basis.combine(working)]
-        return PiecewiseSurface(self.partition, self.contacts, self.order, patches, self.degree)
+        return PiecewiseSurface.in_place(self.placed, patches, self.degree)
 
-    def choose(self, constraints: Constraints, rows: Rows) -> fmpq_mat:
-        """The optimal member under the constraints and guard rows, rounded: (1, m), exact.
+    def choose(self, wishes: Wishes) -> Choice:
+        """The member that meets the wishes best, proved or guarded as they say.
 
         Raises `InfeasibleError`, naming an irreducible set of conflicting points where the
         conflict involves the user's, and `NotSolvedError` where the solvers failed.
         """
-        problem = Problem(self, constraints)
-        return problem.rounded(problem.optimum(rows))
+        if wishes.prove:
+            return self._proved(wishes)
+        return self._guarded(wishes) if wishes.guard else self.under(wishes, Rows.none(self.basis.size))
 
-    def choose_proved(self, constraints: Constraints) -> Choice:
-        """The first member on the ladder of margins that is proved.
+    def under(self, wishes: Wishes, rows: Rows, margins: Margins | None = None) -> Choice:
+        """The optimum under the wishes and given guard rows, rounded."""
+        programme = MemberProgramme(self, wishes)
+        working = programme.rounded(programme.optimum(rows))
+        return Choice(self.surface(working), working, rows, margins)
 
-        Raises `InfeasibleError` where there is none.
-        """
-        problem = Problem(self, constraints)
+    def _proved(self, wishes: Wishes) -> Choice:
+        """The first member on the ladder of margins that is proved."""
+        programme = MemberProgramme(self, wishes)
         for rows in (Rows.none(self.basis.size), self.guard.initial(SLIMMEST)):  # what fails here fails on every rung
-            if not problem.possible(rows):
-                raise problem.conflict(rows)
+            if not programme.possible(rows):
+                raise programme.conflict(rows)
         failure: InfeasibleError | None = None
         for margins in LADDER:
             try:
-                for stage in Exchange(problem, self.guard, margins).stages():
-                    working = problem.rounded(stage.unknowns)
-                    surface = self.surface(working)
+                for choice in self._candidates(programme, margins):
                     # without a centre no sheet can be proved: the certificate says so
-                    if surface.certificate.proved or self.partition.center is None:
-                        return Choice(surface, working, stage.rows, margins)
+                    if choice.surface.certificate.proved or self.partition.center is None:
+                        return choice
             except InfeasibleError as error:
                 failure = error
         raise failure or InfeasibleError(f"no member of degree {self.degree} that was found passed the proofs")
 
-    def choose_guarded(self, constraints: Constraints) -> Choice:
+    def _candidates(self, programme: MemberProgramme, margins: Margins) -> Iterator[Choice]:
+        """Clean members at these margins, in the order in which to prove them."""
+        for stage in Exchange(programme, self.guard, margins).stages():
+            working = programme.rounded(stage.unknowns)
+            yield Choice(self.surface(working), working, stage.rows, margins)
+
+    def _guarded(self, wishes: Wishes) -> Choice:
         """The optimum under the sampled guard rows alone, with the widest margins that can be.
 
         Without proofs to point to failures, the sheet condition is asked everywhere.
         """
+        failure: InfeasibleError | None = None
         for margins in (m for m in LADDER if m.everywhere):
-            rows = self.guard.initial(margins)
             try:
-                working = self.choose(constraints, rows)
+                return self.under(wishes, self.guard.initial(margins), margins)
             except InfeasibleError as error:
                 failure = error
-                continue
-            return Choice(self.surface(working), working, rows, margins)
-        raise failure
-
-    def choose_plain(self, constraints: Constraints) -> Choice:
-        """The optimum under the user's constraints alone."""
-        rows = Rows.none(self.basis.size)
-        working = self.choose(constraints, rows)
-        return Choice(self.surface(working), working, rows)
+        raise failure or InfeasibleError(f"no member of degree {self.degree} was found")

@@ -10,7 +10,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import count, exponents
 from pas.algebra.rational import Vector, vector
 from pas.bernstein.forms import polar_row
-from pas.fairing.constraints import Handle
+from pas.fairing.wishes import Handle
 from pas.partition.cells import Partition
 
 REFERENCE = tuple(vector(corner) for corner in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))

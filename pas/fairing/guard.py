@@ -15,7 +15,7 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import to_float
 from pas.fairing.basis import WorkingBasis
 from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
 
 CELL_LATTICE, EDGE_LATTICE = 5, 8
 """Subdivisions of an edge of the cells, and of the walls and clip faces, for the rows to begin with."""
@@ -103,13 +103,13 @@ class AlphaOnFace:
 class Guard:
     """The guard rows of one solution space: points are local, values in the user's units."""
 
-    def __init__(self, basis: WorkingBasis, surface: PiecewiseSurface) -> None:
-        scale = to_float(surface.partition.frame.scale)
-        self.basis, self.surface = basis, surface
+    def __init__(self, basis: WorkingBasis, placed: PlacedContacts) -> None:
+        scale = to_float(placed.partition.frame.scale)
+        self.basis, self.placed = basis, placed
         self.alphas: list[AlphaOnFace] = []
         measured: list[Floats] = []
         reaches = []
-        for join in surface.joins:
+        for join in placed.joins:
             curves = join.measured_curves()
             points, weights = (np.concatenate(parts) for parts in zip(*curves, strict=True))
             gradient = join.contact.surface.gradient(points)
@@ -125,13 +125,13 @@ class Guard:
         """The mean of alpha over all contact curves, as a row (m,)."""
         self.local_reach = max(min(reaches), 1e-3)
         self.reach = self.local_reach * scale
-        self.radius = float(_lengths(surface.local.points).max())
+        self.radius = float(_lengths(placed.local.points).max())
 
     def initial(self, margins: Margins) -> Rows:
         """Rows on lattices of the walls and clip faces, at the centre, and of the cells where these are asked for."""
         rows = self.edges(EDGE_LATTICE, margins) + self._depth(margins)
         if margins.everywhere:
-            local = self.surface.local
+            local = self.placed.local
             for number, cell in enumerate(local.cells):
                 points = lattice_weights(CELL_LATTICE, 4) @ local.points[list(cell)]
                 points = points[_lengths(points) > self.local_reach / 2]
@@ -142,8 +142,8 @@ class Guard:
         """Rows on lattices of the walls and the clip faces."""
         weights = lattice_weights(subdivisions, 3)
         rows, at_least = [np.empty((0, self.basis.size))], []
-        for wall in self.surface.walls:
-            rows.append(self.basis.values(wall.piece, weights @ self.surface.local.points[list(wall.vertices)]))
+        for wall in self.placed.walls:
+            rows.append(self.basis.values(wall.piece, weights @ self.placed.local.points[list(wall.vertices)]))
             at_least.append(margins.wall * self.reach)
         for alpha in self.alphas:
             rows.append(alpha.rows(weights @ alpha.corners))
@@ -152,7 +152,7 @@ class Guard:
 
     def _depth(self, margins: Margins) -> Rows:
         """The row at the centre, if there is one; all pieces have the same value there."""
-        if self.surface.partition.center is None:
+        if self.placed.partition.center is None:
             return Rows.none(self.basis.size)
         return Rows(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
 

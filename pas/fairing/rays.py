@@ -88,7 +88,7 @@ class Rays:
 
 def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
     """The lattice points of the outer faces by piece, those that faces share once."""
-    local = guard.surface.local
+    local = guard.placed.local
     if local.center is None:
         return {}
     weights, indices = lattice_weights(subdivisions, 3), homogeneous_exponents(subdivisions, 3)

@@ -11,11 +11,11 @@ for everything but that proof.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from flint import fmpq
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, binary_exponent, cross, dot, plain, to_float, to_floats, vector
+from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 
@@ -87,6 +88,26 @@ class Partition:
         self._check_faces()
         if self.center is not None and self.cells:
             self._check_around_center(self.center)
+
+    def to_record(self) -> dict[str, Any]:
+        """The partition as a table of plain data, exact numbers as texts; its kind is its `name`."""
+        return {
+            "kind": Partition.name,
+            "center": None if self.center is None else written(self.center),
+            "vertices": [written(v) for v in self.vertices],
+            "cells": [list(cell) for cell in self.cells],
+            "pieces": [list(piece) for piece in self.pieces],
+        }
+
+    @classmethod
+    def keys(cls) -> Mapping[str, bool]:
+        """The keys of its tables besides the kind, and whether they must have them."""
+        return constructor_keys(cls)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Self:
+        """The partition of a table, without its kind; raises as the constructor does."""
+        return cls(**record)
 
     def _check_indices(self) -> None:
         for i, cell in enumerate(self.cells):
@@ -259,6 +280,11 @@ def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:
         raise GeometryError("three points of a face are on one line")
     plane = Polynomial.from_raw(raw).primitive()
     return plane if plane.raw.coeffs()[0] * raw.coeffs()[0] > 0 else -plane
+
+
+def written(point: Vector) -> list[str]:
+    """Three exact numbers as texts."""
+    return [plain(c) for c in point]
 
 
 def _minus(a: Vector, b: Vector) -> Vector:

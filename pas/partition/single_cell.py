@@ -12,7 +12,7 @@ from typing import Any
 
 from pas.algebra.rational import Vector, vector
 from pas.errors import GeometryError
-from pas.partition.cells import Partition
+from pas.partition.cells import Partition, written
 
 SIDES = tuple((axis, end) for axis in range(3) for end in (0, 1))
 
@@ -45,6 +45,13 @@ class SingleCell(Partition):
         corners = [vector(corner) for corner in product(*zip(low, high, strict=True))]
         cells = [(8, *triangle) for side in SIDES for triangle in _triangles(*side)]
         super().__init__([*corners, inside], cells, inside, [tuple(range(len(cells)))])
+
+    def to_record(self) -> dict[str, Any]:
+        """See `Partition.to_record`."""
+        record: dict[str, Any] = {"kind": self.name, "center": None if self.center is None else written(self.center)}
+        if self.box is not None:
+            record["lower"], record["upper"] = map(written, self.box)
+        return record
 
 
 def _triangles(axis: int, end: int) -> list[tuple[int, int, int]]:

@@ -9,12 +9,13 @@ carry two interior faces each.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, cross, dot, vector
 from pas.errors import GeometryError
-from pas.partition.cells import Partition
+from pas.partition.cells import Partition, written
 
 VERTEX_SIGNS = (
     (1, 1, 1),
@@ -49,6 +50,16 @@ class SixTetrahedra(Partition):
         if dot(self.legs[0], cross(self.legs[1], self.legs[2])) == 0:
             raise GeometryError("the three legs of the corner lie in one plane")
         super().__init__([self._vertex(origin, signs) for signs in VERTEX_SIGNS], CELLS, origin)
+
+    def to_record(self) -> dict[str, Any]:
+        """See `Partition.to_record`."""
+        assert self.center is not None
+        return {"kind": self.name, "center": written(self.center), "legs": [written(leg) for leg in self.legs]}
+
+    @classmethod
+    def keys(cls) -> Mapping[str, bool]:
+        """See `Partition.keys`."""
+        return {"center": False, "legs": True}
 
     def _vertex(self, origin: Vector, signs: tuple[int, int, int]) -> Vector:
         x, y, z = (

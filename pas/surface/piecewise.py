@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import check_order, check_surface_degree, check_tolerance
+from pas.algebra.inputs import check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
@@ -21,7 +21,8 @@ from pas.mesh.triangulate import MeshError, triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
-from pas.surface.joins import Join, joins
+from pas.surface.joins import Join
+from pas.surface.placed import PlacedContacts
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
 
@@ -65,9 +66,7 @@ class PiecewiseSurface:
             raise ValueError(
                 f"there must be a patch for each of the {len(partition.pieces)} pieces, not {len(patches)}"
             )
-        self.partition = partition
-        self.contacts = tuple(contacts)
-        self.order = check_order(order)
+        self.placed = PlacedContacts(partition, contacts, order)
         self.patches = tuple(patches)
         self.degree = check_surface_degree(max(0, *(p.degree for p in self.patches)), degree)
 
@@ -85,23 +84,42 @@ class PiecewiseSurface:
         check_surface_degree(max((p.degree for p in given), default=0))
         return cls(partition, contacts, order, [partition.frame.localise(p) for p in given], degree)
 
+    @classmethod
+    def in_place(cls, placed: PlacedContacts, patches: Sequence[Polynomial], degree: int) -> PiecewiseSurface:
+        """A surface that meets contacts in place: what is known of these is not worked out again."""
+        surface = cls(placed.partition, placed.contacts, placed.order, patches, degree)
+        surface.placed = placed
+        return surface
+
+    @property
+    def partition(self) -> Partition:
+        """The region and its pieces."""
+        return self.placed.partition
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts that the surface is to meet, in the user's coordinates."""
+        return self.placed.contacts
+
+    @property
+    def order(self) -> int:
+        """The k of GC^k at the contacts and C^k between pieces."""
+        return self.placed.order
+
     @property
     def local(self) -> Partition:
         """The partition in local coordinates, in which `patches` are given."""
-        return self.partition.local
+        return self.placed.local
 
-    @cached_property
+    @property
     def joins(self) -> tuple[Join, ...]:
         """The contacts in local coordinates, with their places on the partition."""
-        frame = self.partition.frame
-        moved = [Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in self.contacts]
-        return joins(self.local, moved)
+        return self.placed.joins
 
-    @cached_property
+    @property
     def walls(self) -> tuple[OuterFace, ...]:
         """The outer faces in no clip plane."""
-        clipped = {face.vertices for join in self.joins for face in join.faces}
-        return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
+        return self.placed.walls
 
     @cached_property
     def polynomials(self) -> tuple[Polynomial, ...]:

@@ -7,9 +7,9 @@ from math import cos, pi, sin
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
-from pas.blending.solutions import solutions
 from pas.errors import GeometryError
 from pas.partition.single_cell import SingleCell
+from pas.pipeline.space import solutions
 from pas.solid.solid import Solid, patch
 from pas.teapot.body import LOWER, upper
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
-from pas.blending.solutions import solutions
-from pas.blending.space import SolutionSpace
 from pas.errors import GeometryError
-from pas.fairing.constraints import ValueAt
-from pas.fairing.energy import Box, ThinPlate
+from pas.fairing.energies.thin_plate import ThinPlate
+from pas.fairing.quadrature import Box
+from pas.fairing.wishes import ValueAt
 from pas.partition.single_cell import SingleCell
+from pas.pipeline.space import SolutionSpace, solutions
 from pas.teapot.body import LOWER
 
 ROOT, BEND = Polynomial("13 - 9*x + 2*z"), Polynomial("48 - 15*x - 40*z")

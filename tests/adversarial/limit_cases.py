@@ -15,8 +15,7 @@ from conftest import ROOT
 
 import pas
 from pas import solid
-from pas.blending.blend import fit
-from pas.blending.project import save
+from pas.exchange.project import save
 from pas.independent.checker import check_independently
 from pas.render.parts import draw_parts
 from pas.teapot.pot import teapot
@@ -144,7 +143,7 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
 
 LONG_CALLS = {
     "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, **k)),
-    "pas.blending.blend.fit": LongCall(_space, lambda p, f, **k: fit(p, **k)),
+    "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
     "Blend.save": LongCall(_corner, lambda p, f, **k: p.save(f / "x.pas.json", **k)),
     "SolutionSpace.optimum": LongCall(_space, lambda p, f, **k: p.optimum(**k)),
     "pas.solutions": LongCall(_pipes, lambda p, f, **k: pas.solutions(p, 2, **k)),
@@ -168,6 +167,7 @@ LONG_CALLS = {
     "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
     "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
     "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
+    "pas.write": LongCall(_patch, lambda p, f, **k: pas.write(p, f / "x.ply", tolerance=T, **k)),
     "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
     "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=T, **k), 3),
     "pas.save_solid": LongCall(_solid, lambda p, f, **k: pas.save_solid(p, f / "x.pas.json", **k)),
@@ -190,7 +190,7 @@ LONG_CALLS = {
     ),
     "pas.write_step": LongCall(_patch, lambda p, f, **k: pas.write_step(p, f / "x.step", **k), 3),
     "pas.generatrix_blend": LongCall(_sections, lambda p, f, **k: pas.generatrix_blend(*p, **k)),
-    "GeneratrixBlend.mesh": LongCall(_generatrix, lambda p, f, **k: p.mesh((12, 6), **k)),
+    "GeneratrixBlend.mesh": LongCall(_generatrix, lambda p, f, **k: p.mesh(size=(12, 6), **k)),
     "GeneratrixBlend.largest_safe": LongCall(_generatrix, lambda p, f, **k: p.largest_safe(size=(24, 8), **k)),
     "pas.blend_quadrics": LongCall(
         lambda _: ("x^2 + y^2 - 1", "z - 2", "x^2 + y^2 - 4", "z + 2"),
@@ -198,7 +198,7 @@ LONG_CALLS = {
     ),
     "pas.blend_through_sphere": LongCall(_ends, lambda p, f, **k: pas.blend_through_sphere(p, (0, 0, 0), 1, **k)),
     "SphereBlend.mesh": LongCall(
-        lambda _: pas.blend_through_sphere(_ends(), (0, 0, 0), 1), lambda p, f, **k: p.mesh((12, 6), **k)
+        lambda _: pas.blend_through_sphere(_ends(), (0, 0, 0), 1), lambda p, f, **k: p.mesh(size=(12, 6), **k)
     ),
     "pas.teapot.pot.teapot": LongCall(lambda _: None, lambda p, f, **k: teapot("paper", **k), 2),
     "pas.independent.checker.check_independently": LongCall(

@@ -13,8 +13,8 @@ from conftest import EQUAL, solved
 import pas
 from pas import Polynomial, Status
 from pas.algebra.rational import to_floats
-from pas.blending.bodies import body
 from pas.blending.place import place
+from pas.pipeline.bodies import body
 from pas.surface.proofs import contact_verdict, enclosed_verdict
 from pas.surface.space_curve import Curve
 
@@ -155,7 +155,7 @@ def test_a_parallelogram_proves_a_point_of_a_curve():
 @pytest.mark.parametrize("factor", ["1", "x + 2", "2*x - 1", "x + 1", "1 + y^2"])
 def test_clips_are_turned_towards_their_faces(sign, factor):
     """A factor that is negative at the centre turns the clip there, but not at its face."""
-    _, (contact,) = place([(PIPE, f"{sign}(x - 1)*({factor})")], BOX)
+    (contact,) = place([(PIPE, f"{sign}(x - 1)*({factor})")], 1, BOX).contacts
     assert contact.clip == Polynomial(f"(x - 1)*({factor})")
     space = pas.solutions([(PIPE, f"{sign}(x - 1)*({factor})")], 1, 3, BOX)
     if factor == "2*x - 1":
@@ -167,7 +167,7 @@ def test_clips_are_turned_without_a_centre():
     corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
     mesh = pas.Partition(corners, [(0, 1, 2, 3)])
     for sign in ("", "-"):
-        _, (contact,) = place([("(y - 1/4)^2 + (z - 1/4)^2 - 1/100", f"{sign}x")], mesh)
+        (contact,) = place([("(y - 1/4)^2 + (z - 1/4)^2 - 1/100", f"{sign}x")], 1, mesh).contacts
         assert contact.clip == Polynomial("-x")
 
 
@@ -189,10 +189,10 @@ def test_a_clip_that_passes_through_other_pieces_is_refused():
     f = "(y^2 + (z + 1/5)^2 - 1/25)*((y - 9/10)^2 + (z - 7/20)^2 - 1/100)"
     cells = ((0, 1, 2, 3), (1, 2, 3, 4))
     with pytest.raises(pas.GeometryError, match=r"cuts its surface inside the region, too, around .* give the plane"):
-        place([(f, "x")], pas.Partition(BENT, cells))
-    assert place([(f, "x")], pas.Partition(BENT, cells, pieces=[(0, 1)]))
+        place([(f, "x")], 1, pas.Partition(BENT, cells))
+    assert place([(f, "x")], 1, pas.Partition(BENT, cells, pieces=[(0, 1)]))
     with pytest.raises(pas.GeometryError, match=r"no outer face of the partition \(tetrahedra\) is a face of its clip"):
-        place([(f, "x^2 + y - 1")], pas.Partition(BENT, cells))
+        place([(f, "x^2 + y - 1")], 1, pas.Partition(BENT, cells))
 
 
 def test_an_elbow_with_reducible_clips_is_proved_and_becomes_a_body():

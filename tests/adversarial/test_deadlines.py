@@ -20,7 +20,6 @@ from limit_cases import LONG_CALLS, LONG_COMMANDS, TickingClock
 
 import pas
 from pas import solid
-from pas.blending.blend import fit
 from pas.cli import main
 from pas.cli.common import FAILED
 from pas.cli.parser import parser
@@ -31,7 +30,7 @@ from pas.teapot.pot import teapot
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
-PASSED_ON = {"SolutionSpace.fit"}
+PASSED_ON: set[str] = set()
 """Calls that hand `seconds` and `progress` on among their options."""
 
 SHORT = {"ParametricBlend.all_polynomial_solutions", "pas.write_cells"}
@@ -53,7 +52,7 @@ def functions() -> Iterator[tuple[str, FunctionType]]:
                         yield f"{thing.__name__}.{attribute}", function
             elif isinstance(thing, FunctionType):
                 yield f"pas.{name}", thing
-    for function in (fit, draw_parts, teapot, check_independently):
+    for function in (draw_parts, teapot, check_independently):
         yield f"{function.__module__}.{function.__name__}", function
 
 

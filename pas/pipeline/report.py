@@ -5,17 +5,14 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from typing import Any
 
 from pas.algebra.polynomial import Polynomial
 from pas.blending.generators import Generator
-from pas.blending.space import SolutionSpace
-
-FORMATS = ("text", "json", "latex", "sympy")
+from pas.pipeline.space import SolutionSpace
 
 
 def report(space: SolutionSpace, form: str = "text", *, module: bool = False) -> str:
-    """The degree, dimension, generators and remarks of a space in one of `FORMATS`.
+    """The degree, dimension, generators and remarks of a space as "text", "json", "latex" or "sympy".
 
     The generators of the ideal of a single cell are always among it; those of the module of
     several pieces, which may be long to read and to find, with `module` only.
@@ -24,9 +21,9 @@ def report(space: SolutionSpace, form: str = "text", *, module: bool = False) ->
     return {"text": _text, "json": _json, "latex": _latex, "sympy": _sympy}[form](space, shown)
 
 
-def record(space: SolutionSpace, generators: Sequence[Generator]) -> dict[str, Any]:
-    """Everything as JSON-ready data; polynomials as strings in x, y, z."""
-    return {
+def _json(space: SolutionSpace, generators: Sequence[Generator]) -> str:
+    """Everything, polynomials as strings in x, y, z."""
+    record = {
         "contacts": [{"surface": str(c.surface), "clip": str(c.clip)} for c in space.contacts],
         "partition": space.partition.name,
         "order": space.order,
@@ -41,6 +38,7 @@ def record(space: SolutionSpace, generators: Sequence[Generator]) -> dict[str, A
             for g in generators
         ],
     }
+    return json.dumps(record, indent=1)
 
 
 def _text(space: SolutionSpace, generators: Sequence[Generator]) -> str:
@@ -79,10 +77,6 @@ def _regularity(generator: Generator) -> str:
     if not singular:
         return "regular along all contacts"
     return f"singular along contact{'s' * (len(singular) > 1)} {', '.join(singular)}"
-
-
-def _json(space: SolutionSpace, generators: Sequence[Generator]) -> str:
-    return json.dumps(record(space, generators), indent=1)
 
 
 def _latex(space: SolutionSpace, generators: Sequence[Generator]) -> str:

@@ -15,17 +15,10 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
-from pas.fairing.constraints import (
-    DEFAULT_MARGIN,
-    Constraints,
-    MeanAlpha,
-    SumOfCoefficients,
-    UnitCoefficients,
-    ValueAt,
-)
 from pas.fairing.functionals import Functional, b_coefficient, value_at
 from pas.fairing.guard import Rows
 from pas.fairing.qp import Outcome, Programme, feasible, solve
+from pas.fairing.wishes import DEFAULT_MARGIN, MeanAlpha, SumOfCoefficients, UnitCoefficients, ValueAt, Wishes
 
 if TYPE_CHECKING:
     from pas.fairing.fairing import Fairing
@@ -44,11 +37,11 @@ UNIT_STEPS = 100
 """Steps of the iteration for coefficients of length 1 under inequalities; 3 to 20 were needed."""
 
 
-class Problem:
-    """One quadratic programme over the working coefficients, with its exact equations."""
+class MemberProgramme:
+    """The choice of one member: a quadratic programme over the working coefficients, with its exact equations."""
 
-    def __init__(self, fairing: Fairing, constraints: Constraints) -> None:
-        self.fairing, self.constraints, self.basis = fairing, constraints, fairing.basis
+    def __init__(self, fairing: Fairing, wishes: Wishes) -> None:
+        self.fairing, self.wishes, self.basis = fairing, wishes, fairing.basis
         self.exact = self._exact_equations()
 
     def optimum(self, rows: Rows) -> Floats:
@@ -71,7 +64,7 @@ class Problem:
 
     def conflict(self, rows: Rows) -> InfeasibleError:
         """An error naming an irreducible infeasible set of the user's points (deletion filter)."""
-        degree, points = self.fairing.degree, list(self.constraints.hard())
+        degree, points = self.fairing.degree, list(self.wishes.hard())
         if not points or not self._without(points).possible(rows):
             return InfeasibleError(
                 f"no member of degree {degree} has clean contacts, walls and a single sheet at the sampled points"
@@ -82,7 +75,7 @@ class Problem:
         for point in points:
             if not self._without([*dropped, point]).possible(rows):
                 dropped.append(point)
-        conflict = [self.constraints.describe(p) for p in points if p not in dropped]
+        conflict = [self.wishes.describe(p) for p in points if p not in dropped]
         if len(conflict) == 1:
             text = f"the constraint {conflict[0]} cannot be met by any member of degree {degree}"
         else:
@@ -92,7 +85,7 @@ class Problem:
     @property
     def quadratic(self) -> bool:
         """Whether a quadratic form is minimised, and not its quotient by a length."""
-        return not isinstance(self.constraints.normalize, UnitCoefficients)
+        return not isinstance(self.wishes.normalize, UnitCoefficients)
 
     def normalised(self, q: Floats) -> Floats:
         """A multiple of the member to which guard rows refer."""
@@ -126,12 +119,12 @@ class Problem:
             for index, values in enumerate(self._values(kind)):
                 value = (fmpq_mat([values]) * result.transpose())[0, 0]
                 if sign * to_float(value) < self._margin - slack:
-                    words = self.constraints.describe((kind, index))
+                    words = self.wishes.describe((kind, index))
                     raise InfeasibleError(f"the constraint {words} is missed narrowly")
         return result
 
-    def _without(self, points: Sequence[tuple[str, int]]) -> Problem:
-        return Problem(self.fairing, self.constraints.without(points))
+    def _without(self, points: Sequence[tuple[str, int]]) -> MemberProgramme:
+        return MemberProgramme(self.fairing, self.wishes.without(points))
 
     def _optimum(self, rows: Rows) -> Floats | None:
         if self.exact is None:
@@ -148,7 +141,7 @@ class Problem:
 
     @property
     def _margin(self) -> float:
-        margin = self.constraints.margin
+        margin = self.wishes.margin
         return DEFAULT_MARGIN * self._radius if margin is None else to_float(margin)
 
     def _programme(self, equations: Floats, inequalities: Rows) -> Programme:
@@ -179,7 +172,7 @@ class Problem:
         assert self.exact is not None
         m = self.basis.size
         equations = to_doubles(self.exact[0]) if self.exact[0].nrows() else np.empty((0, m + 1))
-        if isinstance(self.constraints.normalize, MeanAlpha):
+        if isinstance(self.wishes.normalize, MeanAlpha):
             equations = np.concatenate([equations, np.append(self.fairing.guard.mean_alpha, 1.0)[None]])
         return equations
 
@@ -236,7 +229,7 @@ class Problem:
     @cached_property
     def _hessian(self) -> Floats:
         hessian = self.fairing.hessian
-        for weight, values in zip(self.constraints.near_weights, self._values("near"), strict=True):
+        for weight, values in zip(self.wishes.near_weights, self._values("near"), strict=True):
             row = to_doubles(fmpq_mat([values]))
             hessian = hessian + 2 * to_float(weight) * row.T @ row
         return hessian
@@ -253,9 +246,9 @@ class Problem:
         m = self.basis.size
         partition, degree, patches = self.fairing.partition, self.fairing.degree, self.basis.patches
         table = [[*values, fmpq(0)] for values in self._values("through")]
-        for handle, value in self.constraints.handles:
+        for handle, value in self.wishes.handles:
             table.append([*b_coefficient(partition, handle, degree).on(patches), value])
-        normalize = self.constraints.normalize
+        normalize = self.wishes.normalize
         if isinstance(normalize, SumOfCoefficients):
             ones = fmpq_mat(m, 1, [1] * m)
             table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
@@ -268,11 +261,11 @@ class Problem:
 
     def _values(self, kind: str) -> list[list[fmpq]]:
         """Exact values of the working basis at the points of a kind."""
-        points = getattr(self.constraints, kind)
+        points = getattr(self.wishes, kind)
         return [self._at(point, (kind, i)).on(self.basis.patches) for i, point in enumerate(points)]
 
     def _at(self, point: tuple[fmpq, fmpq, fmpq], item: tuple[str, int]) -> Functional:
-        return value_at(self.fairing.partition, point, self.fairing.degree, self.constraints.describe(item))
+        return value_at(self.fairing.partition, point, self.fairing.degree, self.wishes.describe(item))
 
 
 def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:

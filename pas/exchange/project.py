@@ -12,7 +12,7 @@ from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_fraction
-from pas.blending.blend import Attempt, Blend
+from pas.blending.solving import solve
 from pas.errors import ProjectFileError
 from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.parametric_records import GENERATRIX, PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
@@ -21,19 +21,21 @@ from pas.exchange.records import (
     CONSTRAINTS,
     ENERGY,
     constraints_record,
-    energy_record,
     read_constraints,
-    read_energy,
     read_surface,
     surface_record,
 )
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf, check
 from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
 from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
+from pas.fairing.energy import read_energy
+from pas.fairing.wishes import Wishes
 from pas.generatrix.blend import GeneratrixBlend
 from pas.limits import Report, limited
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.surface import ParametricSurface
+from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.space import SolutionSpace
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
@@ -70,7 +72,7 @@ def save(blend: Blend, path: str | Path) -> Path:
     check_name(path)
     content = {
         "kind": BLEND,
-        "problem": {"constraints": constraints_record(blend.constraints), "energy": energy_record(blend.plate)},
+        "problem": {"constraints": constraints_record(blend.wishes), "energy": blend.wishes.energy.to_record()},
         "surface": surface_record(blend.surface),
         "solution": {
             "dimension": blend.dimension,
@@ -117,17 +119,23 @@ def load(
 
 
 def _from_content(content: dict[str, Any]) -> Blend:
-    solution = content["solution"]
+    solution, problem = content["solution"], content["problem"]
+    surface, basis = read_surface(content["surface"]), _read_basis(solution["basis"])
+
+    def find_space() -> SolutionSpace:
+        space = SolutionSpace.of(solve(surface.placed, surface.degree))
+        return space if basis is None else space.restricted(basis)
+
     return Blend(
-        surface=read_surface(content["surface"]),
-        basis=_read_basis(solution["basis"]),
+        surface=surface,
+        basis=basis,
         dimension=solution["dimension"],
         coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
         energy=float(solution["energy"]),
         timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
         attempts=tuple(Attempt(*a) for a in solution["attempts"]),
-        constraints=read_constraints(content["problem"]["constraints"]),
-        plate=read_energy(content["problem"]["energy"]),
+        wishes=Wishes(energy=read_energy(problem["energy"]), **read_constraints(problem["constraints"])),
+        find_space=find_space,
         stored=Certificate.from_record(content["certificate"]),
     )
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from pas.blending.blend import Blend
 from pas.surface.piecewise import PiecewiseSurface
+
+if TYPE_CHECKING:
+    from pas.pipeline.result import Blend
 
 
 def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:

@@ -1,0 +1,1 @@
+"""Energies, one a file; `pas.fairing.energy` lists them."""

@@ -1,0 +1,108 @@
+"""Integrals of polynomials over tetrahedra and boxes: Gauss rules in floating point, and exact ones.
+
+A rule of the right degree is exact but for rounding, and has positive weights, so that integrals
+of squares come as sums of squares.  Exactly, by the Gram matrix of Bernstein polynomials on a
+tetrahedron, or by the moments of a box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpq_mpoly
+from scipy.special import roots_jacobi, roots_legendre
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Vector, cross, dot, to_floats, vector
+from pas.bernstein.forms import b_form, on_simplex
+from pas.bernstein.gram import gram
+from pas.partition.cells import Partition
+
+
+@dataclass(frozen=True)
+class Box:
+    """An axis-parallel box from `lower` to `upper` (three exact numbers each)."""
+
+    lower: Vector
+    upper: Vector
+
+    def __init__(self, lower: Any, upper: Any) -> None:
+        object.__setattr__(self, "lower", vector(lower, "lower"))
+        object.__setattr__(self, "upper", vector(upper, "upper"))
+        if any(a >= b for a, b in zip(self.lower, self.upper, strict=True)):
+            raise ValueError("each lower bound of a box must be below the upper one")
+
+
+def tetrahedron_products(functions: Sequence[fmpq_mpoly], corners: Sequence[Vector], degree: int) -> fmpq_mat:
+    """Exact integrals of products of functions of degree <= `degree` over a tetrahedron, (m, m)."""
+    if not functions:
+        return fmpq_mat(0, 0)
+    a, b, c, d = corners
+    volume = abs(dot(_minus(b, a), cross(_minus(c, a), _minus(d, a)))) / 6
+    forms = [b_form(on_simplex(g, corners), degree, 3) for g in functions]
+    rows = fmpq_mat(len(forms), len(forms[0]), [c for form in forms for c in form])
+    return rows * gram(degree, 3) * rows.transpose() * volume
+
+
+def box_products(functions: Sequence[fmpq_mpoly], box: Box) -> fmpq_mat:
+    """Exact integrals of products of functions over a box, by its moments, (m, m)."""
+    total = fmpq_mat(len(functions), len(functions))
+    for i, left in enumerate(functions):
+        for j, right in enumerate(functions[: i + 1]):
+            total[i, j] = total[j, i] = _integral(left * right, box)
+    return total
+
+
+def tetrahedra_rule(partition: Partition, degree: int) -> list[tuple[Floats, Floats]]:
+    """For each cell, points (m, 3) and weights (m,) exact for polynomials of degree `degree`."""
+    barycentric, weights = _conical_rule(degree // 2 + 1)
+    rules = []
+    for cell in partition.cells:
+        corners = partition.points[list(cell)]
+        volume = abs(np.linalg.det(corners[1:] - corners[0])) / 6
+        rules.append((barycentric @ corners, weights * volume))
+    return rules
+
+
+def box_rule(box: Box, degree: int) -> tuple[Floats, Floats]:
+    """Points (m, 3) and weights (m,) on a box, exact for polynomials of degree `degree`."""
+    nodes, weights = roots_legendre(degree // 2 + 1)
+    ends = zip(to_floats(box.lower), to_floats(box.upper), strict=True)
+    axes = [(lo + (hi - lo) * (nodes + 1) / 2, weights * (hi - lo) / 2) for lo, hi in ends]
+    points = np.stack(np.meshgrid(*(a for a, _ in axes), indexing="ij"), axis=-1).reshape(-1, 3)
+    products = np.einsum("i,j,k->ijk", *(w for _, w in axes)).ravel()
+    return points, products
+
+
+@lru_cache(maxsize=None)
+def _conical_rule(points: int) -> tuple[Floats, Floats]:
+    """Barycentric points and weights (of sum 1): the conical product of Gauss-Jacobi rules."""
+    rules = []
+    for power in (2, 1, 0):
+        nodes, weights = roots_jacobi(points, power, 0)
+        rules.append(((nodes + 1) / 2, weights / weights.sum()))
+    (a, wa), (b, wb), (c, wc) = rules
+    u, v, w = np.meshgrid(a, b, c, indexing="ij")
+    first = u
+    second = (1 - u) * v
+    third = (1 - u) * (1 - v) * w
+    stacked = np.stack([1 - first - second - third, first, second, third], axis=-1).reshape(-1, 4)
+    return stacked, np.einsum("i,j,k->ijk", wa, wb, wc).ravel()
+
+
+def _integral(polynomial: fmpq_mpoly, box: Box) -> fmpq:
+    total = fmpq(0)
+    for exponent, coefficient in polynomial.to_dict().items():
+        term = coefficient
+        for e, lo, hi in zip(exponent, box.lower, box.upper, strict=True):
+            term *= (hi ** (e + 1) - lo ** (e + 1)) / (e + 1)
+        total += term
+    return total
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

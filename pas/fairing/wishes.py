@@ -1,0 +1,239 @@
+"""What the user asks of the shape: points, handles, a normalisation, an energy, and proofs or none.
+
+`PointOptions` and `Options` are the one list of these options; `Wishes` is what they come to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, TypedDict, Unpack
+
+from flint import fmpq
+
+from pas.algebra.rational import Vector, plain, rational, vector
+from pas.errors import meant
+from pas.fairing.energy import Energy, as_energy
+
+Points = tuple[Vector, ...]
+
+DEFAULT_MARGIN = 1e-4
+"""How far `inside` and `outside` points are kept from the surface, over the radius of the region:
+far enough for rounding not to move them across, and for solvers to see a contradiction."""
+
+DEFAULT_NEAR_WEIGHT = fmpq(100)
+"""Of squared values at `near` points, over the energy: members then pass within about 1e-2 of them."""
+
+POINTS = ("inside", "outside", "through", "near")
+"""The kinds of points."""
+
+KINDS = ("inside", "outside", "through", "handles")
+"""Constraints that must hold; `near` is least squares."""
+
+Handle = tuple[int, tuple[int, int, int, int]]
+"""A B-coefficient: the number of a cell (tetrahedron) and a multi-index of its corners."""
+
+
+@dataclass(frozen=True)
+class MeanAlpha:
+    """The mean of alpha over all contact curves is 1, each contact being scaled to unit mean
+    gradient on its curve: so f is near the distance from the contacts, and not a multiple."""
+
+
+@dataclass(frozen=True)
+class SumOfCoefficients:
+    """The coefficients in the basis of the solution space add up to 1 (depends on the basis)."""
+
+
+@dataclass(frozen=True)
+class ValueAt:
+    """The surface's function has the given value at a point (three exact numbers)."""
+
+    point: Vector
+    value: fmpq = fmpq(-1)
+
+    def __init__(self, point: Any, value: Any = -1) -> None:
+        object.__setattr__(self, "point", vector(point, "point"))
+        object.__setattr__(self, "value", rational(value, "value"))
+        if self.value == 0:
+            raise ValueError("value must not be 0, or the zero function would be an answer")
+
+
+@dataclass(frozen=True)
+class UnitCoefficients:
+    """The coefficients of the polynomials have Euclidean length 1 (over all monomials and pieces).
+
+    With points to be `near` and no energy this is the least-squares fit with the normalised
+    distance `sum w f(p)^2 / |f|^2`, a generalised Rayleigh quotient (Lou, Feng, Chen and Deng 2001).
+    """
+
+
+Normalization = MeanAlpha | SumOfCoefficients | ValueAt | UnitCoefficients
+
+PointsLike = Sequence[Any]
+"""Points as users write them: sequences of three numbers each (or an array), or a single one."""
+
+
+class PointOptions(TypedDict, total=False):
+    """The options that shape a surface by points and handles; see `Wishes`."""
+
+    inside: PointsLike
+    outside: PointsLike
+    through: PointsLike
+    near: PointsLike
+    near_weight: Any
+    handles: Mapping[Handle, Any] | Sequence[tuple[Handle, Any]]
+    margin: Any
+    normalize: Normalization | None
+
+
+class Options(PointOptions, total=False):
+    """All options that shape a surface; see `Wishes`."""
+
+    energy: Energy | None
+    prove: bool
+    guard: bool
+    basis: Sequence[Any] | None
+
+
+def check_point_options(options: Mapping[str, Any]) -> None:
+    """Raise `TypeError` for an option that is none of `PointOptions`."""
+    for name in options:
+        if name not in PointOptions.__annotations__:
+            raise TypeError(f"there is no option {name!r} here{meant(name, PointOptions.__annotations__)}")
+
+
+@dataclass(frozen=True, init=False)
+class Wishes:
+    """What shapes the surface: all that is wished of the member to choose, exact, in the user's coordinates.
+
+    - `inside`, `outside`, `through`, `near`: points, three exact numbers each.  f <= -margin at
+      those inside, f >= margin at those outside, f = 0 exactly at those to pass through; to those
+      near f is fitted by least squares, `sum w_i f(p_i)^2` being added to the energy.
+    - `near_weight` (100): the w_i, one number for all points or one for each.
+    - `margin`: by default `DEFAULT_MARGIN` times the region's radius.
+    - `handles`: B-coefficients (cell, multi-index) mapped to the values that they get exactly.
+    - `normalize`: what fixes the scale of f (`pas.MeanAlpha()` by default).
+    - `energy`: what is made small (`pas.ThinPlate()` by default).
+    - `prove`: whether the surface must pass every proof; `guard`: whether conditions at sample
+      points ask for what the proofs do.
+    - `basis`: members, each one polynomial a piece, to whose span a given degree is restricted.
+
+    Options not given have their defaults.  Raises `ValueError` and `TypeError`, which name the option.
+    """
+
+    inside: Points = ()
+    outside: Points = ()
+    through: Points = ()
+    near: Points = ()
+    near_weight: fmpq | tuple[fmpq, ...] = DEFAULT_NEAR_WEIGHT
+    handles: tuple[tuple[Handle, fmpq], ...] = ()
+    margin: fmpq | None = None
+    normalize: Normalization = field(default_factory=MeanAlpha)
+    energy: Energy = field(default_factory=lambda: as_energy(None))
+    prove: bool = True
+    guard: bool = True
+    basis: tuple[Any, ...] | None = None
+
+    def __init__(self, **options: Unpack[Options]) -> None:
+        known = [f.name for f in fields(self)]
+        for name in options:
+            if name not in known:
+                raise TypeError(f"there is no option {name!r}{meant(name, known)}")
+        for f in fields(self):
+            default = f.default if f.default_factory is MISSING else f.default_factory()
+            object.__setattr__(self, f.name, options.get(f.name, default))
+        self._settle()
+
+    def _settle(self) -> None:
+        """Bring what the user wrote into its exact form, checked."""
+        settled: dict[str, Any] = {kind: _points(getattr(self, kind), kind) for kind in POINTS}
+        settled["near_weight"] = _weights(self.near_weight, len(settled["near"]))
+        settled["handles"] = _handles(self.handles)
+        settled["margin"] = None if self.margin is None else rational(self.margin, "margin")
+        settled["normalize"] = MeanAlpha() if self.normalize is None else self.normalize
+        settled["energy"] = as_energy(self.energy)
+        settled["basis"] = None if self.basis is None else tuple(self.basis)
+        for name, value in settled.items():
+            object.__setattr__(self, name, value)
+        if self.margin is not None and self.margin < 0:
+            raise ValueError("margin must not be negative")
+        if not isinstance(self.normalize, Normalization):
+            raise TypeError(
+                "normalize must be pas.MeanAlpha(), pas.SumOfCoefficients(), pas.UnitCoefficients() or "
+                f"pas.ValueAt(...), not {self.normalize!r}"
+            )
+        if self.prove and not self.guard:
+            raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")
+
+    def changed(self, **options: Unpack[Options]) -> Wishes:
+        """The same wishes with some options changed."""
+        own: Any = {f.name: getattr(self, f.name) for f in fields(self)}
+        return Wishes(**(own | options))
+
+    @property
+    def near_weights(self) -> tuple[fmpq, ...]:
+        """The weight of each point to be near."""
+        return self.near_weight if isinstance(self.near_weight, tuple) else (self.near_weight,) * len(self.near)
+
+    def hard(self) -> Iterator[tuple[str, int]]:
+        """The points that must hold, as (kind, index)."""
+        for kind in KINDS:
+            for index in range(len(getattr(self, kind))):
+                yield kind, index
+
+    def without(self, dropped: Sequence[tuple[str, int]]) -> Wishes:
+        """The same wishes less some points."""
+
+        def kept(kind: str) -> Any:
+            return tuple(p for i, p in enumerate(getattr(self, kind)) if (kind, i) not in dropped)
+
+        options: Any = {kind: kept(kind) for kind in KINDS}
+        return self.changed(**options)
+
+    def describe(self, item: tuple[str, int]) -> str:
+        """A constraint in words: 'inside (1/2, 0, 0)', 'handle 0, (3, 0, 0, 0) = 1'."""
+        kind, index = item
+        if kind == "handles":
+            (cell, corners), value = self.handles[index]
+            return f"handle {cell}, {corners} = {plain(value)}"
+        return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
+
+
+def _points(value: Any, name: str) -> Points:
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        raise TypeError(f"{name} must be a sequence of points, each three numbers, not {value!r}")
+    if len(value) == 3 and not any(hasattr(entry, "__len__") and not isinstance(entry, str) for entry in value):
+        return (vector(value, name),)
+    return tuple(vector(point, f"{name}[{i}]") for i, point in enumerate(value))
+
+
+def _weights(value: Any, count: int) -> fmpq | tuple[fmpq, ...]:
+    """One weight, or where they differ one for each point."""
+    if not hasattr(value, "__len__") or isinstance(value, str):
+        weights: tuple[fmpq, ...] = (rational(value, "near_weight"),)
+    elif len(value) != count:
+        raise ValueError(f"near_weight must be one number, or one for each of the {count} near points")
+    else:
+        weights = tuple(rational(w, f"near_weight[{i}]") for i, w in enumerate(value))
+    if any(w < 0 for w in weights):
+        raise ValueError("near_weight must not be negative")
+    if not weights:
+        return DEFAULT_NEAR_WEIGHT
+    return weights[0] if all(w == weights[0] for w in weights) else weights
+
+
+def _handles(value: Any) -> tuple[tuple[Handle, fmpq], ...]:
+    items = value.items() if isinstance(value, Mapping) else value
+    result = []
+    for item in items:
+        try:
+            (cell, (i, j, k, m)), number = item
+            handle = (int(cell), (int(i), int(j), int(k), int(m)))
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"handles must map (cell, multi-index of four numbers) to values, as in {{(0, (3, 0, 0, 0)): 1}}, "
+                f"not {item!r}"
+            ) from None
+        result.append((handle, rational(number, f"handles[{handle}]")))
+    return tuple(result)

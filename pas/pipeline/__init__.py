@@ -1,0 +1,1 @@
+"""The whole method: problem -> contacts in place -> solution space -> fit -> proved surface."""

@@ -1,0 +1,57 @@
+"""Contacts in place: a partition, contacts on it and an order of continuity, with what follows from them.
+
+Whatever works with surfaces that meet contacts asks here where the contacts are: the choice among
+the members of a space, the conditions of that space, and a surface itself.  Everything is in the
+local coordinates of the partition (see `pas.partition.frame`), and worked out once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from pas.algebra.inputs import check_order
+from pas.partition.cells import OuterFace, Partition
+from pas.surface.contact import Contact
+from pas.surface.joins import Join, joins
+
+
+class PlacedContacts:
+    """Contacts that surfaces on a partition meet with GC^`order`, its pieces meeting with C^`order`.
+
+    Raises `ValueError` for an order that is none; `joins` raises `GeometryError` where a contact
+    has no face of a partition of several pieces.
+    """
+
+    def __init__(self, partition: Partition, contacts: Sequence[Contact], order: int) -> None:
+        self.partition, self.contacts, self.order = partition, tuple(contacts), check_order(order)
+
+    @property
+    def local(self) -> Partition:
+        """The partition in local coordinates."""
+        return self.partition.local
+
+    @cached_property
+    def local_contacts(self) -> tuple[Contact, ...]:
+        """The contacts in local coordinates."""
+        frame = self.partition.frame
+        return tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in self.contacts)
+
+    @cached_property
+    def joins(self) -> tuple[Join, ...]:
+        """The contacts in local coordinates, with their places on the partition."""
+        return joins(self.local, self.local_contacts)
+
+    @cached_property
+    def carriers(self) -> tuple[tuple[int, ...], ...]:
+        """The pieces that carry each contact."""
+        return tuple(join.pieces for join in self.joins)
+
+    @cached_property
+    def walls(self) -> tuple[OuterFace, ...]:
+        """The outer faces in no clip plane, in local coordinates."""
+        clipped = {face.vertices for join in self.joins for face in join.faces}
+        return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
+
+    def __repr__(self) -> str:
+        return f"PlacedContacts({len(self.contacts)} contacts, GC^{self.order}, {self.partition.name})"

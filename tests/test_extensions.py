@@ -1,0 +1,139 @@
+"""Extensions from outside the package: an energy, a partition, a method, each one file of `examples/extensions`."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from conftest import ROOT, UNEQUAL, pipes
+
+import pas
+from pas.blending.solving import METHODS
+from pas.partition.kinds import PARTITIONS, read_partition
+from pas.partition.six_tetrahedra import VERTEX_SIGNS
+
+FOLDER = ROOT / "examples/extensions"
+PARTITION_SAMPLES = {
+    "six tetrahedra": [pas.SixTetrahedra(("1/2", 0, 1), ((1, 0, 0), (0, 2, 0), (0, 0, "1/3")))],
+    "single cell": [pas.SingleCell(), pas.SingleCell((0, 0, 0), (1, 2, "1/3"), ("1/2", 1, "1/7"))],
+    "tetrahedra": [
+        pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, "1/3"), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
+    ],
+}
+EVERY = [partition for partitions in PARTITION_SAMPLES.values() for partition in partitions]
+
+
+@pytest.fixture(scope="module")
+def extension():
+    """A function that loads a file once."""
+    loaded = {}
+
+    def load(name):
+        if name not in loaded:
+            spec = importlib.util.spec_from_file_location(f"extension_{name}", FOLDER / f"{name}.py")
+            loaded[name] = importlib.util.module_from_spec(spec)
+            sys.modules[spec.name] = loaded[name]
+            spec.loader.exec_module(loaded[name])
+        return loaded[name]
+
+    return load
+
+
+def test_every_file_is_in_the_table():
+    text = (FOLDER / "README.md").read_text()
+    assert all(f"]({path.name})" in text for path in FOLDER.glob("*.py"))
+
+
+def test_an_energy(extension, tmp_path):
+    values = extension("values").Values
+    space = pas.solutions(pipes(UNEQUAL), 1, 4)
+    blend = space.fit(energy=values("1/2") + pas.ThinPlate(weight="1/100"))
+    assert blend.certificate.proved
+    # the matrix, anew: by the exact products of the membrane's rule, f^2 is the sum of squares of values
+    fairing = space.fairing(values())
+    basis, total = fairing.basis, 0
+    for cell in range(6):
+        corners = basis.partition.points[list(basis.partition.cells[cell])]
+        volume = abs(np.linalg.det(corners[1:] - corners[0])) / 6 * basis.scale**3
+        random = np.random.default_rng(cell).dirichlet(np.ones(4), 20000) @ corners
+        table = basis.values(int(basis.partition.piece_of[cell]), random)
+        total = total + volume * table.T @ table / len(table)
+    assert np.linalg.norm(total - fairing.hessian) < 0.05 * np.linalg.norm(fairing.hessian)
+    again = pas.load(space.fit(energy=values(3), prove=False).save(tmp_path / "a.pas.json"))
+    assert again.wishes.energy == values(3)
+    problem = tmp_path / "a.toml"
+    problem.write_text(
+        (ROOT / "examples/corners/unequal_gc1.toml").read_text() + '[energy]\nkind = "values"\nweight = 0.25\n'
+    )
+    assert pas.read_problem(problem).wishes.energy == values(Fraction(1, 4))
+    problem.write_text(problem.read_text().replace("weight = 0.25", "weigth = 1"))
+    with pytest.raises(pas.ProblemFileError, match=r"'weigth'.* is 'weight' meant"):
+        pas.read_problem(problem)
+
+
+def test_a_partition(extension, tmp_path):
+    """The fan over the hexagon of the six tetrahedra is that partition, and has its blends."""
+    top, bottom, *rim = [list(signs) for signs in VERTEX_SIGNS]
+    fan = extension("fan").Fan(top, bottom, rim)
+    blend = pas.blend(pipes(UNEQUAL), 1, partition=fan)
+    assert blend.certificate.proved
+    assert blend.surface.degree == pas.blend(pipes(UNEQUAL), 1).surface.degree
+    again = pas.load(blend.save(tmp_path / "a.pas.json"))
+    assert again.surface.patches == blend.surface.patches
+    assert again.certificate.proved
+    text = (ROOT / "examples/corners/unequal_gc1.toml").read_text()
+    problem = tmp_path / "a.toml"
+    problem.write_text(f'{text}\n[partition]\nkind = "fan"\ntop = {top}\nbottom = {bottom}\nrim = {rim}\n')
+    assert pas.read_problem(problem).partition.vertices == fan.vertices
+    problem.write_text(problem.read_text().replace("bottom", "botom"))
+    with pytest.raises(pas.ProblemFileError, match=r"unknown key 'botom'.* is 'bottom' meant"):
+        pas.read_problem(problem)
+
+
+def test_a_method(extension):
+    extension("checked")
+    assert "checked" in METHODS
+    space = pas.solutions(pipes(UNEQUAL), 1, 4, method="checked")
+    assert space.equals(pas.solutions(pipes(UNEQUAL), 1, 4))
+    with pytest.raises(ValueError, match="there is a method 'checked' already"):
+        pas.register_method(METHODS["checked"])
+    with pytest.raises(TypeError, match=r"method must be a pas\.SolvingMethod"):
+        pas.register_method("linear")
+
+
+def test_every_registered_partition_is_tested_here():
+    inside = {name for name, made in PARTITIONS.items() if made.__module__.startswith("pas.")}
+    assert set(PARTITION_SAMPLES) == inside
+
+
+@pytest.mark.parametrize("partition", EVERY, ids=lambda p: p.name)
+def test_partitions_go_through_tables_and_toml(partition, tmp_path):
+    record = partition.to_record()
+    again = read_partition(record)
+    assert type(again) is type(partition)
+    assert again.to_record() == record
+    parts = ("vertices", "cells", "pieces", "center")
+    assert [getattr(again, part) for part in parts] == [getattr(partition, part) for part in parts]
+    table = "\n".join(f"{key} = {value!r}" for key, value in record.items() if value is not None)
+    problem = tmp_path / "a.toml"
+    problem.write_text(f'order = 1\n[[contacts]]\nsurface = "x^2 + y^2 - 1"\nclip = "z"\n[partition]\n{table}\n')
+    assert pas.read_problem(problem).partition.to_record() == record
+    with pytest.raises(ValueError, match="'colour' does not belong to the partition"):
+        read_partition(record | {"colour": "red"})
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"kind": "six tetrahedrons"}, "kind: there is no partition 'six tetrahedrons'; is 'six tetrahedra' meant"),
+        ({}, "the partition 'six tetrahedra' needs 'legs'"),
+        ({"kind": "tetrahedra", "vertices": []}, "the partition 'tetrahedra' needs 'cells'"),
+        ({"kind": "single cell", "lower": [0, 0, 0]}, "needs both lower and upper"),
+    ],
+)
+def test_bad_partitions_are_refused(table, words):
+    with pytest.raises(ValueError, match=words):
+        read_partition(table)
