@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from pas.errors import InfeasibleError as InfeasibleError
     from pas.errors import InputError as InputError
     from pas.errors import LimitError as LimitError
+    from pas.errors import MeshError as MeshError
     from pas.errors import MissingLibraryError as MissingLibraryError
     from pas.errors import NoSolutionError as NoSolutionError
     from pas.errors import NotProvedError as NotProvedError
@@ -94,7 +95,6 @@ if TYPE_CHECKING:
     from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
     from pas.limits import limit as limit
     from pas.mesh.mesh import Mesh as Mesh
-    from pas.mesh.triangulate import MeshError as MeshError
     from pas.parametric.base_points import BasePoint as BasePoint
     from pas.parametric.base_points import base_points as base_points
     from pas.parametric.blends import ParametricBlend as ParametricBlend
@@ -173,6 +173,7 @@ _HOMES = {
         "InfeasibleError",
         "InputError",
         "LimitError",
+        "MeshError",
         "MissingLibraryError",
         "NoSolutionError",
         "NotProvedError",
@@ -206,7 +207,6 @@ _HOMES = {
     "pas.generatrix.verdicts": ("GeneratrixCertificate",),
     "pas.limits": ("limit",),
     "pas.mesh.mesh": ("Mesh",),
-    "pas.mesh.triangulate": ("MeshError",),
     "pas.parametric.base_points": (
         "BasePoint",
         "base_points",
