@@ -166,6 +166,7 @@ LONG_CALLS = {
     "Solid.shell": LongCall(_ball, lambda p, f, **k: p.shell(0.2, tolerance=0.4, **k), 3),
     "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
     "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
+    "pas.write": LongCall(_solid, lambda p, f, **k: pas.write(p, f / "x.obj", tolerance=T, **k), 3),
     "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
     "pas.write": LongCall(_patch, lambda p, f, **k: pas.write(p, f / "x.ply", tolerance=T, **k)),
     "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
