@@ -102,15 +102,15 @@ if TYPE_CHECKING:
     from pas.parametric.blends import has_polynomial_solution as has_polynomial_solution
     from pas.parametric.blends import hermite_blend as hermite_blend
     from pas.parametric.blends import weighted_blend as weighted_blend
-    from pas.parametric.conversion import FittedPatch as FittedPatch
     from pas.parametric.conversion import bezier_patch as bezier_patch
     from pas.parametric.conversion import bezier_patches as bezier_patches
-    from pas.parametric.conversion import fit_patch as fit_patch
     from pas.parametric.curves import SurfaceCurve as SurfaceCurve
     from pas.parametric.curves import iso_curve as iso_curve
     from pas.parametric.data import BlendingData as BlendingData
     from pas.parametric.data import IsolatedPoint as IsolatedPoint
     from pas.parametric.data import PointKind as PointKind
+    from pas.parametric.fitting import FittedPatch as FittedPatch
+    from pas.parametric.fitting import fit_patch as fit_patch
     from pas.parametric.hermite import hermite_basis as hermite_basis
     from pas.parametric.hermite import hermite_determinant as hermite_determinant
     from pas.parametric.meshing import ParametricMesh as ParametricMesh
@@ -218,7 +218,8 @@ _HOMES = {
         "hermite_blend",
         "weighted_blend",
     ),
-    "pas.parametric.conversion": ("FittedPatch", "bezier_patch", "bezier_patches", "fit_patch"),
+    "pas.parametric.conversion": ("bezier_patch", "bezier_patches"),
+    "pas.parametric.fitting": ("FittedPatch", "fit_patch"),
     "pas.parametric.curves": (
         "SurfaceCurve",
         "iso_curve",
