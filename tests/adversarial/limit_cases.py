@@ -168,7 +168,6 @@ LONG_CALLS = {
     "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
     "pas.write": LongCall(_solid, lambda p, f, **k: pas.write(p, f / "x.obj", tolerance=T, **k), 3),
     "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
-    "pas.write": LongCall(_patch, lambda p, f, **k: pas.write(p, f / "x.ply", tolerance=T, **k)),
     "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
     "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=T, **k), 3),
     "pas.save_solid": LongCall(_solid, lambda p, f, **k: pas.save_solid(p, f / "x.pas.json", **k)),
