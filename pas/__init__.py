@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from pas.errors import InfeasibleError as InfeasibleError
     from pas.errors import InputError as InputError
     from pas.errors import LimitError as LimitError
+    from pas.errors import MeshError as MeshError
     from pas.errors import MissingLibraryError as MissingLibraryError
     from pas.errors import NoSolutionError as NoSolutionError
     from pas.errors import NotProvedError as NotProvedError
@@ -94,7 +95,6 @@ if TYPE_CHECKING:
     from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
     from pas.limits import limit as limit
     from pas.mesh.mesh import Mesh as Mesh
-    from pas.mesh.triangulate import MeshError as MeshError
     from pas.parametric.base_points import BasePoint as BasePoint
     from pas.parametric.base_points import base_points as base_points
     from pas.parametric.blends import ParametricBlend as ParametricBlend
@@ -102,15 +102,15 @@ if TYPE_CHECKING:
     from pas.parametric.blends import has_polynomial_solution as has_polynomial_solution
     from pas.parametric.blends import hermite_blend as hermite_blend
     from pas.parametric.blends import weighted_blend as weighted_blend
-    from pas.parametric.conversion import FittedPatch as FittedPatch
     from pas.parametric.conversion import bezier_patch as bezier_patch
     from pas.parametric.conversion import bezier_patches as bezier_patches
-    from pas.parametric.conversion import fit_patch as fit_patch
     from pas.parametric.curves import SurfaceCurve as SurfaceCurve
     from pas.parametric.curves import iso_curve as iso_curve
     from pas.parametric.data import BlendingData as BlendingData
     from pas.parametric.data import IsolatedPoint as IsolatedPoint
     from pas.parametric.data import PointKind as PointKind
+    from pas.parametric.fitting import FittedPatch as FittedPatch
+    from pas.parametric.fitting import fit_patch as fit_patch
     from pas.parametric.hermite import hermite_basis as hermite_basis
     from pas.parametric.hermite import hermite_determinant as hermite_determinant
     from pas.parametric.meshing import ParametricMesh as ParametricMesh
@@ -173,6 +173,7 @@ _HOMES = {
         "InfeasibleError",
         "InputError",
         "LimitError",
+        "MeshError",
         "MissingLibraryError",
         "NoSolutionError",
         "NotProvedError",
@@ -206,7 +207,6 @@ _HOMES = {
     "pas.generatrix.verdicts": ("GeneratrixCertificate",),
     "pas.limits": ("limit",),
     "pas.mesh.mesh": ("Mesh",),
-    "pas.mesh.triangulate": ("MeshError",),
     "pas.parametric.base_points": (
         "BasePoint",
         "base_points",
@@ -218,7 +218,8 @@ _HOMES = {
         "hermite_blend",
         "weighted_blend",
     ),
-    "pas.parametric.conversion": ("FittedPatch", "bezier_patch", "bezier_patches", "fit_patch"),
+    "pas.parametric.conversion": ("bezier_patch", "bezier_patches"),
+    "pas.parametric.fitting": ("FittedPatch", "fit_patch"),
     "pas.parametric.curves": (
         "SurfaceCurve",
         "iso_curve",

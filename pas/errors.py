@@ -44,6 +44,10 @@ class ProjectFileError(InputError):
     """A project file (`.pas.json`) that is truncated, edited, foreign or of a newer version."""
 
 
+class MeshError(PasError):
+    """A surface has no mesh of this tolerance; the message says why."""
+
+
 class NoSolutionError(PasError):
     """No usable surface in the degrees tried.
 

@@ -7,12 +7,12 @@ import pytest
 
 import pas
 from pas import solid
+from pas.errors import MeshError
 from pas.mesh.collapse import _independent, collapse
 from pas.mesh.faces import Crossings
 from pas.mesh.octree import BASE, QUIET, Octree
 from pas.mesh.remesh import cosines, pair_normals
 from pas.mesh.topology import is_closed_manifold
-from pas.mesh.triangulate import MeshError
 from pas.solid.bank import Bank
 from pas.solid.pieces import Pieces
 

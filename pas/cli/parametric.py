@@ -137,7 +137,7 @@ def _with_order(problem: Problem, order: int) -> Problem:
 def mesh(thing: Thing, path: str, tolerance: float | None) -> int:
     """`pas mesh` of a parametric surface or blend."""
     from pas.exchange.write import check_mesh_suffix, write_mesh
-    from pas.parametric.conversion import surface_of
+    from pas.parametric.fitting import surface_of
 
     check_mesh_suffix(path)
     made = surface_of(thing).mesh(tolerance)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import singledispatch
 from typing import Any
 
 from pas.exchange.formats.format import Content, Request
-from pas.generatrix.blend import GeneratrixBlend
-from pas.parametric.blends import ParametricBlend
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.patches import RationalPatch
 from pas.parametric.surface import ParametricSurface
@@ -31,15 +30,7 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
         raise ValueError("there must be at least one patch")
     found: list[RationalPatch] = []
     for number, item in enumerate(items):
-        surface = item.surface if isinstance(item, ParametricBlend | GeneratrixBlend) else item
-        if isinstance(surface, ParametricSurface) and not surface.is_exact:
-            raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
-        if isinstance(surface, ParametricSurface):
-            found += bezier_patches(surface, request.domain)
-        elif isinstance(surface, RationalPatch):
-            found.append(surface)
-        else:
-            raise TypeError(_refusal(item))
+        found += _patches(item, request, number)
         if max(found[-1].degrees) > HIGHEST_DEGREE:
             raise ValueError(
                 f"patches[{number}] has the degrees {found[-1].degrees}, but STEP is read up to {HIGHEST_DEGREE}; "
@@ -48,13 +39,32 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
     return found
 
 
-def _refusal(item: Any) -> str:
-    if isinstance(getattr(item, "surface", item), PiecewiseSurface):
-        return (
-            "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
-            "with pas.write_mesh(surface.mesh(), 'name.stl') or pas.write_solid(blend.solid(), 'name.3mf')"
-        )
-    return f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {item!r}"
+@singledispatch
+def _patches(thing: Any, request: Request, number: int) -> Sequence[RationalPatch]:
+    """Of one thing, the item of that number: of the surface that it has, if it is none itself."""
+    if hasattr(thing, "surface"):
+        return _patches(thing.surface, request, number)
+    raise TypeError(f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {thing!r}")
+
+
+@_patches.register
+def _(patch: RationalPatch, request: Request, number: int) -> Sequence[RationalPatch]:
+    return (patch,)
+
+
+@_patches.register
+def _(surface: ParametricSurface, request: Request, number: int) -> Sequence[RationalPatch]:
+    if not surface.is_exact:
+        raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
+    return bezier_patches(surface, request.domain)
+
+
+@_patches.register
+def _(surface: PiecewiseSurface, request: Request, number: int) -> Sequence[RationalPatch]:
+    raise TypeError(
+        "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
+        "with pas.write(surface, 'name.stl') or pas.write(blend.solid(), 'name.3mf')"
+    )
 
 
 PATCHES: Content[list[RationalPatch]] = Content("patches", patches_of, ("domain", "sew"))

@@ -14,8 +14,8 @@ from pas.algebra.inputs import shown
 from pas.algebra.rational import rational, to_float
 from pas.algebra.rational_function import GENERATORS, RationalFunction, total
 from pas.errors import GeometryError
+from pas.parametric.components import Components
 from pas.parametric.roots import roots_between
-from pas.parametric.surface import Components
 
 
 def on_unit_interval(interval: Sequence[Any], name: str) -> tuple[tuple[float, float], RationalFunction]:

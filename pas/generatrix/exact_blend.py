@@ -12,7 +12,7 @@ from pas.generatrix.exact import square_root
 from pas.generatrix.frames import Frames
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.generatrix.space import NAMES
-from pas.parametric.surface import Components
+from pas.parametric.components import Components
 
 
 def why_inexact(frames: Frames, shape: GeneratrixShape) -> str:

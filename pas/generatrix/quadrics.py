@@ -16,7 +16,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_float, to_floats, vector
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.checks import refuse_both
@@ -26,7 +26,6 @@ from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.sphere_mesh import grid_deviation, sphere_deviation, sphere_mesh
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.triangulate import MeshError
 
 SAMPLES = 256
 

@@ -37,8 +37,8 @@ from pas.generatrix.crossings import crossings
 from pas.generatrix.exact import exact_dot
 from pas.generatrix.injective import is_injective
 from pas.mesh.field import Integers
+from pas.parametric.components import Components
 from pas.parametric.regularity import regularity
-from pas.parametric.surface import Components
 from pas.surface.certificate import Verdict, Verdicts
 
 if TYPE_CHECKING:

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import untangle
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField, Floats
 from pas.mesh.first import FOLD, first_mesh, unsound
 from pas.mesh.mesh import Mesh
-from pas.mesh.refine import split, with_longest
+from pas.mesh.refine import far_edges, farthest_inside, inner_points, not_reached, require_room, split
 from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, project, smooth
-from pas.mesh.triangulate import AIM, INNER, LARGEST, MeshError
 from pas.mesh.trouble import find_trouble
 
 LATER_SMOOTHINGS, REFINEMENTS = 1, 40
@@ -68,17 +68,16 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
         mesh = untangle(mesh, field, FOLD)
-        edges, far, worst = _far_edges(field, mesh, tolerance)
+        distances = edge_distances(field, mesh), inner_distances(field, mesh)
+        worst = float(max(distances[0].max(), distances[1].max()))
         if worst <= tolerance:
             reason, _ = unsound(mesh, field, tolerance)
             if reason:
                 raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
             return FaceMesh(mesh, pair_normals(mesh, field), worst)
-        if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
-            raise MeshError(
-                f"the tolerance {tolerance * field.scale:.3g} needs more than {LARGEST} triangles; "
-                f"{worst * field.scale:.2g} is reached with {len(mesh.triangles)}"
-            )
+        edges = mesh.topology.edges
+        far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
+        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, worst)
         points, triangles, parents = split(mesh.points, mesh.triangles, far)
         mesh = Labelled.of(points, triangles, mesh.labels[parents])
         mesh = project(mesh, field, mesh.sizes)
@@ -88,20 +87,7 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
         mesh = flip(mesh, field)
     found = find_trouble(field, mesh.points[far].mean(axis=1), float(mesh.lengths.max()))
     why = "a face may have a singular point" if found is None else found.sentence
-    raise MeshError(
-        f"the tolerance {tolerance * field.scale:g} was not reached with {len(mesh.triangles)} triangles "
-        f"({worst * field.scale:.2g} was): {why}"
-    )
-
-
-def _far_edges(field: FaceField, mesh: Labelled, tolerance: float) -> tuple[Integers, Integers, float]:
-    """All edges; those to split: too far themselves, or the longest of a triangle that is; the largest distance."""
-    edges = mesh.topology.edges
-    distances = edge_distances(field, mesh)
-    inner = inner_distances(field, mesh)
-    worst = float(max(distances.max(), inner.max()))
-    far = edges[distances > AIM * tolerance]
-    return edges, with_longest(mesh.points, mesh.triangles[inner > AIM * tolerance], far), worst
+    raise not_reached(field, len(mesh.triangles), tolerance, worst, f": {why}")
 
 
 def edge_distances(field: FaceField, mesh: Labelled) -> Floats:
@@ -119,7 +105,7 @@ def inner_distances(field: FaceField, mesh: Labelled) -> Floats:
     """The largest first-order distance of some inner points of each triangle from its face (T,)."""
     result = np.zeros(len(mesh.triangles))
     for label, _, rows in mesh.topology.label_rows:
-        points = np.einsum("wk,tkx->twx", INNER, mesh.points[mesh.triangles[rows]]).reshape(-1, 3)
+        points = inner_points(mesh.points[mesh.triangles[rows]])
         steps = least_norm(field, (label,), points)
-        result[rows] = np.sqrt((steps * steps).sum(axis=1)).reshape(-1, len(INNER)).max(axis=1)
+        result[rows] = farthest_inside(np.sqrt((steps * steps).sum(axis=1)))
     return result

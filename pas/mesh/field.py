@@ -15,8 +15,19 @@ VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
 
 
-class CellField(Protocol):
-    """A function with gradients on a region made of tetrahedra.
+class Field(Protocol):
+    """What all meshers ask of a surface: how its coordinates, in which they work, are the user's."""
+
+    @property
+    def scale(self) -> float:
+        """The user's length of one unit of the coordinates used here."""
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
+
+
+class CellField(Field, Protocol):
+    """A function with gradients on a region made of tetrahedra: a surface that ends on curves in the region's walls.
 
     `vertices` (V, 3), `cells` (C, 4) vertex numbers, `walls` (W, 4) the oriented unit planes
     (normal, offset) of the region's flat boundary pieces.
@@ -49,7 +60,7 @@ class CellField(Protocol):
         """Values and gradients (N, 4) of given cells' functions at points (N, 3)."""
 
 
-class FaceField(Protocol):
+class FaceField(Field, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 
     A label names a function and the side of it that is inside; the label's function is negative
@@ -59,13 +70,6 @@ class FaceField(Protocol):
     @property
     def box(self) -> Floats:
         """Two corners (2, 3) of a box that holds the set."""
-
-    @property
-    def scale(self) -> float:
-        """The user's length of one unit of the coordinates used here."""
-
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
 
     @property
     def special_points(self) -> Floats:

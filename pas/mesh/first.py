@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import collapse, untangle
 from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, project, smooth
-from pas.mesh.triangulate import MeshError
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3

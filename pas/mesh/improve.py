@@ -88,17 +88,22 @@ def folded(points: Floats, triangles: Integers, normals: Floats) -> np.ndarray:
     return np.asarray(along < FOLD * 3 * np.sqrt((normal * normal).sum(axis=1)))
 
 
+def to_centres(points: Floats, triangles: Integers) -> Floats:
+    """The way (N, 3) from each vertex to the mean of its triangles' centres."""
+    corners = triangles.ravel()
+    times = np.bincount(corners, minlength=len(points))
+    centres = np.repeat(points[triangles].mean(axis=1), 3, axis=0)
+    total = np.stack([np.bincount(corners, c, minlength=len(points)) for c in centres.T], axis=1)
+    return np.asarray(total / np.maximum(times, 1)[:, None] - points)
+
+
 def smooth(points: Floats, triangles: Integers, normals: Floats, boundary: Boundary) -> Floats:
     """Each vertex moved tangentially to the mean of its triangles' centres.
 
     Unweighted, so that small triangles stay where they are needed (weights by area would drive
     all to one size).
     """
-    corners = triangles.ravel()
-    weight = np.bincount(corners, minlength=len(points))
-    weighted = np.repeat(points[triangles].mean(axis=1), 3, axis=0)
-    total = np.stack([np.bincount(corners, w, minlength=len(points)) for w in weighted.T], axis=1)
-    move = total / np.maximum(weight, 1)[:, None] - points
+    move = to_centres(points, triangles)
     move -= (move * normals).sum(axis=1, keepdims=True) * normals
     along = points[boundary.neighbours].mean(axis=1) - points[boundary.vertices]
     move[boundary.vertices] = np.where(boundary.movable[:, None], along / 2, 0.0)

@@ -15,11 +15,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.topology import distinct
-from pas.mesh.triangulate import MeshError
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
 """Where the cubes start, in small cubes before the box: irrational, so that the planes and axes that

@@ -1,10 +1,47 @@
-"""Splitting edges of a triangle mesh at their midpoints, without hanging vertices."""
+"""Refining triangle meshes: where they are too far from their surface, and splitting edges without hanging vertices."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from pas.mesh.field import Floats, Integers
+from pas.errors import MeshError
+from pas.mesh.field import Field, Floats, Integers
+
+AIM = 0.8
+"""Edges are split down to this share of the tolerance, since smoothing gives some of it back."""
+
+LARGEST = 4_000_000
+"""Triangles; more would not fit into the memory of a small machine."""
+
+INNER = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
+"""Barycentric coordinates of the points inside a triangle where its deviation is measured."""
+
+
+def inner_points(corners: Floats) -> Floats:
+    """The points (4 T, 3), triangle by triangle, at which triangles of corners (T, 3, 3) are compared."""
+    return np.asarray(np.einsum("wk,tkx->twx", INNER, corners).reshape(-1, 3))
+
+
+def farthest_inside(distances: Floats) -> Floats:
+    """The largest distance (T,) of each triangle, from those of its inner points (4 T,)."""
+    return np.asarray(distances.reshape(-1, len(INNER)).max(axis=1))
+
+
+def require_room(field: Field, triangles: int, far: float, tolerance: float, reached: float) -> None:
+    """Raise `MeshError` where splitting the share `far` of the edges would give too many triangles."""
+    if triangles * (1 + 3 * far) > LARGEST:
+        raise MeshError(
+            f"the tolerance {tolerance * field.scale:.3g} needs more than {LARGEST} triangles; "
+            f"{reached * field.scale:.2g} is reached with {triangles}"
+        )
+
+
+def not_reached(field: Field, triangles: int, tolerance: float, reached: float, why: str) -> MeshError:
+    """That a tolerance was not reached, and why."""
+    return MeshError(
+        f"the tolerance {tolerance * field.scale:g} was not reached with {triangles} triangles "
+        f"({reached * field.scale:.2g} was){why}"
+    )
 
 
 def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats, Integers, Integers]:
@@ -48,6 +85,18 @@ def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:
     wanted = np.minimum(a, b) * size + np.maximum(a, b)
     at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
     return np.where(keys[at] == wanted, at, -1)
+
+
+def far_edges(
+    points: Floats, triangles: Integers, edges: Integers, distances: tuple[Floats, Floats], tolerance: float
+) -> Integers:
+    """The edges to split: those too far, and the longest of each triangle that is.
+
+    `distances` are those of the edges (E,) and of the triangles' insides (T,).
+    """
+    on_edges, inside = distances
+    aim = AIM * tolerance
+    return with_longest(points, triangles[inside > aim], edges[on_edges > aim])
 
 
 def with_longest(points: Floats, triangles: Integers, edges: Integers) -> Integers:

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import cross, flip_once
+from pas.mesh.improve import cross, flip_once, to_centres
 from pas.mesh.refine import split
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import distinct
 
 NEWTON_STEPS = 16
@@ -207,9 +208,7 @@ def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     pairs = mesh.topology.pairs
     result = np.zeros((len(pairs), 3))
     for label, rows, _ in mesh.topology.label_rows:
-        gradient = field.jets(mesh.points[pairs[rows, 0]], label)[:, 1:]
-        length = np.sqrt((gradient * gradient).sum(axis=1, keepdims=True))
-        result[rows] = gradient / np.maximum(length, 1e-300)
+        result[rows] = unit_rows(field.jets(mesh.points[pairs[rows, 0]], label)[:, 1:])
     return result
 
 
@@ -290,10 +289,7 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     """Each vertex moved to the mean of its triangles' centres, or along its curve, then projected."""
     points, topology = mesh.points, mesh.topology
     size = topology.size
-    corners = topology.triangles.ravel()
-    centres = np.repeat(points[topology.triangles].mean(axis=1), 3, axis=0)
-    total = np.stack([np.bincount(corners, c, minlength=size) for c in centres.T], axis=1)
-    move = total / np.maximum(topology.valence, 1)[:, None] - points
+    move = to_centres(points, topology.triangles)
     inner = topology.label_count[topology.pairs[:, 0]] == 1
     vertices = topology.pairs[inner, 0]
     normal = pair_normals(mesh, field)[inner]

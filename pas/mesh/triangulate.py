@@ -14,14 +14,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pas.errors import PasError
+from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import march
 from pas.mesh.field import CellField, Floats, Integers
 from pas.mesh.improve import boundary_of, flip, folded, project, smooth
 from pas.mesh.lattice import lattice
 from pas.mesh.mesh import Mesh
-from pas.mesh.refine import split, with_longest
+from pas.mesh.refine import far_edges, farthest_inside, inner_points, not_reached, require_room, split
+from pas.mesh.shading import unit_rows
 
 RESOLUTION = 1.8
 """The first lattice's spacing over the size of the smallest feature: about what shows a pipe of
@@ -38,63 +39,33 @@ SNAPS = (0.3, 0.15)
 
 FIRST_SMOOTHINGS, LATER_SMOOTHINGS = 5, 2
 REFINEMENTS = 16
-AIM = 0.8
-"""Edges are split down to this share of the tolerance, since smoothing gives some of it back."""
-
-LARGEST = 4_000_000
-"""Triangles; more would not fit into the memory of a small machine."""
-
-INNER = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
-"""Barycentric coordinates of the points inside a triangle where its deviation is measured."""
-
-
-class MeshError(PasError):
-    """The surface has no mesh of this tolerance; the message says why."""
 
 
 def triangulate(field: CellField, tolerance: float) -> Mesh:
-    """A mesh whose distance from the surface is at most `tolerance`, measured.
+    """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, or the tolerance needs too many triangles.
     """
     mesh = _first(field)
-    for _ in range(REFINEMENTS):
+    for step in range(REFINEMENTS + 1):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
-        reached = deviation(field, mesh)
+        distances = _edge_distances(field, mesh), _inner_distances(field, mesh)
+        reached = float(max(distances[0].max(), distances[1].max()))
         if reached <= tolerance:
-            return Mesh.smooth(mesh.points, mesh.triangles, mesh.point_normals, deviation=reached)
-        edges, far = _far_edges(field, mesh, AIM * tolerance)
-        if len(mesh.triangles) * (1 + 3 * len(far) / len(edges)) > LARGEST:
-            raise MeshError(
-                f"the tolerance {tolerance:.3g} needs more than {LARGEST} triangles; "
-                f"{reached:.2g} is reached with {len(mesh.triangles)}"
-            )
+            points, deviation = field.world(mesh.points), reached * field.scale
+            return Mesh.smooth(points, mesh.triangles, mesh.point_normals, deviation=deviation)
+        if step == REFINEMENTS:
+            break
+        edges = mesh.edges[0]
+        far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
+        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, reached)
         mesh = _refined(field, mesh, far)
-    raise MeshError(
-        f"the tolerance {tolerance:g} was not reached with {len(mesh.triangles)} triangles "
-        f"({deviation(field, mesh):.2g} was); the surface may have a singular point"
-    )
+    raise not_reached(field, len(mesh.triangles), tolerance, reached, "; the surface may have a singular point")
 
 
-def deviation(field: CellField, mesh: Mesh) -> float:
-    """The largest distance |f| / |grad f| of the mesh's edges and triangles from the surface.
-
-    Measured at edge midpoints and at points inside each triangle; on the boundary in the wall's
-    plane.
-    """
+def _edge_distances(field: CellField, mesh: Mesh) -> Floats:
+    """Distances |f| / |grad f| of the edges' midpoints (E,), on the boundary in the wall's plane."""
     edges, times = mesh.edges
-    return float(max(_edge_distances(field, mesh, edges, times).max(), _inner_distances(field, mesh).max()))
-
-
-def _far_edges(field: CellField, mesh: Mesh, tolerance: float) -> tuple[Integers, Integers]:
-    """All edges, and those to split: too far themselves, or the longest of a triangle that is."""
-    edges, times = mesh.edges
-    far = edges[_edge_distances(field, mesh, edges, times) > tolerance]
-    triangles = mesh.triangles[_inner_distances(field, mesh) > tolerance]
-    return edges, with_longest(mesh.points, triangles, far)
-
-
-def _edge_distances(field: CellField, mesh: Mesh, edges: Integers, times: Integers) -> Floats:
     middles = mesh.points[edges].mean(axis=1)
     normals = np.zeros_like(middles)
     rim = np.flatnonzero(times == 1)
@@ -106,9 +77,7 @@ def _edge_distances(field: CellField, mesh: Mesh, edges: Integers, times: Intege
 
 
 def _inner_distances(field: CellField, mesh: Mesh) -> Floats:
-    points = np.einsum("wk,tkx->twx", INNER, mesh.points[mesh.triangles])
-    distances = _distances(field, points.reshape(-1, 3), None)
-    return distances.reshape(-1, len(INNER)).max(axis=1)
+    return farthest_inside(_distances(field, inner_points(mesh.points[mesh.triangles]), None))
 
 
 def _distances(field: CellField, points: Floats, normals: Floats | None) -> Floats:
@@ -171,5 +140,4 @@ def _improved(field: CellField, points: Floats, triangles: Integers, smoothings:
 
 
 def _normals(field: CellField, points: Floats) -> Floats:
-    gradient = field.jets(points, field.locate(points))[:, 1:]
-    return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
+    return unit_rows(field.jets(points, field.locate(points))[:, 1:])

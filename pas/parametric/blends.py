@@ -24,6 +24,7 @@ from pas.algebra.rational_function import RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
+from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.evaluation import hermite_values
 from pas.parametric.interpolation import exact_hermite
@@ -32,7 +33,7 @@ from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.regularity import regularity
 from pas.parametric.series import univariate
 from pas.parametric.solutions import ParametricSolutions
-from pas.parametric.surface import Components, ParametricSurface
+from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
 
 

@@ -20,7 +20,8 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational
 from pas.algebra.rational_function import RationalFunction
-from pas.parametric.surface import Components, ParametricSurface
+from pas.parametric.components import Components
+from pas.parametric.surface import ParametricSurface
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -13,10 +13,10 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from pas.algebra.expressions import Names
 from pas.algebra.rational_function import RING, RationalFunction
 from pas.limits import checkpoint
+from pas.parametric.components import Components
 from pas.parametric.data import BlendingData, Expansion
 from pas.parametric.hermite import taylor_basis
 from pas.parametric.series import univariate
-from pas.parametric.surface import Components
 
 
 def exact_hermite(data: BlendingData, order: int, names: Names) -> Components:

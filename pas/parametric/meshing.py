@@ -24,11 +24,10 @@ import numpy as np
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
-from pas.mesh.triangulate import MeshError
 from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
 from pas.parametric.domain import Domain
 from pas.parametric.framed import Framed

@@ -24,7 +24,8 @@ from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
-from pas.parametric.surface import Components, ParametricSurface
+from pas.parametric.components import Components
+from pas.parametric.surface import ParametricSurface
 
 Knots = tuple[Floats, Floats]
 

@@ -11,7 +11,7 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -21,23 +21,21 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.callables import Values, component, from_derivatives
-from pas.algebra.expressions import Names, as_text
-from pas.algebra.horner import Bundle
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, plain, to_float, vector
+from pas.algebra.rational import to_float, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import Report, checkpoint, limited
+from pas.parametric.components import Components, bundle_values, moved_text, text_of
 from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.series import composed
 
 if TYPE_CHECKING:
     from pas.mesh.mesh import Mesh
-
-Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
 CHUNK = 1 << 14
 """Points evaluated at once: some dozen intermediate arrays of this length fit into the caches."""
@@ -89,7 +87,7 @@ class ParametricSurface:
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
         if derivatives is not None:
             values = from_derivatives(values, derivatives)
-        text = None if derivatives is not None else _text((x, y, z))
+        text = None if derivatives is not None else text_of((x, y, z))
         _fill(self, names, domain, values, None, next(p.reason for p in parts if p.exact is None), text)
 
     @classmethod
@@ -257,12 +255,14 @@ class ParametricSurface:
             return x, y, z
 
         made = source if self.is_exact else None
-        text = None if self.text is None else _moved_text(self.text, rows, shift)
+        text = None if self.text is None else moved_text(self.text, rows, shift)
         return ParametricSurface.from_parts(values, made, self.parameters, self.ends, self.inexact, text)
 
     def with_domain(self, domain: Any) -> ParametricSurface:
         """The same surface on another domain."""
-        return replace_domain(self, domain)
+        result = ParametricSurface.__new__(ParametricSurface)
+        _fill(result, self.parameters, domain, self.values, self.source, self.inexact, self.text)
+        return result
 
     def contains(self, value: fmpq, axis: int) -> bool:
         """Whether a value of parameter number `axis` lies in the domain, as doubles go."""
@@ -301,25 +301,6 @@ class ParametricSurface:
             raise ValueError(f"parameter {name} = {bad:.6g} lies outside the domain [{low:.6g}, {high:.6g}]")
 
 
-def replace_domain(surface: ParametricSurface, domain: Any) -> ParametricSurface:
-    """The surface on another domain."""
-    result = ParametricSurface.__new__(ParametricSurface)
-    _fill(result, surface.parameters, domain, surface.values, surface.source, surface.inexact, surface.text)
-    return result
-
-
-def bundle_values(components: Callable[[], Components]) -> Values:
-    """Evaluation of exact components as they stand, prepared when first asked for."""
-    made: list[Bundle] = []
-
-    def values(t: Any, h: Any) -> tuple[Any, ...]:
-        if not made:
-            made.append(Bundle.of_pairs([(c.numerator, c.denominator) for c in components()]))
-        return made[0].quotients(t, h)
-
-    return values
-
-
 def _fill(
     surface: ParametricSurface,
     parameters: Names,
@@ -333,23 +314,6 @@ def _fill(
     fields = {"parameters": parameters, "domain": rounded, "ends": ends, "values": values}
     for name, value in (fields | {"source": source, "inexact": inexact, "text": text}).items():
         object.__setattr__(surface, name, value)
-
-
-def _text(expressions: Sequence[Any]) -> tuple[str, str, str] | None:
-    """The expressions as strings; None where one is a callable."""
-    found = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
-    if any(callable(e) and not isinstance(e, RationalFunction) for e in found):
-        return None
-    x, y, z = (e if isinstance(e, str) else str(RationalFunction(e)) for e in found)
-    return x, y, z
-
-
-def _moved_text(text: Sequence[str], rows: Sequence[Vector], shift: Vector) -> tuple[str, str, str]:
-    x, y, z = (
-        " + ".join([*(f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)), f"({plain(s)})"])
-        for row, s in zip(rows, shift, strict=True)
-    )
-    return x, y, z
 
 
 def _names(parameters: Any) -> Names:

@@ -15,9 +15,10 @@ from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
+from pas.errors import MeshError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.triangulate import MeshError, triangulate
+from pas.mesh.triangulate import triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
@@ -264,13 +265,10 @@ class PiecewiseSurface:
         """
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
-        frame = self.partition.frame
-        scale = float(to_fraction(frame.scale))
         if tolerance is None:
             tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
-        found = triangulate(_LocalField(self), check_tolerance(tolerance, scale) / scale)
-        reached = None if found.deviation is None else found.deviation * scale
-        return Mesh.smooth(frame.global_points(found.points), found.triangles, found.point_normals, deviation=reached)
+        field = _LocalField(self)
+        return triangulate(field, check_tolerance(tolerance, field.scale) / field.scale)
 
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(
@@ -291,11 +289,16 @@ class _LocalField:
 
     def __init__(self, surface: PiecewiseSurface) -> None:
         self.surface = surface
+        self.scale = float(to_fraction(surface.partition.frame.scale))
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         self.walls = _unit_planes(surface.local)
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
+        return self.surface.partition.frame.global_points(points)
 
     def locate(self, points: Floats) -> np.ndarray:
         """The cell that holds, or is nearest to, each of points (N, 3)."""

@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from pas.mesh.mesh import Mesh
-from pas.parametric.conversion import DEGREE, FittedPatch
+from pas.parametric.fitting import DEGREE, FittedPatch
 from pas.parametric.surface import ParametricSurface
 
 GRID = 1 << 26

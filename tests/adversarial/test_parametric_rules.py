@@ -20,8 +20,8 @@ from pas.generatrix.injective import is_injective
 from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.bounds import NetPoints, bounded
 from pas.parametric.common_zeros import UNIT_SQUARE, _avoids_origin, _rounding, without_common_zero
-from pas.parametric.conversion import FittedPatch, _bound, _knots, _outer
 from pas.parametric.data import BlendingData
+from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
 from pas.parametric.framed import Framed
 from pas.parametric.meshing import exact_rectangle
 from pas.parametric.nets import exact_net

@@ -1,0 +1,237 @@
+"""B-splines within a tolerance of parametric surfaces.
+
+Guaranteed: `fit_patch` of an exact surface is certified: S being the B-spline and N / D the surface, the Bernstein
+coefficients of N - D S over the least of D's bound the distance on each rectangle between knots, and rounding is
+counted in.  For other surfaces the distance is measured at DENSE points for each of these and each parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import comb, factorial
+from typing import Any, Protocol
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.inputs import check_tolerance, shown
+from pas.algebra.lengths import lengths
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import exact, to_float
+from pas.bernstein.boxes import product
+from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.errors import GeometryError
+from pas.limits import Report, checkpoint, limited
+from pas.parametric.framed import Framed
+from pas.parametric.meshing import RELATIVE, exact_rectangle
+from pas.parametric.nets import Nets, exact_net
+from pas.parametric.patches import Knots, RationalPatch
+from pas.parametric.surface import ParametricSurface
+
+PRODUCT = 256 * UNIT_ROUNDOFF
+"""Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
+
+DEGREE = 3
+"""Of B-splines in both parameters."""
+
+MOST = 512
+"""Spans of a B-spline in one parameter."""
+
+LINES = 17
+"""Lines of one parameter along which the spans of the other are chosen."""
+
+DENSE, LEAST = 6, 96
+"""Points for each span at which surfaces that are not exact are compared, and in all at least."""
+
+ROWS = 64
+"""Rows of them at once."""
+
+SHARE = 0.4
+"""Of the tolerance: what the choice of spans allows each parameter."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPatch(RationalPatch):
+    """A B-spline with its distance from the surface, at equal parameters: proved where `certified`, else measured."""
+
+    deviation: float = 0.0
+    certified: bool = False
+
+
+class HasSurface(Protocol):
+    """A blend, say."""
+
+    @property
+    def surface(self) -> ParametricSurface:
+        """The surface that it is."""
+
+
+def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
+    """A surface itself, or that of a blend; raises `TypeError` for what has none."""
+    found = thing if isinstance(thing, ParametricSurface) else getattr(thing, "surface", None)
+    if not isinstance(found, ParametricSurface):
+        raise TypeError(f"surface must be a parametric surface or a blend of such, not {shown(thing)}")
+    return found
+
+
+@limited("fitting a patch", "a coarser tolerance or a smaller domain")
+def fit_patch(
+    surface: ParametricSurface | HasSurface,
+    tolerance: Any = None,
+    domain: Any = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> FittedPatch:
+    """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
+
+    For a blend, of its `surface`.  It interpolates at the Greville abscissae of uniform knots.
+
+    Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
+    """
+    whole = surface_of(surface)
+    rectangle = exact_rectangle(whole, domain)
+    framed = Framed.of(whole.with_domain(rectangle))
+    aim = RELATIVE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
+    nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
+    spans = [_spans(framed.surface, axis, aim * SHARE) for axis in (0, 1)]
+    while True:
+        knots, points = _interpolated(framed.surface, spans)
+        outer = tuple(_outer(k, e) for k, e in zip(knots, rectangle, strict=True))
+        away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, outer)
+        deviation = framed.outside(away)
+        if away <= aim:
+            ends, control = (outer[0].knots, outer[1].knots), framed.points_outside(points)
+            return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
+        if max(spans) >= MOST:
+            raise GeometryError(
+                f"the tolerance {framed.outside(aim):.3g} needs more than {MOST} spans; {deviation:.2g} is reached "
+                f"with {spans[0]} x {spans[1]}; fit parts of the surface, or give a larger tolerance"
+            )
+        spans = [2 * s for s in spans]
+
+
+def _knots(interval: tuple[float, float], spans: int) -> Floats:
+    inner = np.linspace(*interval, spans + 1)
+    return np.concatenate([np.full(DEGREE, interval[0]), inner, np.full(DEGREE, interval[1])])
+
+
+def _sites(knots: Floats) -> Floats:
+    """Greville abscissae: means of DEGREE successive knots."""
+    windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], DEGREE)
+    return np.asarray(np.clip(windows.mean(axis=1), knots[0], knots[-1]))
+
+
+def _spline(knots: Floats, values: Floats) -> Floats:
+    """Coefficients of the B-spline that has the values (r, ...) at the sites."""
+    from scipy.interpolate import make_interp_spline
+
+    return np.asarray(make_interp_spline(_sites(knots), values, k=DEGREE, t=knots).c)
+
+
+def _spans(surface: ParametricSurface, axis: int, tolerance: float) -> int:
+    """The power of 2 of spans in one parameter that suffices along some lines."""
+    from scipy.interpolate import BSpline
+
+    lines = np.linspace(*surface.domain[1 - axis], LINES)
+
+    def along(t: Floats) -> Floats:
+        values = surface.on_grid(t, lines) if axis == 0 else np.swapaxes(surface.on_grid(lines, t), 0, 1)
+        if not np.isfinite(values).all():
+            raise GeometryError("the surface is not finite on the whole domain; give one that avoids its poles")
+        return values
+
+    spans = 1
+    while spans < MOST:
+        knots = _knots(surface.domain[axis], spans)
+        dense = np.linspace(*surface.domain[axis], DENSE * spans + 1)
+        errors = along(dense) - BSpline(knots, _spline(knots, along(_sites(knots))), DEGREE)(dense)
+        if np.linalg.norm(errors, axis=-1).max() <= tolerance:
+            break
+        spans *= 2
+    return spans
+
+
+def _interpolated(surface: ParametricSurface, spans: list[int]) -> tuple[Knots, Floats]:
+    first, second = (_knots(interval, s) for interval, s in zip(surface.domain, spans, strict=True))
+    values = surface.on_grid(_sites(first), _sites(second))
+    rows = _spline(first, values)
+    return (first, second), np.swapaxes(_spline(second, np.swapaxes(rows, 0, 1)), 0, 1)
+
+
+def _compared(surface: ParametricSurface, knots: Knots, points: Floats) -> float:
+    """The greatest distance at DENSE points a span."""
+    from scipy.interpolate import BSpline
+
+    places = [np.linspace(k[0], k[-1], max(LEAST, DENSE * (len(k) - 2 * DEGREE - 1)) + 1) for k in knots]
+    first, second = (BSpline(k, np.eye(len(k) - DEGREE - 1), DEGREE)(p) for k, p in zip(knots, places, strict=True))
+    worst = 0.0
+    for start in range(0, len(places[0]), ROWS):
+        rows = slice(start, start + ROWS)
+        values = np.einsum("bj,ajx->abx", second, np.tensordot(first[rows], points, 1), optimize=True)
+        off = surface.on_grid(places[0][rows], places[1]) - values
+        worst = max(worst, float(np.linalg.norm(off, axis=-1).max()))
+    return worst
+
+
+@dataclass(frozen=True)
+class _Outer:
+    """Knots in the surface's own parameter, rounded, and by what share of their distance that moves them at most."""
+
+    knots: Floats
+    moved: float
+
+
+def _outer(knots: Floats, interval: tuple[fmpq, fmpq]) -> _Outer:
+    low, high = interval
+    true = [low + (high - low) * exact(k) for k in knots]
+    rounded = np.array([to_float(k) for k in true])
+    spans = len(knots) - 2 * DEGREE - 1
+    worst = max(abs(exact(r) - k) for r, k in zip(rounded, true, strict=True))
+    return _Outer(rounded, to_float(worst * spans / (high - low)))
+
+
+def _bound(nets: Nets, knots: Knots, points: Floats, outer: Sequence[_Outer]) -> float:
+    """The greatest coefficient of N - D S over the least of D's, over all rectangles between knots, and rounding.
+
+    Knots that move by a share e of their distance change each of de Boor's weights by 3 e at most, and the spline by
+    3 DEGREE e times the greatest step between control points (here taken twice).
+    """
+    first, second = (_extraction(k) for k in knots)
+    strips = _spread(nets, 0, len(first))
+    worst = 0.0
+    for number in range(len(strips)):
+        checkpoint("bounding the distance of a B-spline", number / len(strips))
+        cells = _spread(strips.part([number]), 1, len(second))
+        pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
+        tops, weights = cells.table[..., :3], cells.table[..., 3:]
+        least = weights.min(axis=(1, 2, 3)) - cells.off
+        if not (least > 0).all():
+            return float("inf")
+        errors = product(tops, np.ones((1, DEGREE + 1, DEGREE + 1, 1))) - product(weights, pieces)
+        far = 1.0 + np.abs(pieces).max(axis=(1, 2, 3))
+        slack = 2 * far * (cells.off + PRODUCT * np.abs(cells.table).max(axis=(1, 2, 3)))
+        worst = max(worst, float(((lengths(errors).max(axis=(1, 2)) + slack) / least).max()))
+    steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
+    return worst + sum(6 * DEGREE * o.moved * step for o, step in zip(outer, steps, strict=True))
+
+
+def _spread(nets: Nets, axis: int, count: int) -> Nets:
+    """A net over `count` (a power of 2) equal parts of its interval, in order."""
+    while len(nets) < count:
+        order = np.arange(2 * len(nets)).reshape(2, -1).T.ravel()
+        nets = nets.halves(axis).part(order)
+    return nets
+
+
+def _extraction(knots: Floats) -> Floats:
+    """Matrices (spans, DEGREE + 1, r) from B-spline to Bernstein coefficients on each span, by Taylor coefficients."""
+    from scipy.interpolate import BSpline
+
+    size = len(knots) - DEGREE - 1
+    basis = BSpline(knots, np.eye(size), DEGREE)
+    starts, widths = knots[DEGREE:size], np.diff(knots[DEGREE : size + 1])
+    taylor = [basis(starts, nu=j) * (widths**j / factorial(j))[:, None] for j in range(DEGREE + 1)]
+    shares = np.array([[comb(i, j) / comb(DEGREE, j) for j in range(DEGREE + 1)] for i in range(DEGREE + 1)])
+    return np.asarray(np.einsum("ij,jsr->sir", shares, np.stack(taylor)))
