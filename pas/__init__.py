@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pas.algebra.module import syzygies as syzygies
     from pas.algebra.polynomial import Polynomial as Polynomial
     from pas.algebra.rational_function import RationalFunction as RationalFunction
-    from pas.bernstein.signs import Status as Status
     from pas.blending.existence import Existence as Existence
     from pas.blending.existence import ExistenceCase as ExistenceCase
     from pas.blending.existence import existence as existence
@@ -50,16 +49,12 @@ if TYPE_CHECKING:
     from pas.errors import ProblemFileError as ProblemFileError
     from pas.errors import ProjectFileError as ProjectFileError
     from pas.exchange.boundaries import boundary_from as boundary_from
-    from pas.exchange.parametric_problem import read_parametric_problem as read_parametric_problem
-    from pas.exchange.parametric_records import save_parametric as save_parametric
+    from pas.exchange.problem import read_parametric_problem as read_parametric_problem
     from pas.exchange.problem import read_problem as read_problem
-    from pas.exchange.project import load as load
     from pas.exchange.rational import ball_patches as ball_patches
     from pas.exchange.rational import cone_patches as cone_patches
     from pas.exchange.rational import cylinder_patches as cylinder_patches
     from pas.exchange.rational import torus_patches as torus_patches
-    from pas.exchange.solid_records import load_solid as load_solid
-    from pas.exchange.solid_records import save_solid as save_solid
     from pas.exchange.volume import VolumeMesh as VolumeMesh
     from pas.exchange.volume import VolumeSettings as VolumeSettings
     from pas.exchange.volume import volume_mesh as volume_mesh
@@ -93,6 +88,11 @@ if TYPE_CHECKING:
     from pas.generatrix.shape import GeneratrixShape as GeneratrixShape
     from pas.generatrix.shape import ShapeFunction as ShapeFunction
     from pas.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
+    from pas.kinds.files import load as load
+    from pas.kinds.files import load_solid as load_solid
+    from pas.kinds.files import save as save
+    from pas.kinds.files import save_parametric as save_parametric
+    from pas.kinds.files import save_solid as save_solid
     from pas.limits import limit as limit
     from pas.mesh.mesh import Mesh as Mesh
     from pas.parametric.base_points import BasePoint as BasePoint
@@ -140,22 +140,27 @@ if TYPE_CHECKING:
     from pas.pipeline.result import Blend as Blend
     from pas.pipeline.space import SolutionSpace as SolutionSpace
     from pas.pipeline.space import solutions as solutions
-    from pas.render.picture import Style as Style
     from pas.render.picture import draw as draw
+    from pas.render.scene import Picture as Picture
+    from pas.render.scene import Style as Style
+    from pas.render.window import show as show
+    from pas.shape import Kind as Kind
+    from pas.shape import Shape as Shape
     from pas.surface.certificate import Certificate as Certificate
-    from pas.surface.certificate import Verdict as Verdict
     from pas.surface.contact import Contact as Contact
     from pas.surface.contact import Pipe as Pipe
     from pas.surface.contact import contact_ideal as contact_ideal
     from pas.surface.curvature import CurvatureContact as CurvatureContact
     from pas.surface.curvature import curvature_contact as curvature_contact
     from pas.surface.piecewise import PiecewiseSurface as PiecewiseSurface
+    from pas.verdicts import Status as Status
+    from pas.verdicts import Verdict as Verdict
+    from pas.verdicts import Verdicts as Verdicts
 
 _HOMES = {
     "pas.algebra.ideal": ("Ideal",),
     "pas.algebra.module": ("Submodule", "syzygies"),
     "pas.algebra.polynomial": ("Polynomial",),
-    "pas.bernstein.signs": ("Status",),
     "pas.pipeline.blend": ("blend",),
     "pas.pipeline.result": ("Blend",),
     "pas.blending.existence": ("Existence", "ExistenceCase", "existence"),
@@ -163,7 +168,6 @@ _HOMES = {
     "pas.blending.method": ("SolvingMethod",),
     "pas.blending.multipliers": ("Multipliers",),
     "pas.blending.normal_form_system": ("NormalFormSystem", "normal_form_system"),
-    "pas.exchange.project": ("load",),
     "pas.blending.shaping": ("LeastSquares", "Optimum"),
     "pas.pipeline.space": ("SolutionSpace", "solutions"),
     "pas.blending.solving": ("register_method",),
@@ -183,11 +187,8 @@ _HOMES = {
         "ProjectFileError",
     ),
     "pas.exchange.boundaries": ("boundary_from",),
-    "pas.exchange.parametric_problem": ("read_parametric_problem",),
-    "pas.exchange.parametric_records": ("save_parametric",),
-    "pas.exchange.problem": ("read_problem",),
+    "pas.exchange.problem": ("read_parametric_problem", "read_problem"),
     "pas.exchange.rational": ("ball_patches", "cone_patches", "cylinder_patches", "torus_patches"),
-    "pas.exchange.solid_records": ("load_solid", "save_solid"),
     "pas.exchange.write": ("write", "write_cells", "write_mesh", "write_solid", "write_step"),
     "pas.exchange.volume": ("VolumeMesh", "VolumeSettings", "volume_mesh"),
     "pas.fairing.wishes": ("MeanAlpha", "SumOfCoefficients", "UnitCoefficients", "ValueAt", "Wishes"),
@@ -205,6 +206,7 @@ _HOMES = {
     "pas.generatrix.sections": ("plane_section",),
     "pas.generatrix.shape": ("GeneratrixShape", "ShapeFunction"),
     "pas.generatrix.verdicts": ("GeneratrixCertificate",),
+    "pas.kinds.files": ("load", "load_solid", "save", "save_parametric", "save_solid"),
     "pas.limits": ("limit",),
     "pas.mesh.mesh": ("Mesh",),
     "pas.parametric.base_points": (
@@ -261,11 +263,15 @@ _HOMES = {
     "pas.partition.kinds": ("register_partition",),
     "pas.partition.single_cell": ("SingleCell",),
     "pas.partition.six_tetrahedra": ("SixTetrahedra",),
-    "pas.render.picture": ("Style", "draw"),
-    "pas.surface.certificate": ("Certificate", "Verdict"),
+    "pas.render.picture": ("draw",),
+    "pas.render.scene": ("Picture", "Style"),
+    "pas.render.window": ("show",),
+    "pas.shape": ("Kind", "Shape"),
+    "pas.surface.certificate": ("Certificate",),
     "pas.surface.contact": ("Contact", "Pipe", "contact_ideal"),
     "pas.surface.curvature": ("CurvatureContact", "curvature_contact"),
     "pas.surface.piecewise": ("PiecewiseSurface",),
+    "pas.verdicts": ("Status", "Verdict", "Verdicts"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 

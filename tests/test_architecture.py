@@ -6,17 +6,20 @@ import ast
 import inspect
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import networkx
 import pytest
 from conftest import ROOT
 
 import pas
+from pas.shape import KINDS
 
 ROOMS = [
-    *("_version", "errors", "limits", "registry", "described", "algebra", "bernstein", "partition", "mesh"),
-    *("surface", "solid", "parametric", "generatrix", "fairing", "blending", "pipeline"),
-    *("exchange", "independent", "render", "teapot", "cli"),
+    *("_version", "errors", "limits", "registry", "described", "verdicts", "shape"),
+    *("algebra", "bernstein", "partition", "mesh", "surface", "solid", "parametric", "generatrix", "fairing"),
+    *("blending", "pipeline", "exchange", "independent", "render", "teapot", "kinds", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 
@@ -66,6 +69,77 @@ def test_public_names_are_documented(name):
         for attribute, value in vars(thing).items():
             if not attribute.startswith("_") and (callable(value) or isinstance(value, property)):
                 assert inspect.getdoc(value), f"{name}.{attribute}"
+
+
+BY_CLASS = {
+    ("solid/solid.py", "Solid"): "operators give NotImplemented for what is no solid, so that Python says so",
+    ("mesh/mesh.py", "Mesh"): "the same for those of meshes",
+    ("solid/assembly.py", "Solid"): "a part is a solid or a mesh, and only solids have joints and contain points",
+    ("solid/assembly.py", "Mesh"): "what a part may be is checked where an assembly is made",
+    ("parametric/data.py", "ParametricSurface"): "an argument is checked",
+    ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
+    ("parametric/conversion.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
+    ("generatrix/space.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
+}
+"""Where a class of a kind of shapes may be asked for outside the kinds' own files, and why."""
+
+
+def classes_asked_for(path: Path) -> set[str]:
+    """The names of classes in isinstance, issubclass, match cases, and in dispatch by a function's annotations."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
+            found |= {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
+        elif isinstance(node, ast.MatchClass):
+            found |= {n.id for n in ast.walk(node.cls) if isinstance(n, ast.Name)}
+        elif isinstance(node, ast.FunctionDef) and any("register" in ast.unparse(d) for d in node.decorator_list):
+            parts = [*node.decorator_list, *(a.annotation for a in node.args.args[:1] if a.annotation)]
+            found |= {n.id for part in parts for n in ast.walk(part) if isinstance(n, ast.Name)}
+    return found
+
+
+def test_kinds_of_shapes_are_told_apart_by_their_registry_alone():
+    known = {kind.type.__name__ for kind in KINDS.values()}
+    asked = {
+        (str(path.relative_to(PACKAGE)), name)
+        for path in MODULES
+        if room(path) not in ("kinds", "shape")
+        for name in classes_asked_for(path) & known
+    }
+    assert asked == set(BY_CLASS), sorted(asked ^ set(BY_CLASS))
+
+
+def imported_when_loaded(path: Path) -> set[str]:
+    """The modules of `pas` that a module imports when it is imported itself, not for types, not later."""
+    modules = {module_name(p) for p in MODULES}
+
+    def statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+        for node in body:
+            if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+                yield from statements(node.orelse)
+            elif isinstance(node, ast.If | ast.Try | ast.With | ast.ClassDef):
+                yield from statements([n for n in ast.iter_child_nodes(node) if isinstance(n, ast.stmt)])
+            else:
+                yield node
+
+    found = set()
+    for node in statements(ast.parse(path.read_text(encoding="utf-8")).body):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "pas":
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in modules else str(node.module) for name in names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names if alias.name.startswith("pas.")}
+    return found & modules - {module_name(path)}
+
+
+def module_name(path: Path) -> str:
+    return ".".join(("pas", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+
+
+def test_no_module_imports_itself_in_a_circle():
+    graph = networkx.DiGraph((module_name(p), other) for p in MODULES for other in imported_when_loaded(p))
+    assert graph.number_of_edges() > 500
+    assert [sorted(c) for c in networkx.strongly_connected_components(graph) if len(c) > 1] == []
 
 
 def test_lazy_names_are_those_that_are_declared():

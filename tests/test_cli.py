@@ -113,7 +113,7 @@ def test_render(made, tmp_path, capsys, style):
         (["blend", PROBLEM, "--tolerance", "0"], 2, "tolerance must be a positive number"),
         (["blend", PROBLEM, "-o", PROBLEM], 2, "is not a folder"),
         (["check", PROBLEM], 2, "is a problem file; make a project of it with `pas blend`"),
-        (["mesh", "MADE", "-o", "a.step"], 2, "the suffix must be one of .stl, .obj, .ply, .vtp, .glb"),
+        (["mesh", "MADE", "-o", "a.step"], 2, "the suffix must be one of .stl, .obj, .ply"),
         (["mesh", "MADE", "-o", "none/a.stl"], 2, "the folder none of a.stl does not exist"),
         (["render", "MADE", "-o", "a.jpg"], 2, "the suffix must be .png"),
     ],

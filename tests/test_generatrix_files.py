@@ -12,11 +12,11 @@ import pytest
 from conftest import ROOT
 
 import pas
-from pas.bernstein.signs import Status
 from pas.cli import main
 from pas.exchange.container import checksum
 from pas.render.collar import collar
-from pas.render.generatrix import generatrix_layers, sphere_layers
+from pas.render.scene import Picture, Style, scene_of
+from pas.verdicts import Status
 
 FOLDER = ROOT / "examples/parametric/generatrix"
 S = np.linspace(0, 1, 65)
@@ -155,6 +155,10 @@ def test_bad_tables(table, message):
         pas.boundary_from(table)
 
 
+def layers(blend, style=Style.PLAIN):
+    return scene_of(blend, Picture(style=style)).layers
+
+
 TEXT = """\
 method = "generatrix"
 [[boundaries]]
@@ -263,7 +267,7 @@ def test_all_proofs_can_be_asked_for(tmp_path):
 def test_curvature_of_a_cylinder():
     """Two sections of one cylinder with straight generatrices: the blend is the cylinder."""
     blend = pas.blend_quadrics("x^2 + y^2 - 1", "z - 1", "x^2 + y^2 - 1", "z + 1")
-    own = generatrix_layers(blend, None, "curvature")[0]
+    own = layers(blend, Style.CURVATURE)[0]
     np.testing.assert_allclose(np.abs(own.curvature), 0.5, atol=1e-4)
 
 
@@ -292,7 +296,7 @@ def test_collars_lie_on_the_surface(name):
 def test_layers_have_continuous_normals():
     """Along both boundaries the normals of blend and surface agree, so that stripes run on."""
     blend = pas.generatrix_blend(pas.boundary_from(TABLES["section"]), pas.boundary_from(PLANES))
-    own, *others = generatrix_layers(blend, None, "zebra")
+    own, *others = layers(blend, Style.ZEBRA)
     assert len(others) == 2
     grid = own.mesh.point_normals.reshape(320, -1, 3)
     for layer, normals in zip(others, (grid[:, 0], grid[:, -1]), strict=True):
@@ -300,7 +304,7 @@ def test_layers_have_continuous_normals():
         np.testing.assert_allclose(first, normals, atol=1e-9)
     ring = lambda s: np.stack([np.cos(2 * np.pi * s), np.sin(2 * np.pi * s), 0 * s], axis=-1)  # noqa: E731
     unknown = pas.generatrix_blend(blend.boundaries[0], pas.Boundary.along(ring, normal=ring))
-    assert len(generatrix_layers(unknown, None, "plain")) == 2
+    assert len(layers(unknown)) == 2
 
 
 def test_blends_are_meshed_and_fitted(tmp_path):
@@ -395,7 +399,7 @@ def test_three_pipes_make_one_surface(script, tmp_path):
     faces = mesh.points[mesh.triangles]
     made = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     assert (np.einsum("ij,ij->i", made, mesh.point_normals[mesh.triangles].sum(axis=1)) > 0).all()
-    assert len(sphere_layers(joined, mesh)) == 4
+    assert len(scene_of(joined, Picture(), mesh).layers) == 4
     assert pas.write_mesh(joined, tmp_path / "a.stl").stat().st_size > 10_000
     assert pas.draw(joined, tmp_path / "a.png", mesh=mesh, size=(200, 150)).exists()
 

@@ -9,7 +9,8 @@ from conftest import EQUAL, solved
 import pas
 from pas.render import offscreen
 from pas.render.layers import BLEND_COLOR
-from pas.render.parametric import BLEND_TINT, COLORS, TINTS, mean_curvatures, parametric_layers
+from pas.render.parametric import BLEND_TINT, COLORS, TINTS, mean_curvatures
+from pas.render.scene import Picture, Style, scene_of
 
 
 def pixels(path):
@@ -88,7 +89,7 @@ def test_stripes_run_on_across_contacts_and_break_without():
     """Normals of the blend and of the surface beyond are those of one smooth surface along the curve."""
     for order, smooth in ((0, False), (1, True)):
         blend = pas.hermite_blend(BLEND.data, order)
-        layers = parametric_layers(blend, None, TURN, "zebra")
+        layers = scene_of(blend, Picture(style=Style.ZEBRA, domain=TURN)).layers
         (inner, outer), found = (layers[0].mesh, layers[1].mesh), []
         for mesh in (inner, outer):
             on = mesh.parameters[:, 1] == 0
@@ -116,6 +117,6 @@ def test_several_surfaces_are_drawn_and_others_refused(tmp_path):
         pas.draw(pas.plane(), tmp_path / "b.png")
     with pytest.raises(ValueError, match="at least one surface"):
         pas.draw([], tmp_path / "b.png")
-    with pytest.raises(TypeError, match="must be a surface or a blend"):
+    with pytest.raises(TypeError, match="what to draw must be a mesh, a solid, an assembly, a surface or a blend"):
         pas.draw("torus", tmp_path / "b.png")
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]

@@ -10,7 +10,7 @@ import argparse
 import time
 from pathlib import Path
 
-from pas.exchange.solid_records import save_solid
+from pas import save_solid
 from pas.exchange.write import write_solid
 from pas.render.parts import Look, draw_parts
 from pas.teapot.pot import STYLES, teapot

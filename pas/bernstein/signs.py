@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,21 +26,12 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.subdivision import edges, halving
 from pas.limits import checkpoint
+from pas.verdicts import Status
 
 UNIT_ROUNDOFF = 2.0**-53
 
 BISECTIONS = 53
 """Of an edge on which a witness is sought: as many as a double has binary digits."""
-
-
-class Status(Enum):
-    """What a proof came to; where there is none but samples were taken, whether they agree with the claim."""
-
-    PROVED = "proved"
-    REFUTED = "refuted"
-    UNDECIDED = "undecided"
-    HOLDS_MEASURED = "holds, measured"
-    FAILS_MEASURED = "fails, measured"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from typing import Any
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.real_points import count_real_points, has_real_curve
-from pas.bernstein.signs import Status
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
@@ -21,6 +20,7 @@ from pas.surface.contact import Contact, Pipe, as_contact
 from pas.surface.contact_proofs import check_join, clip_sided
 from pas.surface.joins import Join, joins
 from pas.surface.placed import PlacedContacts
+from pas.verdicts import Status
 
 
 def place(items: Sequence[Any], order: int, partition: Partition | None = None) -> PlacedContacts:

@@ -1,6 +1,6 @@
 """The command line `pas`.
 
-Exit codes: 0 done (for `check`: all proved), 1 what could not be done or proved, 2 what the user
+Exit codes: 0 done (for `check`: all that its kind can give holds), 1 what could not be done or proved, 2 what the user
 got wrong, 130 interrupted.  Errors go to stderr as one sentence; `--debug` shows the traceback.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import sys
 import traceback
 from collections.abc import Sequence
@@ -37,7 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return WRONG
     try:
         with limit(options.seconds, tell):
-            return int(options.run(options))
+            outcome = options.run(options)
+            print(json.dumps(outcome.record, indent=1) if options.json else outcome.text)
+            return int(outcome.code)
     except KeyboardInterrupt:
         print("pas: interrupted; nothing was left half-written", file=sys.stderr)
         return INTERRUPTED

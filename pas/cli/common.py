@@ -1,10 +1,12 @@
-"""What the commands share: exit codes, progress, checks of arguments."""
+"""What the commands share: exit codes, what they come to, progress, checks of arguments."""
 
 from __future__ import annotations
 
 import sys
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from pas.exchange.files import check_folder, source
 from pas.limits import note, stage_line
@@ -15,6 +17,30 @@ FILES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".3mf", ".step", ".png", ".json
 DONE, FAILED, WRONG = 0, 1, 2
 INTERRUPTED = 130
 """After Ctrl-C, as shells expect it: 128 and the number of the signal."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command came to: the text that it prints, the same as a record for `--json`, and the exit code."""
+
+    text: str
+    record: dict[str, Any]
+    code: int = DONE
+
+
+@dataclass
+class Clock:
+    """Seconds spent in each stage; each is told as it ends."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    last: float = field(default_factory=time.perf_counter)
+
+    def passed(self, stage: str, detail: str = "") -> None:
+        """Say that a stage has ended."""
+        now = time.perf_counter()
+        self.seconds[stage] = round(now - self.last, 3)
+        note(stage_line(f"{stage}{detail}", now - self.last))
+        self.last = now
 
 
 def output_folder(name: str) -> Path:
@@ -30,7 +56,7 @@ def output_folder(name: str) -> Path:
 def project_file(name: str) -> str:
     """The name of a project file to read; raises `ValueError` for that of a problem file."""
     if name.endswith(".toml"):
-        raise ValueError(f"{name} is a problem file; make a project of it with `pas blend` or `pas parametric`")
+        raise ValueError(f"{name} is a problem file; make a project of it with `pas blend`")
     return name
 
 
@@ -38,7 +64,7 @@ def problem_file(name: str) -> str:
     """The name of a problem file to read; raises `ValueError` for that of a project file."""
     if name.endswith(".json"):
         raise ValueError(
-            f"{name} is a project, solved already; `pas check`, `pas mesh`, `pas render` and `pas convert` take it, "
+            f"{name} is a project, solved already; `pas check`, `mesh`, `render`, `write` and `convert` take it, "
             "and this command the problem file (.toml) it was made from"
         )
     return name
@@ -47,10 +73,3 @@ def problem_file(name: str) -> str:
 def tell(line: str) -> None:
     """Say on stderr what is being done; nothing but results goes to stdout."""
     print(line, file=sys.stderr, flush=True)
-
-
-def passed(stage: str, start: float) -> float:
-    """Say how long a stage took since `start`; returns the time that it is now."""
-    now = time.perf_counter()
-    note(stage_line(stage, now - start))
-    return now

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING, NoReturn
 
 from pas._version import __version__
-from pas.cli import commands, parametric
+from pas.cli import commands, problems
 from pas.errors import meant
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
         epilog="`pas COMMAND --help` tells more of a command.",
     )
     result.add_argument("--version", action="version", version=f"pas {__version__}")
-    result.set_defaults(command=None, debug=False)
+    result.set_defaults(command=None, debug=False, json=False)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
     _blend_parser(added)
     _parametric_parser(added)
@@ -55,6 +55,7 @@ def parser() -> argparse.ArgumentParser:
     _check_parser(added)
     _mesh_parser(added)
     _render_parser(added)
+    _write_parser(added)
     _convert_parser(added)
     _teapot_parser(added)
     return result
@@ -66,6 +67,8 @@ def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    if name != "solve":  # which prints other forms, too
+        parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
     parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
     return parser
 
@@ -83,13 +86,7 @@ def _blend_parser(added: Commands) -> None:
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
         "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
     )
-    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
-    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
-    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
-    parser.add_argument("--degree", type=int, metavar="N", help="this degree only, instead of the lowest proved")
-    _tolerance(parser, "the file's, or 0.001")
-    parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
-    parser.set_defaults(command="blend", run=commands.run_blend)
+    _problem_arguments(parser, "blend")
 
 
 def _parametric_parser(added: Commands) -> None:
@@ -115,12 +112,17 @@ def _parametric_parser(added: Commands) -> None:
         "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
         "Also: align, unit, tolerance, prove, [picture].",
     )
-    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
+    _problem_arguments(parser, "parametric")
+
+
+def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file, of whatever kind")
     parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
     parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
-    _tolerance(parser, "the file's, or 0.001 of the blend's extent")
+    parser.add_argument("--degree", type=int, metavar="N", help="this degree only, instead of the lowest proved")
+    _tolerance(parser, "the file's, or 0.001 of the size")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
-    parser.set_defaults(command="parametric", run=parametric.run_parametric)
+    parser.set_defaults(command=command, run=problems.run_problem)
 
 
 def _solve_parser(added: Commands) -> None:
@@ -153,7 +155,6 @@ def _check_parser(added: Commands) -> None:
     parser.add_argument(
         "--independent", action="store_true", help="prove a blend by the second checker, in exact arithmetic alone"
     )
-    parser.add_argument("--json", action="store_true", help="print the verdicts on a blend as JSON")
     parser.set_defaults(command="check", run=commands.run_check)
 
 
@@ -161,9 +162,9 @@ def _mesh_parser(added: Commands) -> None:
     parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
-        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; solids also .3mf"
+        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; closed: also .3mf"
     )
-    _tolerance(parser, "0.001; of a solid, 0.001 of its longest side")
+    _tolerance(parser, "0.001 of the longest side")
     parser.set_defaults(command="mesh", run=commands.run_mesh)
 
 
@@ -174,18 +175,33 @@ def _render_parser(added: Commands) -> None:
     style = parser.add_mutually_exclusive_group()
     style.add_argument("--zebra", action="store_true", help="isophotes, which show the order of continuity")
     style.add_argument("--curvature", action="store_true", help="colours by mean curvature")
+    parser.add_argument("--four-views", action="store_true", help="from four sides")
+    parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")
+    parser.add_argument("--cut", action="store_true", help="without what is in front of the middle plane")
+    _tolerance(parser, "finer than a picture shows")
     parser.set_defaults(command="render", run=commands.run_render)
 
 
-def _convert_parser(added: Commands) -> None:
-    parser = _command(added, "convert", "write the solid or assembly of a project file in another format")
-    parser.add_argument(
-        "project", metavar="FILE.pas.json", help="a project file of a solid or assembly, or of a blend, made solid"
-    )
-    parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
+def _write_parser(added: Commands) -> None:
+    parser = _command(added, "write", "write the shape of a project file for other programs")
+    parser.add_argument("project", metavar="FILE.pas.json", help="a project file of any kind")
+    _output_arguments(parser)
+    parser.set_defaults(command="write", run=commands.run_write)
+
+
+def _output_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
     parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
     _tolerance(parser, "0.001 of the size")
+
+
+def _convert_parser(added: Commands) -> None:
+    parser = _command(added, "convert", "write the body of a project file for other programs")
+    parser.add_argument(
+        "project", metavar="FILE.pas.json", help="a project file; a blend is made solid, with its neighbours"
+    )
+    parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
+    _output_arguments(parser)
     parser.set_defaults(command="convert", run=commands.run_convert)
 
 
@@ -202,7 +218,7 @@ def _teapot_parser(added: Commands) -> None:
     parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
     parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
     _tolerance(parser, "0.001")
-    parser.set_defaults(command="teapot", run=commands.run_teapot)
+    parser.set_defaults(command="teapot", run=problems.run_teapot)
 
 
 def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:

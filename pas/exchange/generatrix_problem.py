@@ -29,11 +29,13 @@ middle = ["2*s", "1", "0"]     # the middle control curve of a quartic blend
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 from pas.errors import LimitError, PasError
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
 from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.problem import Problem, ProblemKind
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
@@ -45,7 +47,7 @@ VALUES = ("l1", "l2", "lambda1", "lambda2")
 
 
 @dataclass(frozen=True)
-class GeneratrixProblem:
+class GeneratrixProblem(Problem):
     """A problem as read from a file; `prove` None where it does not say."""
 
     name: str
@@ -59,9 +61,16 @@ class GeneratrixProblem:
     style: str
     view: View | None
 
-    def blend(self) -> GeneratrixBlend:
+    @property
+    def fixed(self) -> str:
+        """What is said where an option is to be changed."""
+        return f"a blend of the method {self.method!r} has contact of order 1"
+
+    def solve(self) -> GeneratrixBlend:
         """The blend; raises what `generatrix_blend` raises."""
         return generatrix_blend(*self.boundaries, self.shape, self.align, self.unit)
+
+    blend = solve
 
 
 class GeneratrixReader(PictureReader):
@@ -79,7 +88,7 @@ class GeneratrixReader(PictureReader):
     def problem(self, data: dict[str, Any]) -> GeneratrixProblem:
         """The problem of a whole file."""
         self.check(data, "", 0)
-        method, tables = data["method"], data["boundaries"]
+        method, tables = data.get("method", "generatrix"), data["boundaries"]
         if len(tables) != 2:
             raise self.error(f"there must be two [[boundaries]], not {len(tables)}", "", 0, "boundaries")
         first, second = (self._boundary(i, table, method) for i, table in enumerate(tables))
@@ -132,3 +141,14 @@ def _function(value: Any) -> Any:
             raise ValueError(f"a cosine has low, high and perhaps start, not {', '.join(value) or 'nothing'}")
         return ShapeFunction.cosine(**value)
     return value
+
+
+def _fits(data: dict[str, Any]) -> bool:
+    return data.get("method", "generatrix" if "boundaries" in data else "") in tuple(GENERATRIX_METHODS)
+
+
+def _read(file: Path, text: str, data: dict[str, Any]) -> GeneratrixProblem:
+    return GeneratrixReader(file, text).problem(data)
+
+
+PROBLEM = ProblemKind("generatrix", _fits, _read)

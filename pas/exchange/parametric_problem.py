@@ -29,7 +29,7 @@ view = [1, -1, "1/2"]          # the direction from where one looks
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -37,9 +37,9 @@ from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import PARAMETERS
 from pas.errors import LimitError, PasError
-from pas.exchange.generatrix_problem import GENERATRIX_METHODS, GeneratrixProblem, GeneratrixReader
-from pas.exchange.picture_options import PictureReader
-from pas.exchange.tables import read_toml
+from pas.exchange.generatrix_problem import GENERATRIX_METHODS
+from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.problem import Problem, ProblemKind
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
 from pas.parametric.domain import ExactDomain
@@ -51,7 +51,7 @@ WHOLE = {"name", "order", "method", "values", "parameters", "tolerance", "prove"
 
 
 @dataclass(frozen=True)
-class ParametricProblem:
+class ParametricProblem(Problem):
     """A problem as read from a file; `domain` is that of proof, mesh and picture, None for the blend's own."""
 
     name: str
@@ -63,23 +63,21 @@ class ParametricProblem:
     tolerance: float | None
     prove: bool
     style: str
-    view: tuple[float, float, float] | None
+    view: View | None
+
+    @property
+    def fixed(self) -> str:
+        """What is said where an option is to be changed."""
+        return "a parametric blend has the degree that its data give it"
+
+    def solve(self) -> ParametricBlend:
+        """The blend on the problem's domain; raises what its method raises."""
+        made = self.blend()
+        return made if self.domain is None else replace(made, surface=made.surface.with_domain(self.domain))
 
     def blend(self) -> ParametricBlend:
-        """The blend; raises what its method raises."""
+        """The blend on its own domain."""
         return blend_by(self.method, self.data, self.order, self.options)
-
-
-def read_parametric_problem(path: str | Path) -> ParametricProblem | GeneratrixProblem:
-    """Read a problem file; its method says of which kind it is (see `pas.exchange.generatrix_problem`).
-
-    Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong types and values, and
-    surfaces that cannot be blended; `FileNotFoundError`.
-    """
-    file, text, data = read_toml(path)
-    if data.get("method", "") in tuple(GENERATRIX_METHODS):
-        return GeneratrixReader(file, text).problem(data)
-    return _Reader(file, text).problem(data)
 
 
 class _Reader(PictureReader):
@@ -92,8 +90,6 @@ class _Reader(PictureReader):
     lists: ClassVar = {"surfaces"}
 
     def problem(self, data: dict[str, Any]) -> ParametricProblem:
-        if {"pipes", "contacts"} & data.keys():
-            raise self.error("this is a problem of an implicit blend; `pas blend` and `pas solve` take it", "", 0)
         method = self.typed(data, "method", str, "hermite")
         if method not in METHODS:
             known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
@@ -167,3 +163,15 @@ def _intervals(domain: Any) -> Any:
 
 def _end(end: Any) -> Any:
     return None if isinstance(end, float) and math.isinf(end) else rational(end, "an end of an interval")
+
+
+def _fits(data: dict[str, Any]) -> bool:
+    wanted = "surfaces" in data or ("method" in data and data["method"] not in tuple(GENERATRIX_METHODS))
+    return wanted and not {"pipes", "contacts"} & data.keys()
+
+
+def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
+    return _Reader(file, text).problem(data)
+
+
+PROBLEM = ProblemKind("parametric", _fits, _read)

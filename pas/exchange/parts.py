@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
 
 from pas.exchange.formats.format import Content, Request
-from pas.generatrix.blend import GeneratrixBlend
 from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
-from pas.parametric.blends import ParametricBlend
-from pas.parametric.framed import extent
-from pas.parametric.meshing import RELATIVE
-from pas.parametric.surface import ParametricSurface
-from pas.solid.assembly import COLORS, Assembly
+from pas.shape import kind_of
+from pas.solid.assembly import COLORS
 
 
 @dataclass(frozen=True)
@@ -32,69 +27,41 @@ class Piece:
 def parts_of(thing: Any, request: Request) -> list[Piece]:
     """The parts of a shape, or of several in a list, meshed.
 
-    A shape that is no assembly is one part, named as the file, in the colour of an assembly's first part.
+    A shape without parts is one part, named as the file, in the colour of an assembly's first part; of several each has
+    a colour of its own, and a number.
 
-    Raises `ValueError` for a domain of what has none, `TypeError` for what has no mesh, and what `mesh` raises.
+    Raises `ValueError` for a domain of what has none, `TypeError` for what is no shape, and what `mesh` raises.
     """
-    return _parts(thing, request)
+    if not isinstance(thing, list | tuple):
+        return _parts(thing, request)
+    if not thing:
+        raise ValueError("there must be at least one shape to write")
+    pieces = []
+    for number, item in enumerate(thing):
+        found = parts_of(item, replace(request, name=f"{request.name} {number + 1}"))
+        color = _rgb(COLORS[number % len(COLORS)])
+        pieces += [replace(found[0], color=color)] if len(found) == 1 else found
+    return pieces
 
 
 def _checked_parts(thing: Any, request: Request) -> list[Piece]:
     """The same; raises `ValueError` for a mesh with a tolerance, which would do nothing."""
-    if isinstance(thing, Mesh) and (request.tolerance is not None or request.domain is not None):
+    wanted = request.tolerance is not None or request.domain is not None
+    if wanted and not isinstance(thing, list | tuple) and kind_of(thing, "shape").meshed:
         raise ValueError("tolerance and domain are for surfaces; a mesh has them behind it")
-    return _parts(thing, request)
+    return parts_of(thing, request)
 
 
 TRIANGLES: Content[list[Piece]] = Content("triangles", _checked_parts, ("tolerance", "domain"))
 
 
-@singledispatch
-def _parts(thing: Any, request: Request) -> list[Piece]:
-    """Of what has a mesh, or a surface that has one."""
-    if not callable(getattr(thing, "mesh", None)):
-        if not hasattr(thing, "surface"):
-            raise TypeError(f"shape must be a mesh, a solid, an assembly, a surface or a blend, not {thing!r}")
-        return _parts(thing.surface, request)
+def _parts(shape: Any, request: Request) -> list[Piece]:
+    kind = kind_of(shape, "shape")
+    if kind.parts is None:
+        return _single(kind.mesh(shape, request.tolerance, request.domain), request)
     if request.domain is not None:
-        raise ValueError(f"domain is that of a parametric surface, which {thing!r} is not")
-    return _single(thing.mesh(request.tolerance), request)
-
-
-@_parts.register(ParametricSurface)
-@_parts.register(ParametricBlend)
-def _(surface: ParametricSurface | ParametricBlend, request: Request) -> list[Piece]:
-    return _single(surface.mesh(request.tolerance, request.domain), request)
-
-
-@_parts.register
-def _(blend: GeneratrixBlend, request: Request) -> list[Piece]:
-    """Within a tolerance, too, where none is given: its own mesh would be a grid of which none is known."""
-    if request.domain is not None:
-        return _parts(blend.surface, request)
-    tolerance = RELATIVE * extent(blend.surface) if request.tolerance is None else request.tolerance
-    return _single(blend.mesh(tolerance), request)
-
-
-@_parts.register
-def _(assembly: Assembly, request: Request) -> list[Piece]:
-    if request.domain is not None:
-        raise ValueError("domain is that of a parametric surface, which an assembly is not")
-    return [Piece(name, _rgb(p.color), p.mesh(request.tolerance)) for name, p in assembly.parts.items()]
-
-
-@_parts.register(list)
-@_parts.register(tuple)
-def _(things: Sequence[Any], request: Request) -> list[Piece]:
-    """Each thing in a colour of its own, numbered."""
-    if not things:
-        raise ValueError("there must be at least one shape to write")
-    pieces = []
-    for number, thing in enumerate(things):
-        found = _parts(thing, replace(request, name=f"{request.name} {number + 1}"))
-        color = _rgb(COLORS[number % len(COLORS)])
-        pieces += [replace(found[0], color=color)] if len(found) == 1 else found
-    return pieces
+        raise ValueError(f"domain is that of a parametric surface, which {shape!r} is not")
+    return [Piece(n, _rgb(p.color), p.mesh(request.tolerance)) for n, p in kind.parts(shape).items()]
 
 
 def _single(mesh: Mesh, request: Request) -> list[Piece]:

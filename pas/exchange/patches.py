@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import singledispatch
 from typing import Any
 
 from pas.exchange.formats.format import Content, Request
-from pas.parametric.conversion import bezier_patches
 from pas.parametric.patches import RationalPatch
-from pas.parametric.surface import ParametricSurface
-from pas.surface.piecewise import PiecewiseSurface
+from pas.shape import kind_of
 
 HIGHEST_DEGREE = 25
 """In each direction: what the common kernels take."""
@@ -30,41 +27,28 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
         raise ValueError("there must be at least one patch")
     found: list[RationalPatch] = []
     for number, item in enumerate(items):
-        found += _patches(item, request, number)
-        if max(found[-1].degrees) > HIGHEST_DEGREE:
+        made = _patches(item, number, request.domain)
+        highest = max((patch.degrees for patch in made), key=max)
+        if max(highest) > HIGHEST_DEGREE:
             raise ValueError(
-                f"patches[{number}] has the degrees {found[-1].degrees}, but STEP is read up to {HIGHEST_DEGREE}; "
+                f"patches[{number}] has the degrees {highest}, but STEP is read up to {HIGHEST_DEGREE}; "
                 "write fit_patch(surface, tolerance) in its place"
             )
+        found += made
     return found
 
 
-@singledispatch
-def _patches(thing: Any, request: Request, number: int) -> Sequence[RationalPatch]:
-    """Of one thing, the item of that number: of the surface that it has, if it is none itself."""
-    if hasattr(thing, "surface"):
-        return _patches(thing.surface, request, number)
-    raise TypeError(f"patches must be RationalPatch objects, parametric surfaces or parametric blends, not {thing!r}")
-
-
-@_patches.register
-def _(patch: RationalPatch, request: Request, number: int) -> Sequence[RationalPatch]:
-    return (patch,)
-
-
-@_patches.register
-def _(surface: ParametricSurface, request: Request, number: int) -> Sequence[RationalPatch]:
-    if not surface.is_exact:
-        raise ValueError(f"patches[{number}] is not exact; write fit_patch(surface, tolerance) in its place")
-    return bezier_patches(surface, request.domain)
-
-
-@_patches.register
-def _(surface: PiecewiseSurface, request: Request, number: int) -> Sequence[RationalPatch]:
-    raise TypeError(
-        "STEP has faces with parameters only, and a piecewise algebraic surface has none; write its triangles "
-        "with pas.write(surface, 'name.stl') or pas.write(blend.solid(), 'name.3mf')"
-    )
+def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
+    kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
+    if kind.patches is None:
+        raise TypeError(
+            f"patches must be RationalPatch objects, parametric surfaces or blends, not {item!r}: STEP has faces with "
+            "parameters only; a solid or a piecewise algebraic surface has none; write its triangles with pas.write"
+        )
+    try:
+        return kind.patches(item, domain)
+    except ValueError as error:
+        raise ValueError(f"patches[{number}]: {error}") from None
 
 
 PATCHES: Content[list[RationalPatch]] = Content("patches", patches_of, ("domain", "sew"))

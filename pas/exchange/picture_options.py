@@ -1,8 +1,8 @@
-"""What problem files of parametric surfaces have in common: how the picture is drawn, and how fine the mesh is."""
+"""What problem files have in common: how the picture is drawn, and how fine the mesh is."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.rational import to_float, vector
@@ -15,11 +15,13 @@ View = tuple[float, float, float]
 class PictureReader(TableReader):
     """Readers of files with a table [picture] (style, view) and a tolerance."""
 
+    usual_style: ClassVar[str] = "zebra"
+
     def picture(self, data: dict[str, Any]) -> tuple[str, View | None]:
         """Style and direction of view."""
         table = data.get("picture", {})
         self.check(table, "picture", 0)
-        style = table.get("style", "zebra")
+        style = table.get("style", self.usual_style)
         if not isinstance(style, str) or style not in STYLES:
             raise self.error(f"style must be one of {', '.join(STYLES)}, not {shown(style)}", "picture", 0, "style")
         return str(style), self._view(table)

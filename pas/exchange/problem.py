@@ -1,194 +1,110 @@
-"""Problem files (TOML): what to blend, and how.
+"""Problem files (TOML) of every kind: one reader, and what all problems have in common.
 
-    order = 2                      # the k of GC^k
-    degree = 5                     # optional; raised until the proofs pass without
-    tolerance = 1e-3               # optional; of the mesh, in the model's units
+A kind of problems says which files are its own and reads them: `ProblemKind`, listed in `PROBLEMS`; what their tables
+hold stands in `corner_problem`, `parametric_problem` and `generatrix_problem`.  All may have
 
-    [[pipes]]                      # or [[contacts]] with surface and clip as polynomials
-    axis = [1, 0, 0]
-    radius = "1/3"                 # exact: a string, an integer, or the decimal as written
-    clip = 1
-    point = [0, 0, 0]              # optional
+    name = "corner"                # of the files to write; by default that of the problem file
+    tolerance = 1e-3               # of the mesh, in the model's units
+    prove = true                   # true: all must be proved, false: nothing; else what the kind of shape can give
 
-    [partition]                    # optional; by its kind, "six tetrahedra" without
-    center = [0, 0, 0]
-    legs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-
-    [energy]                       # optional; by its kind, "thin-plate" without
-    lower = ["1/4", "-2/5", "-2/5"]
-    upper = ["3/5", "2/5", "2/5"]  # one patch over a box instead of all over cells
-    piece = 0
-
-    [points]                       # optional
-    inside = [["1/2", "1/2", "1/2"]]
-    outside = []
-    through = []
-    near = []
-    near_weight = 100
-    margin = "1/1000"              # of inside and outside points, in the model's units
-
-    [normalize]                    # optional
-    kind = "mean-alpha"            # or "sum-of-coefficients", or "value-at" with point and value
-
-`basis` (a list of members, each a list of one polynomial a cell) restricts the solutions to a
-given basis; `prove = false` and `guard = false` are as in `pas.blend`.
+    [picture]
+    style = "zebra"                # plain, zebra or curvature
+    view = [1, -1, "1/2"]          # the direction from where one looks
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
-from pas.algebra.polynomial import Polynomial
-from pas.described import keys_of
-from pas.errors import LimitError, PasError
-from pas.exchange.records import NORMALIZATIONS, read_normalization
-from pas.exchange.tables import TableReader, read_toml
-from pas.fairing.energy import ENERGIES, read_energy
-from pas.fairing.wishes import Normalization, Wishes
-from pas.partition.cells import Partition
-from pas.partition.kinds import PARTITIONS, read_partition
-from pas.surface.contact import Contact, Pipe
+from pas.errors import ProblemFileError
+from pas.exchange.picture_options import View
+from pas.exchange.tables import read_toml
+from pas.registry import Registry
+from pas.shape import Shape
+from pas.verdicts import Verdicts
 
-KEYS = {
-    "": {
-        "name",
-        "order",
-        "degree",
-        "tolerance",
-        "prove",
-        "guard",
-        "basis",
-        "pipes",
-        "contacts",
-        "partition",
-        "energy",
-        "points",
-        "normalize",
-    },
-    "pipes": {"axis", "radius", "clip", "point"},
-    "contacts": {"surface", "clip"},
-    "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
-    "normalize": {"kind", "point", "value"},
-}
-REQUIRED = {
-    "": {"order"},
-    "pipes": {"axis", "radius", "clip"},
-    "contacts": {"surface", "clip"},
-    "normalize": {"kind"},
-}
-LISTS = {"pipes", "contacts"}
 
-DEFAULT_TOLERANCE = 1e-3
-"""Of the mesh, in the model's units."""
+class Problem(ABC):
+    """A problem as read from a file: a frozen dataclass with at least these fields.
+
+    `tolerance` of the mesh, None for the shape's own; `prove` as in the file, `style` and `view` of the picture.
+    """
+
+    name: str
+    tolerance: float | None
+    prove: bool | None
+    style: str
+    view: View | None
+
+    @property
+    def fixed(self) -> str:
+        """What is said where an option is to be changed that such a problem has not."""
+        return "there is nothing to change in such a problem"
+
+    @abstractmethod
+    def solve(self) -> Shape:
+        """The shape that was asked for; raises what finding it raises."""
+
+    def changed(self, **options: Any) -> Any:
+        """The problem with other values for those of its fields that are not None; raises `ValueError` for no field."""
+        wanted = {name: value for name, value in options.items() if value is not None}
+        known = {field.name for field in fields(self)}  # type: ignore[arg-type]  # all problems are dataclasses
+        for name in wanted:
+            if name not in known:
+                raise ValueError(f"{self.fixed}; leave out --{name}")
+        return replace(self, **wanted)  # type: ignore[type-var]
+
+    def satisfied(self, certificate: Verdicts) -> bool:
+        """Whether a certificate is as the file wants it."""
+        if self.prove is None:
+            return certificate.holds
+        return certificate.proved or not self.prove
 
 
 @dataclass(frozen=True)
-class Problem:
-    """A problem as read from a file; the fields are the arguments of `pas.blend`."""
+class ProblemKind:
+    """`fits(data)`: whether a file's data are such a problem; `read(file, text, data)` makes it."""
 
     name: str
-    contacts: tuple[Pipe | Contact, ...]
-    order: int
-    degree: int | None
-    tolerance: float
-    partition: Partition | None
-    wishes: Wishes
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """The keyword arguments of `pas.blend` beside contacts, order and degree."""
-        return {"partition": self.partition, "wishes": self.wishes}
+    fits: Callable[[dict[str, Any]], bool]
+    read: Callable[[Path, str, dict[str, Any]], Problem]
 
 
-def read_problem(path: str | Path) -> Problem:
-    """Read a problem file.
+PROBLEMS: Registry[ProblemKind] = Registry(
+    "kind of problem",
+    {
+        "generatrix": "pas.exchange.generatrix_problem:PROBLEM",
+        "parametric": "pas.exchange.parametric_problem:PROBLEM",
+        "corner": "pas.exchange.corner_problem:PROBLEM",
+    },
+)
+"""In the order in which they are asked; the last one takes what no other wants."""
 
-    Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong
-    types and values; `FileNotFoundError`.
+PARAMETRIC = ("generatrix", "parametric")
+
+
+def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Any:
+    """Read a problem file of any kind, or of some `kinds` of `PROBLEMS`; returns a `Problem`.
+
+    Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong types and values, and for
+    a problem of another kind; `FileNotFoundError`.
     """
     file, text, data = read_toml(path)
-    return _Reader(file, text).problem(data)
+    fitting = [kind for kind in PROBLEMS.values() if kind.fits(data)]
+    if not any(kinds is None or kind.name in kinds for kind in fitting):
+        raise ProblemFileError(f"{file.name}: this is a problem of the kind {fitting[0].name!r}, not {_either(kinds)}")
+    kind = next(kind for kind in fitting if kinds is None or kind.name in kinds)
+    return kind.read(file, text, data)
 
 
-class _Reader(TableReader):
-    required, lists = REQUIRED, LISTS
+def read_parametric_problem(path: str | Path) -> Any:
+    """`read_problem` of a parametric blend or one by a generatrix; raises `ProblemFileError` for other problems."""
+    return read_problem(path, PARAMETRIC)
 
-    @property
-    def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
-        """Those that there are, whatever has been registered since."""
-        return KEYS | {"partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
 
-    def problem(self, data: dict[str, Any]) -> Problem:
-        if {"surfaces", "boundaries"} & data.keys():
-            raise self.error("this is a problem of a parametric blend; `pas parametric` takes it", "", 0)
-        self.check(data, "", 0)
-        items = [
-            self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))
-        ]
-        if not items:
-            raise self.error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
-        return Problem(
-            name=self.name(data),
-            contacts=tuple(items),
-            order=self.checked(data, "order", check_order, None),
-            degree=self.checked(data, "degree", check_degree, None),
-            tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
-            partition=self._made("partition", data, read_partition),
-            wishes=self._wishes(data),
-        )
-
-    def _wishes(self, data: dict[str, Any]) -> Wishes:
-        points = self._made("points", data, lambda table: Wishes(**table)) or Wishes()
-        return points.changed(
-            energy=self._made("energy", data, read_energy),
-            normalize=self._made("normalize", data, self._normalization),
-            basis=self._basis(data),
-            prove=self.typed(data, "prove", bool, True),
-            guard=self.typed(data, "guard", bool, True),
-        )
-
-    def _item(self, kind: str, index: int, entry: dict[str, Any]) -> Pipe | Contact:
-        self.check(entry, kind, index)
-        make: Callable[..., Pipe | Contact] = Pipe if kind == "pipes" else Contact
-        try:
-            return make(**entry)
-        except LimitError:
-            raise
-        except (ValueError, TypeError, PasError) as error:
-            places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
-            key = min(places, key=places.__getitem__) if places else None
-            raise self.error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
-
-    def _made(self, table: str, data: dict[str, Any], make: Callable[[dict[str, Any]], Any]) -> Any:
-        if table not in data:
-            return None
-        self.check(data[table], table, 0)
-        try:
-            return make(data[table])
-        except LimitError:
-            raise
-        except (ValueError, TypeError, PasError) as error:
-            key = next((k for k in data[table] if re.match(rf"{k}\b", str(error))), None)
-            raise self.error(f"[{table}]: {error}", table, 0, key) from None
-
-    @staticmethod
-    def _normalization(table: dict[str, Any]) -> Normalization:
-        if table["kind"] not in NORMALIZATIONS:
-            raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(table['kind'])}")
-        return read_normalization(table)
-
-    def _basis(self, data: dict[str, Any]) -> tuple[tuple[Polynomial, ...], ...] | None:
-        if "basis" not in data:
-            return None
-        members = data["basis"]
-        if not isinstance(members, list) or not all(isinstance(member, list) for member in members):
-            raise self.error("basis must be a list of members, each a list of polynomials", "", 0, "basis")
-        try:
-            return tuple(tuple(Polynomial(p) for p in member) for member in members)
-        except (ValueError, TypeError) as error:
-            raise self.error(f"basis: {error}", "", 0, "basis") from None
+def _either(kinds: Sequence[str] | None) -> str:
+    return " or ".join(map(repr, kinds or ()))

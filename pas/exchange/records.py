@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, cast
 
 from pas.algebra.rational import Vector, plain
-from pas.bernstein.signs import Status
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, one_of
 from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
 from pas.fairing.wishes import (
@@ -20,6 +19,7 @@ from pas.fairing.wishes import (
 from pas.partition.kinds import read_partition
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
+from pas.verdicts import Status
 
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
 NORMALIZATION = Table({"kind": one_of(NORMALIZATIONS)}, {"point": POINT, "value": NUMBER})
@@ -43,6 +43,23 @@ VERDICT = Table(
     }
 )
 CERTIFICATE = Table({"contacts": List(VERDICT), "faces": List(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT})
+
+
+KEPT_VERDICTS = Maybe(List(VERDICT))
+"""What somebody found of a shape, for people to read; null where nothing was kept."""
+
+
+def kept_verdicts(shape: Any, certificate: Any) -> list[dict[str, Any]] | None:
+    """The verdicts to keep with a blend; raises `ValueError` for those of another blend.
+
+    Verdicts on the contacts must be the same; that on regularity may be of another domain.
+    """
+    if certificate is None:
+        return None
+    other = type(certificate) is not type(shape.certificate)
+    if other or certificate.contacts != shape.certificate.contacts:
+        raise ValueError("certificate must be that of the blend that is saved, and it is another's")
+    return [v.to_record() for v in certificate.verdicts]
 
 
 def point_record(point: Vector) -> list[str]:

@@ -1,7 +1,7 @@
-"""What records must look like: a small language of shapes, and the check that names the place where one does not fit.
+"""What records must look like: a small language of forms, and the check that names the place where one does not fit.
 
-A shape is a `Kind` (one value), a `List`, a `Row` (a list of given entries), a `Table`, `Maybe` (or null), a `Choice`
-of shapes told apart by a key or a type, or `Later` (for shapes within themselves).  Records are checked whole before
+A form is a `Value` (one value), a `List`, a `Row` (a list of given entries), a `Table`, `Maybe` (or null), a `Choice`
+of forms told apart by a key or a type, or `Later` (for forms within themselves).  Records are checked whole before
 anything is made of them, so what reads them can take their form for granted; what the values mean, it still checks.
 
     check({"order": 1, "point": ["0", "1/3"]}, Table({"order": WHOLE, "point": List(NUMBER, 3)}), "problem")
@@ -19,7 +19,7 @@ from pas.algebra.rational import written
 from pas.errors import meant
 
 
-class Shape(Protocol):
+class Form(Protocol):
     """Anything that a value can be held against."""
 
     @property
@@ -30,30 +30,30 @@ class Shape(Protocol):
         """Raise `ValueError`, naming the place, unless the value fits."""
 
     def fits(self, value: Any, /) -> bool:
-        """Whether a value is of this sort at first sight: enough to choose among shapes."""
+        """Whether a value is of this sort at first sight: enough to choose among forms."""
 
 
-def check(value: Any, shape: Shape, place: str) -> None:
-    """Raise `ValueError`, naming the place within the record, unless a value fits a shape."""
-    shape.check(value, place)
+def check(value: Any, form: Form, place: str) -> None:
+    """Raise `ValueError`, naming the place within the record, unless a value fits a form."""
+    form.check(value, place)
 
 
 @dataclass(frozen=True)
-class Kind:
+class Value:
     """One value: `words` say what it must be ("a whole number")."""
 
     words: str
     fits: Callable[[Any], bool]
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         if not self.fits(value):
             raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
 
 
-def one_of(values: Sequence[str]) -> Kind:
+def one_of(values: Sequence[str]) -> Value:
     """One of several words."""
-    return Kind(f"one of {', '.join(map(repr, values))}", lambda value: isinstance(value, str) and value in values)
+    return Value(f"one of {', '.join(map(repr, values))}", lambda value: isinstance(value, str) and value in values)
 
 
 def _is_number(value: Any) -> bool:
@@ -63,28 +63,28 @@ def _is_number(value: Any) -> bool:
         return False
 
 
-TEXT = Kind("a text", lambda value: isinstance(value, str))
-FLAG = Kind("true or false", lambda value: isinstance(value, bool))
-WHOLE = Kind("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
-REAL = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
-NUMBER = Kind('an exact number such as "1/3"', _is_number)
-ANYTHING = Kind("anything", lambda value: True)
+TEXT = Value("a text", lambda value: isinstance(value, str))
+FLAG = Value("true or false", lambda value: isinstance(value, bool))
+WHOLE = Value("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
+REAL = Value("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
+NUMBER = Value('an exact number such as "1/3"', _is_number)
+ANYTHING = Value("anything", lambda value: True)
 
 
 @dataclass(frozen=True)
 class List:
-    """A list of any number of entries of one shape, or of `size` of them."""
+    """A list of any number of entries of one form, or of `size` of them."""
 
-    entry: Shape
+    entry: Form
     size: int | None = None
     words: str = "a list"
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
+        """See `Form`."""
         return isinstance(value, list)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         _require(self, value, place)
         if self.size is not None and len(value) != self.size:
             raise ValueError(f"{place} must be a list of {self.size} entries, not of {len(value)}")
@@ -94,50 +94,50 @@ class List:
 
 @dataclass(frozen=True)
 class Row:
-    """A list of given entries, each of its own shape."""
+    """A list of given entries, each of its own form."""
 
-    entries: tuple[Shape, ...]
+    entries: tuple[Form, ...]
     words: str = "a list"
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
+        """See `Form`."""
         return isinstance(value, list)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         _require(self, value, place)
         if len(value) != len(self.entries):
             raise ValueError(f"{place} must be a list of {len(self.entries)} entries, not of {len(value)}")
-        for i, (entry, shape) in enumerate(zip(value, self.entries, strict=True)):
-            shape.check(entry, f"{place}[{i}]")
+        for i, (entry, form) in enumerate(zip(value, self.entries, strict=True)):
+            form.check(entry, f"{place}[{i}]")
 
 
 @dataclass(frozen=True)
 class Table:
     """A table with the keys that it `needs`, those that it `may` have, and no others."""
 
-    needs: Mapping[str, Shape]
-    may: Mapping[str, Shape] = field(default_factory=dict)
+    needs: Mapping[str, Form]
+    may: Mapping[str, Form] = field(default_factory=dict)
     words: str = "a table"
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`; the first key needed tells tables apart."""
+        """See `Form`; the first key needed tells tables apart."""
         return isinstance(value, dict) and next(iter(self.needs), None) in {None, *value}
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         if not isinstance(value, dict):
             _require(self, value, place, fitting=False)
-        shapes = {**self.needs, **self.may}
+        forms = {**self.needs, **self.may}
         for key in value:
-            if key not in shapes:
-                near = meant(key, shapes) or f"; known are {', '.join(sorted(shapes))}"
+            if key not in forms:
+                near = meant(key, forms) or f"; known are {', '.join(sorted(forms))}"
                 raise ValueError(f"{place} has an unknown key {shown(key)}{near}")
         for key in self.needs:
             if key not in value:
                 raise ValueError(f"{place} has no {key!r}, which it needs")
         for key, entry in value.items():
-            shapes[key].check(entry, f"{place}.{key}")
+            forms[key].check(entry, f"{place}.{key}")
 
 
 @dataclass(frozen=True)
@@ -153,17 +153,17 @@ class OpenTable(Table):
 
 @dataclass(frozen=True)
 class TableOf:
-    """A table of any keys with entries of one shape."""
+    """A table of any keys with entries of one form."""
 
-    entry: Shape
+    entry: Form
     words: str = "a table"
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
+        """See `Form`."""
         return isinstance(value, dict)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         _require(self, value, place)
         for key, entry in value.items():
             self.entry.check(entry, f"{place}.{key}")
@@ -171,64 +171,64 @@ class TableOf:
 
 @dataclass(frozen=True)
 class Maybe:
-    """A shape, or null."""
+    """A form, or null."""
 
-    shape: Shape
+    form: Form
 
     @property
     def words(self) -> str:
-        """See `Shape`."""
-        return f"{self.shape.words} or null"
+        """See `Form`."""
+        return f"{self.form.words} or null"
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
-        return value is None or self.shape.fits(value)
+        """See `Form`."""
+        return value is None or self.form.fits(value)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
+        """See `Form`."""
         if value is not None:
-            self.shape.check(value, place)
+            self.form.check(value, place)
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The first of several shapes that fits at first sight; `words` say what there is to choose."""
+    """The first of several forms that fits at first sight; `words` say what there is to choose."""
 
-    shapes: tuple[Shape, ...]
+    forms: tuple[Form, ...]
     words: str
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
-        return any(shape.fits(value) for shape in self.shapes)
+        """See `Form`."""
+        return any(form.fits(value) for form in self.forms)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
-        for shape in self.shapes:
-            if shape.fits(value):
-                return shape.check(value, place)
+        """See `Form`."""
+        for form in self.forms:
+            if form.fits(value):
+                return form.check(value, place)
         raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
 
 
 @dataclass(frozen=True)
 class Later:
-    """A shape that is looked up when it is needed, for shapes within themselves."""
+    """A form that is looked up when it is needed, for forms within themselves."""
 
-    shape: Callable[[], Shape]
+    form: Callable[[], Form]
 
     @property
     def words(self) -> str:
-        """See `Shape`."""
-        return self.shape().words
+        """See `Form`."""
+        return self.form().words
 
     def fits(self, value: Any) -> bool:
-        """See `Shape`."""
-        return self.shape().fits(value)
+        """See `Form`."""
+        return self.form().fits(value)
 
     def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
-        self.shape().check(value, place)
+        """See `Form`."""
+        self.form().check(value, place)
 
 
-def _require(shape: Shape, value: Any, place: str, *, fitting: bool | None = None) -> None:
-    if not (shape.fits(value) if fitting is None else fitting):
-        raise ValueError(f"{place} must be {shape.words}, not {shown(value)}")
+def _require(form: Form, value: Any, place: str, *, fitting: bool | None = None) -> None:
+    if not (form.fits(value) if fitting is None else fitting):
+        raise ValueError(f"{place} must be {form.words}, not {shown(value)}")

@@ -1,45 +1,31 @@
-"""Solids and assemblies as project files (`.pas.json`): the exact trees, joints, names and colours.
+"""Solids in project files (`.pas.json`): the exact trees, functions and joints.
 
 Guaranteed: what is read back is what was written, term by term: trees with their order and walls,
-polynomials with their rational coefficients, joints, special points, parts that are meshes to the last
-bit.  Verdicts are not kept: they are proved anew when asked for.  Functions that are no polynomials
-are kept where their class says how, by `to_record()` and a class method `from_record(record)`: classes of
-`pas.solid` are found by their names, others once they are named to `storable`.
+polynomials with their rational coefficients, joints, special points.  Verdicts are not kept: they are proved
+anew when asked for.  Functions that are no polynomials are kept where their class says how, by `to_record()` and a
+class method `from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to
+`storable`.
 """
 
 from __future__ import annotations
 
-import base64
-import math
 import re
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
-from pas._version import __version__
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
-from pas.errors import ProjectFileError
-from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
-from pas.limits import Report, limited
-from pas.mesh.mesh import Mesh
 from pas.partition.kinds import read_partition
 from pas.solid.affine import Affine
-from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.distance import Distance, Moved
 from pas.solid.joints import Joint
 from pas.solid.pieces import Pieces
 from pas.solid.shell import Near
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
-
-SOLID, ASSEMBLY = "solid", "assembly"
-"""Kinds of contents of a project file, beside blends."""
 
 TREE: Choice = Choice(
     (
@@ -67,14 +53,6 @@ RECORD: Table = Table(
         "special_points": List(List(REAL, 3)),
     }
 )
-MESH = Table(dict.fromkeys(("points", "triangles", "faces", "normals"), TEXT) | {"names": List(TEXT)})
-_COMMON = {"name": TEXT, "color": TEXT}
-PART = Choice(
-    (Table({"solid": RECORD, **_COMMON}), Table({"mesh": MESH, **_COMMON})), "a part: a table with a solid or a mesh"
-)
-SOLID_CONTENT = Table({"kind": TEXT, "solid": RECORD})
-ASSEMBLY_CONTENT = Table({"kind": TEXT, "parts": List(PART)})
-"""What project files of solids and assemblies hold."""
 
 _TUBE = Table({"curve": List(TEXT, 3), "interval": List(NUMBER, 2), "radius": NUMBER})
 _DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
@@ -96,52 +74,6 @@ def storable(kind: Class) -> Class:
             raise TypeError(f"{kind.__name__} has no {method}, so its functions cannot be saved")
     _named[_name(kind)] = kind
     return kind
-
-
-@limited("writing a project file", "")
-def save_solid(
-    shape: Solid | Assembly, path: str | Path, *, seconds: float | None = None, progress: Report | None = None
-) -> Path:
-    """Write a solid or an assembly, exactly; returns the path.
-
-    Raises `ValueError` unless the name ends in `.pas.json`, and for a function that is no polynomial
-    and whose class does not say how to save it; `TypeError` for another shape.
-    """
-    check_name(path)
-    if isinstance(shape, Solid):
-        content: dict[str, Any] = {"kind": SOLID, "solid": solid_record(shape)}
-    elif isinstance(shape, Assembly):
-        content = {"kind": ASSEMBLY, "parts": [_part_record(n, p) for n, p in shape.parts.items()]}
-    else:
-        raise TypeError(f"shape must be a Solid or an Assembly, not {shape!r}; write meshes with write_solid")
-    return write(path, content, f"pas {__version__}")
-
-
-@limited("reading a project file", "")
-def load_solid(
-    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
-) -> Solid | Assembly:
-    """Read a solid or an assembly back; with `edited`, whatever its checksum.
-
-    Raises `ProjectFileError` (see `pas.exchange.container.read`), also for a file of another kind, or
-    `FileNotFoundError`.
-    """
-    content = read(path, edited=edited)
-    if content.get("kind") not in (SOLID, ASSEMBLY):
-        raise ProjectFileError(f"{Path(path).name}: holds no solid and no assembly; read it with pas.load")
-    return solid_from_content(content, Path(path).name)
-
-
-def solid_from_content(content: dict[str, Any], name: str) -> Solid | Assembly:
-    """The solid or assembly of a project file's content; `ProjectFileError`, with the file's name."""
-    with understood(name):
-        check(content, SOLID_CONTENT if content["kind"] == SOLID else ASSEMBLY_CONTENT, "content")
-        if content["kind"] == SOLID:
-            return read_solid(content["solid"])
-        names = [p["name"] for p in content["parts"]]
-        if len(set(names)) < len(names):
-            raise ValueError("two parts have the same name")
-        return assembly({p["name"]: (_read_shape(p), p["color"]) for p in content["parts"]})
 
 
 def solid_record(solid: Solid) -> dict[str, Any]:
@@ -216,7 +148,7 @@ def function_record(function: Function) -> dict[str, Any]:
     if write_it is None or not callable(getattr(kind, "from_record", None)):
         raise ValueError(
             f"a solid with a {kind.__name__} cannot be saved exactly: it is no polynomial and its class has no "
-            "to_record and from_record; save a mesh of the solid with pas.write_solid"
+            "to_record and from_record; save a mesh of the solid with pas.write"
         )
     if _class_named(_name(kind)) is not kind:
         raise ValueError(f"a solid with a {kind.__name__} cannot be saved before its class is named to `storable`")
@@ -264,60 +196,3 @@ def _class_named(name: str) -> type | None:
     except ImportError:
         return None
     return kind if isinstance(kind, type) and callable(getattr(kind, "from_record", None)) else None
-
-
-def _part_record(name: str, part: Part) -> dict[str, Any]:
-    try:
-        shape = (
-            {"mesh": _mesh_record(part.shape)} if isinstance(part.shape, Mesh) else {"solid": solid_record(part.shape)}
-        )
-    except ValueError as error:
-        raise ValueError(f"the part {name!r}: {error}") from None
-    return {"name": name, "color": part.color, **shape}
-
-
-def _read_shape(record: dict[str, Any]) -> Solid | Mesh:
-    return read_solid(record["solid"]) if "solid" in record else _read_mesh(record["mesh"])
-
-
-_ARRAYS = {
-    "points": ("<f8", (-1, 3)),
-    "triangles": ("<i8", (-1, 3)),
-    "faces": ("<i8", (-1,)),
-    "normals": ("<f8", (-1, 3, 3)),
-}
-
-
-def _mesh_record(mesh: Mesh) -> dict[str, Any]:
-    """The arrays in base 64, little end first."""
-    record: dict[str, Any] = {"names": list(mesh.names)}
-    for name, (number, _) in _ARRAYS.items():
-        data = np.ascontiguousarray(getattr(mesh, name), dtype=number).tobytes()
-        record[name] = base64.b64encode(data).decode("ascii")
-    return record
-
-
-def _read_array(text: str, name: str) -> Any:
-    number, shape = _ARRAYS[name]
-    size = np.dtype(number).itemsize * -math.prod(shape)
-    try:
-        data = base64.b64decode(text, validate=True)
-    except ValueError:
-        raise ValueError(f"the mesh's {name} are not written in base 64") from None
-    if len(data) % size:
-        raise ValueError(f"the mesh's {name} have {len(data)} bytes, which is no multiple of {size}")
-    array = np.frombuffer(data, dtype=number).reshape(shape).copy()
-    if not np.isfinite(array).all():
-        raise ValueError(f"the mesh's {name} are not all finite")
-    return array
-
-
-def _read_mesh(record: dict[str, Any]) -> Mesh:
-    points, triangles, faces, normals = (_read_array(record[name], name) for name in _ARRAYS)
-    names = tuple(record["names"])
-    if not 0 < len(triangles) == len(faces) == len(normals):
-        raise ValueError("the mesh's triangles, faces and normals are not equally many")
-    for numbers, size in ((triangles, len(points)), (faces, len(names))):
-        if numbers.min() < 0 or numbers.max() >= size:
-            raise ValueError("the mesh has numbers of points or faces that do not exist")
-    return Mesh(points, triangles.astype(np.intp), faces.astype(np.intp), names, normals)

@@ -36,6 +36,7 @@ from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.parametric.surface import ParametricSurface
+from pas.shape import Shape
 
 HALVINGS = 6
 """How often a length that was not given is halved in search of a blend that does not cross itself."""
@@ -54,8 +55,8 @@ GRID = 100, 100
 """Points of a mesh in s and t where neither tolerance nor size is given."""
 
 
-@dataclass(frozen=True, eq=False)
-class GeneratrixBlend:
+@dataclass(frozen=True, eq=False, repr=False)
+class GeneratrixBlend(Shape):
     """A blend P(s, t): t = 0 is the first boundary, t = 1 the second.
 
     `frames` holds the boundaries, turned to fit, `shape` the shape functions, `alignment` how the second was turned.
@@ -64,6 +65,7 @@ class GeneratrixBlend:
     frames: Frames
     shape: GeneratrixShape
     alignment: Alignment
+    kind = "generatrix blend"
 
     @classmethod
     def of_turned(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Any
 
@@ -26,6 +26,8 @@ from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.sphere_mesh import grid_deviation, sphere_deviation, sphere_mesh
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
+from pas.shape import Shape
+from pas.verdicts import Findings
 
 SAMPLES = 256
 
@@ -69,8 +71,8 @@ def blend_quadrics(
     return generatrix_blend(boundaries[0], boundaries[1], shape)
 
 
-@dataclass(frozen=True, eq=False)
-class SphereBlend:
+@dataclass(frozen=True, eq=False, repr=False)
+class SphereBlend(Shape):
     """Blends from n boundaries to as many circles on a sphere; between the circles the sphere itself is the blend.
 
     `angles` are the circles' half-angles seen from the centre.
@@ -81,6 +83,12 @@ class SphereBlend:
     circles: tuple[Boundary, ...]
     angles: tuple[float, ...]
     blends: tuple[GeneratrixBlend, ...]
+    kind = "sphere blend"
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """The verdicts on all blends."""
+        return Findings.of_parts({f"blend {i}": blend.certificate for i, blend in enumerate(self.blends)})
 
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
@@ -114,6 +122,9 @@ class SphereBlend:
 
     def _gridded(self, size: tuple[int, int]) -> Mesh:
         return sphere_mesh(self.center, self.radius, [blend.mesh(size=size) for blend in self.blends], size)
+
+    def __str__(self) -> str:
+        return f"{len(self.blends)} blends through a sphere of radius {self.radius:.6g} about {text(self.center)}"
 
     def require(self) -> SphereBlend:
         """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted or measured to fail."""

@@ -30,7 +30,6 @@ from numpy.typing import NDArray
 from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
-from pas.bernstein.signs import Status
 from pas.bernstein.subdivision import halves
 from pas.generatrix.align import alignment
 from pas.generatrix.crossings import crossings
@@ -39,7 +38,7 @@ from pas.generatrix.injective import is_injective
 from pas.mesh.field import Integers
 from pas.parametric.components import Components
 from pas.parametric.regularity import regularity
-from pas.surface.certificate import Verdict, Verdicts
+from pas.verdicts import Status, Verdict, Verdicts
 
 if TYPE_CHECKING:
     from pas.generatrix.blend import GeneratrixBlend
@@ -73,6 +72,7 @@ class GeneratrixCertificate(Verdicts):
     sense: Verdict
     regular: Verdict
     simple: Verdict
+    partly_measured = True
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -12,11 +13,14 @@ from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.field import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
+from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, is_closed_manifold, is_manifold, piece_count, seams
+from pas.shape import Shape
+from pas.verdicts import Findings
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class Mesh(Shape):
     """A triangle mesh whose triangles lie on named faces.
 
     `points` (N, 3), `triangles` (T, 3) counterclockwise seen from where the normals point, `faces` (T,) the
@@ -35,6 +39,12 @@ class Mesh:
     parameters: Floats | None = None
     deviation: float | None = None
     proved: bool = False
+    kind = "mesh"
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """Whether it is a manifold without folds, and how near to the surface, as far as it is known."""
+        return soundness(self.points, self.triangles, self.normals, self.deviation, self.proved)
 
     @classmethod
     def smooth(
@@ -62,6 +72,23 @@ class Mesh:
         if mesh.volume <= 0:
             raise GeometryError("the mesh is inside out: its volume is not positive; turn its triangles round")
         return mesh
+
+    @classmethod
+    def together(cls, meshes: Mapping[str, Mesh]) -> Mesh:
+        """Several meshes as one, side by side; the faces are named "part: face"."""
+        items = list(meshes.items())
+        starts = np.cumsum([0, *(len(m.points) for _, m in items)])
+        firsts = np.cumsum([0, *(len(m.names) for _, m in items)])
+        known = [m.deviation for _, m in items if m.deviation is not None]
+        return cls(
+            np.concatenate([m.points for _, m in items]),
+            np.concatenate([m.triangles + start for (_, m), start in zip(items, starts, strict=False)]),
+            np.concatenate([m.faces + first for (_, m), first in zip(items, firsts, strict=False)]),
+            tuple(f"{name}: {face}" for name, m in items for face in m.names),
+            np.concatenate([m.normals for _, m in items]),
+            deviation=max(known) if len(known) == len(items) else None,
+            proved=all(m.proved for _, m in items),
+        )
 
     def mesh(self, tolerance: float | None = None) -> Mesh:
         """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer."""

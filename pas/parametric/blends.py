@@ -35,6 +35,7 @@ from pas.parametric.series import univariate
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
+from pas.shape import Shape
 
 
 @dataclass(frozen=True)
@@ -48,14 +49,15 @@ class PolynomialCriterion:
         return self.exists
 
 
-@dataclass(frozen=True)
-class ParametricBlend:
+@dataclass(frozen=True, repr=False)
+class ParametricBlend(Shape):
     """A blend of `data` with contact of order `order`; `weights` is None for a Hermite blend."""
 
     data: BlendingData
     order: int
     surface: ParametricSurface
     weights: Weights | None = None
+    kind = "parametric blend"
 
     def __post_init__(self) -> None:
         check_order(self.order)

@@ -29,10 +29,11 @@ from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import rounded
-from pas.bernstein.signs import UNIT_ROUNDOFF, Status
+from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.bernstein.subdivision import halves
 from pas.limits import checkpoint
 from pas.parametric.domain import Ends, ExactDomain
+from pas.verdicts import Status
 
 LOCATED = 24
 """Halvings after which a change of sign is reported: the place is then known to about 1 in 4000."""

@@ -13,6 +13,7 @@ patch has no pole and lies in the convex hull of its control points.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import comb
 from typing import Any
 
@@ -24,8 +25,12 @@ from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
+from pas.limits import Report, limited
+from pas.mesh.mesh import Mesh
 from pas.parametric.components import Components
 from pas.parametric.surface import ParametricSurface
+from pas.shape import Shape
+from pas.verdicts import Findings
 
 Knots = tuple[Floats, Floats]
 
@@ -39,8 +44,8 @@ class ExactControl:
     rectangle: Any
 
 
-@dataclass(frozen=True, eq=False)
-class RationalPatch:
+@dataclass(frozen=True, eq=False, repr=False)
+class RationalPatch(Shape):
     """A rational patch with control points (r, s, 3) and positive weights (r, s).
 
     `knots` are two clamped knot vectors, of lengths r + m + 1 and s + n + 1 for the degrees (m, n); without them the
@@ -53,6 +58,7 @@ class RationalPatch:
     weights: Floats
     knots: Knots = ()  # type: ignore[assignment]  # filled in below
     exact: ExactControl | None = None
+    kind = "rational patch"
 
     def __post_init__(self) -> None:
         points, weights = np.array(self.points, dtype=float), np.array(self.weights, dtype=float)
@@ -67,6 +73,16 @@ class RationalPatch:
         knots = tuple(_checked(k, size, name) for k, size, name in zip(given, weights.shape, "uv", strict=True))
         for name, value in (("points", points), ("weights", weights), ("knots", knots)):
             object.__setattr__(self, name, value)
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """The verdict of `pas.regularity` on the patch as a surface."""
+        return self.surface().certificate
+
+    @limited("meshing a surface", "a coarser tolerance")
+    def mesh(self, tolerance: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> Mesh:
+        """The patch's mesh; see `ParametricSurface.mesh`."""
+        return self.surface().mesh(tolerance)
 
     @property
     def degrees(self) -> tuple[int, int]:
@@ -103,6 +119,12 @@ class RationalPatch:
             return ParametricSurface.from_parts(self._values, None, parameters, self.domain, reason)
         made = self._components(parameters)
         return ParametricSurface(*made, parameters=parameters, domain=self.domain)
+
+    def __str__(self) -> str:
+        m, n = self.degrees
+        rows, columns = np.shape(self.weights)
+        kind = "Bezier" if self.is_bezier else "B-spline"
+        return f"a rational {kind} patch of degrees ({m}, {n}), {rows} x {columns} control points"
 
     def _homogeneous(self, u: Floats, v: Floats, orders: tuple[int, int]) -> Floats:
         """Partial derivatives of weight times point, and of the weight (..., 4), at u, v of one shape."""

@@ -16,11 +16,10 @@ from flint import fmpq, fmpq_poly
 from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import RationalFunction
-from pas.bernstein.signs import Status
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
-from pas.surface.certificate import Verdict, Verdicts
+from pas.verdicts import Status, Verdict, Verdicts
 
 SAMPLES = 64
 """Parameters along a curve at which derivatives are compared where identities are out of reach."""

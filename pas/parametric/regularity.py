@@ -19,11 +19,10 @@ from flint import fmpq_mpoly
 from pas.algebra.lengths import lengths, scaled
 from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import ONE, RationalFunction
-from pas.bernstein.signs import Status
 from pas.limits import Report, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, Outcome, pieces_of, without_common_zero
 from pas.parametric.surface import ParametricSurface
-from pas.surface.certificate import Verdict
+from pas.verdicts import Status, Verdict
 
 GRID = 33
 """Points a side at which tangents are tried where there is no proof."""

@@ -33,6 +33,8 @@ from pas.limits import Report, checkpoint, limited
 from pas.parametric.components import Components, bundle_values, moved_text, text_of
 from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.series import composed
+from pas.shape import Shape
+from pas.verdicts import Findings
 
 if TYPE_CHECKING:
     from pas.mesh.mesh import Mesh
@@ -42,7 +44,7 @@ CHUNK = 1 << 14
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class ParametricSurface:
+class ParametricSurface(Shape):
     """A surface (x, y, z)(t, h).
 
     Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a
@@ -66,6 +68,7 @@ class ParametricSurface:
     source: Callable[[], Components] | None
     inexact: str
     text: tuple[str, str, str] | None
+    kind = "parametric surface"
 
     def __init__(
         self,
@@ -107,6 +110,13 @@ class ParametricSurface:
         result = cls.__new__(cls)
         _fill(result, _names(parameters), domain, values, source, inexact, text)
         return result
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """The verdict of `pas.regularity` on the whole domain, worked out when first asked for."""
+        from pas.parametric.regularity import regularity
+
+        return Findings((regularity(self),))
 
     @property
     def is_exact(self) -> bool:

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from pas.algebra.rational import to_fraction
@@ -16,8 +14,10 @@ from pas.fairing.energy import Energy
 from pas.fairing.fairing import Choice
 from pas.fairing.wishes import PointOptions, Wishes, check_point_options
 from pas.limits import Report, limited
+from pas.mesh.mesh import Mesh
 from pas.pipeline.bodies import body
 from pas.pipeline.summary import summary
+from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
 from pas.surface.piecewise import PiecewiseSurface
@@ -36,7 +36,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, eq=False)
-class Blend:
+class Blend(Shape):
     """One chosen surface with everything known about it.
 
     `space` and `coefficients` (exact, in `space.basis`) say how it was chosen, `dimension` out of
@@ -58,6 +58,7 @@ class Blend:
     basis: tuple[Member, ...] | None = None
     choice: Choice | None = None
     stored: Certificate | None = None
+    kind = "blend"
 
     @classmethod
     def of(
@@ -127,11 +128,12 @@ class Blend:
         """
         return body(self.surface, length, names)
 
-    @limited("writing a project file", "")
-    def save(self, path: str | Path, *, seconds: float | None = None, progress: Report | None = None) -> Path:
-        """Write the project file (`.pas.json`); returns its path."""
-        written: Path = import_module("pas.exchange.project").save(self, path)
-        return written
+    @limited("meshing a surface", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """The surface's mesh; see `PiecewiseSurface.mesh`."""
+        return self.surface.mesh(tolerance)
 
     def __str__(self) -> str:
         return summary(self)

@@ -26,7 +26,7 @@ FLAT = 1e-12
 class Layer:
     """A mesh in a colour; `tint` is that of the bright stripes, `curvature` (N,) for colours by curvature.
 
-    `outlined` draws its boundary, `opacity` is 1 for what is not seen through.
+    `outlined` draws its boundary and the edges between its faces, `opacity` is 1 for what is not seen through.
     """
 
     mesh: Mesh

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.rational import to_float
 from pas.errors import LimitError, PasError
-from pas.generatrix.blend import GeneratrixBlend
-from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.domain import Domain
 from pas.parametric.framed import extent
 from pas.parametric.meshing import finite_domain
 from pas.parametric.surface import ParametricSurface
-from pas.render.generatrix import generatrix_layers, sphere_layers
 from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
-
-Parametric = ParametricSurface | ParametricBlend
-Drawable = Parametric | GeneratrixBlend | SphereBlend
+from pas.render.scene import Scene, Style
 
 REACH = 0.4
 """How far a blend's surfaces are shown beyond their curves, over the range of the blend's second parameter."""
@@ -32,56 +26,41 @@ COARSE, FINE = 1e-3, 2e-4
 THROUGH = 0.35
 """The opacity of surfaces in between: the blend touches them and leaves again."""
 
-TURNS, RISE, USUAL = 16, 0.55, 1.1
-"""Views that are tried, their height over their distance, and by how much another must be better than the first."""
+
+def surface_layers(surface: ParametricSurface, scene: Scene) -> None:
+    """Add a surface, in a colour of its own; raises what meshing raises."""
+    place = len(scene.layers) % len(COLORS)  # not a colour of a blend before
+    scene.layers.append(_layer(surface, scene, scene.picture.domain, COLORS[place], TINTS[place]))
 
 
-def parametric_layers(things: Drawable | Sequence[Drawable], mesh: Mesh | None, domain: Any, style: str) -> list[Layer]:
-    """The layers of a picture; `mesh` is that of the first thing.
-
-    Raises `TypeError` for other things, `ValueError` for none, and what meshing raises.
-    """
-    items = list(things) if isinstance(things, Sequence) else [things]
-    if not items:
-        raise ValueError("there must be at least one surface to draw")
-    layers: list[Layer] = []
-    for number, item in enumerate(items):
-        known = mesh if number == 0 else None
-        if isinstance(item, ParametricBlend):
-            layers += _blend_layers(item, known, domain, style)
-        elif isinstance(item, GeneratrixBlend):
-            layers += generatrix_layers(item, known, style)
-        elif isinstance(item, SphereBlend):
-            layers += sphere_layers(item, known)
-        elif isinstance(item, ParametricSurface):
-            place = len(layers) % len(COLORS)  # not a colour of a blend before
-            layers.append(_layer(item, known, domain, style, COLORS[place], TINTS[place]))
-        else:
-            raise TypeError(f"what to draw must be a surface or a blend, not {item!r}")
-    return layers
-
-
-def _layer(surface: ParametricSurface, mesh: Mesh | None, domain: Any, style: str, color: str, tint: str) -> Layer:
-    if mesh is None:
-        bounded = surface.with_domain(finite_domain(surface, domain))
-        mesh = bounded.mesh((FINE if style == "zebra" else COARSE) * extent(bounded))
-    curvature = None
-    if style == "curvature" and mesh.parameters is not None:
-        curvature = mean_curvatures(surface, mesh.parameters)
-    return Layer(mesh, color, tint, curvature, outlined=True)
-
-
-def _blend_layers(blend: ParametricBlend, mesh: Mesh | None, domain: Any, style: str) -> list[Layer]:
-    rectangle = finite_domain(blend.surface, domain)
-    layers = [_layer(blend.surface, mesh, rectangle, style, BLEND_COLOR, BLEND_TINT)]
-    size = float(np.ptp(layers[0].mesh.points, axis=0).max())
+def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
+    """Add a blend and the surfaces that it meets, beside their curves; raises what meshing raises."""
+    rectangle = finite_domain(blend.surface, scene.picture.domain)
+    layer = _layer(blend.surface, scene, rectangle, BLEND_COLOR, BLEND_TINT)
+    size = float(np.ptp(layer.mesh.points, axis=0).max())
+    scene.layers.append(layer)
     for number in range(len(blend.data.surfaces)):
-        found = _neighbour(blend, number, rectangle, size * (FINE if style == "zebra" else COARSE), size)
+        found = _neighbour(blend, number, rectangle, size * _fineness(scene), size)
         if found is not None:
             between = rectangle[1][0] < to_float(blend.data.values[number]) < rectangle[1][1]
             place = number % len(COLORS)
-            layers.append(Layer(found, COLORS[place], TINTS[place], opacity=THROUGH if between else 1.0))
-    return layers
+            scene.layers.append(Layer(found, COLORS[place], TINTS[place], opacity=THROUGH if between else 1.0))
+
+
+def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
+    def make() -> Mesh:
+        bounded = surface.with_domain(finite_domain(surface, domain))
+        return bounded.mesh(scene.picture.tolerance or _fineness(scene) * extent(bounded))
+
+    mesh = scene.mesh(make)
+    places = mesh.parameters if scene.style is Style.CURVATURE else None
+    curvature = None if places is None else mean_curvatures(surface, places)
+    return Layer(mesh, color, tint, curvature, outlined=True)
+
+
+def _fineness(scene: Scene) -> float:
+    """The tolerance over the extent."""
+    return FINE if scene.style is Style.ZEBRA else COARSE
 
 
 def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float) -> Mesh | None:
@@ -110,16 +89,3 @@ def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance
         if float(np.ptp(mesh.points, axis=0).max()) <= 1.5 * size:
             return mesh
     return None
-
-
-def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
-    """From where most of the surfaces is seen, among directions all around and a little above."""
-    around = np.arange(TURNS) * 2 * np.pi / TURNS - np.pi / 4
-    directions = np.stack([np.cos(around), np.sin(around), np.full(TURNS, RISE)], axis=1)
-    seen = np.zeros(TURNS)
-    for mesh in meshes:
-        p = mesh.points[mesh.triangles]
-        seen += np.abs(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) @ directions.T).sum(axis=0)
-    seen[0] *= USUAL
-    x, y, z = directions[int(seen.argmax())].tolist()
-    return x, y, z

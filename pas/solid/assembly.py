@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -13,18 +14,29 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.shape import Shape
 from pas.solid.solid import Solid
+from pas.verdicts import Findings, Verdicts
 
 COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
 """Of parts that were given none, in turn."""
 
 
-@dataclass(frozen=True)
-class Part:
+@dataclass(frozen=True, repr=False)
+class Part(Shape):
     """A solid (or a closed mesh) with its colour, `#rrggbb`."""
 
     shape: Solid | Mesh
     color: str
+    kind = "part"
+
+    @property
+    def certificate(self) -> Verdicts:
+        """That of its solid or mesh."""
+        return self.shape.certificate
+
+    def __str__(self) -> str:
+        return f"{self.shape} in {self.color}"
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
@@ -35,15 +47,28 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class Assembly(Shape):
     """Named parts; `parts` maps names to `Part`.  Made by `pas.solid.assembly`."""
 
     parts: Mapping[str, Part]
+    kind = "assembly"
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """The verdicts on the joints of all parts that are solids."""
+        return Findings.of_parts({n: p.certificate for n, p in self.parts.items() if isinstance(p.shape, Solid)})
 
     def __getitem__(self, name: str) -> Part:
         if name not in self.parts:
             raise KeyError(f"the assembly has no part {name!r}; its parts are {', '.join(self.parts)}")
         return self.parts[name]
+
+    @limited("meshing an assembly", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
+        return Mesh.together(self.meshes(tolerance))
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
@@ -80,8 +105,7 @@ class Assembly:
     @property
     def proved(self) -> bool:
         """Whether some joint is claimed and all joints of all parts are proved."""
-        solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
-        return any(s.joints for s in solids) and all(v.proved for s in solids for v in s.verdicts)
+        return self.certificate.proved
 
     def __str__(self) -> str:
         return "\n\n".join(f"{name} ({part.color})\n{part.shape}" for name, part in self.parts.items())

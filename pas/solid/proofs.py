@@ -20,14 +20,13 @@ from pas.algebra.components import Components, LostError
 from pas.algebra.curve import Part, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
-from pas.bernstein.signs import Status
 from pas.solid.arcs import Arc, Around, arcs
 from pas.solid.germs import Sheets
 from pas.solid.joints import Joint
 from pas.solid.nearby import Nearby
 from pas.solid.reading import Reading
 from pas.solid.tree import Tree
-from pas.surface.certificate import Verdict
+from pas.verdicts import Status, Verdict
 
 HIGHEST_POWER = 12
 """Of a clip, up to which membership in ideals is looked at; it is told, but proves nothing more."""

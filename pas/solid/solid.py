@@ -22,6 +22,7 @@ from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
+from pas.shape import Shape
 from pas.solid.affine import Affine, reflection, rotation, scaling, translation
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
@@ -31,7 +32,7 @@ from pas.solid.pieces import polynomials_of
 from pas.solid.proofs import prove
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, mapped
-from pas.surface.certificate import Verdict
+from pas.verdicts import Findings, Verdict
 
 DEFAULT_TOLERANCE = 1e-3
 """Of meshes, over the longest side of the bounding box."""
@@ -40,7 +41,7 @@ CHUNK = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class Solid(Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
@@ -51,6 +52,7 @@ class Solid:
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
+    kind = "solid"
 
     def __or__(self, other: Any) -> Solid:
         return self._with(other, lambda a, b: combined(True, a, b))
@@ -175,10 +177,15 @@ class Solid:
         """The exact verdict on each claimed joint, in the order of the claims."""
         return tuple(prove(j, self.tree, lambda: self.box) for j in self.joints)
 
+    @cached_property
+    def certificate(self) -> Findings:
+        """The verdicts on the claimed joints as a certificate: proved where joints are claimed and all are proved."""
+        return Findings(self.verdicts)
+
     @property
     def proved(self) -> bool:
         """Whether joints are claimed and all of them are proved."""
-        return bool(self.joints) and all(v.proved for v in self.verdicts)
+        return self.certificate.proved
 
     def require_joints(self) -> Solid:
         """The solid itself; raises `GeometryError` for the first joint that is not proved."""

@@ -30,12 +30,12 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import SignResult, Status, prove_positive
+from pas.bernstein.signs import SignResult, prove_positive
 from pas.errors import GeometryError
-from pas.surface.certificate import Point, Verdict
 from pas.surface.free_curves import free_verdict, transversality
 from pas.surface.joins import Join
 from pas.surface.meetings import alpha_signs, meetings, on_faces, unmet
+from pas.verdicts import Point, Status, Verdict
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface

@@ -29,9 +29,9 @@ from flint import fmpq_mpoly
 from pas.algebra.monomials import Floats
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import RING, Polynomial
-from pas.bernstein.signs import Status
 from pas.surface.joins import Join
 from pas.surface.space_curve import Curve
+from pas.verdicts import Status
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface

@@ -20,10 +20,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
 from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import SignResult, Status, prove_apart
+from pas.bernstein.signs import SignResult, prove_apart
 from pas.errors import GeometryError
 from pas.partition.cells import Indices, OuterFace, Partition
 from pas.surface.contact import Contact
+from pas.verdicts import Status
 
 CURVE_LATTICE = 24
 """Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""

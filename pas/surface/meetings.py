@@ -16,10 +16,11 @@ from flint import fmpq_mpoly
 
 from pas.algebra.polynomial import RING, Polynomial
 from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
+from pas.bernstein.signs import Limits, SignResult, prove_positive
 from pas.partition.cells import OuterFace
 from pas.surface.expansion import Division, divide, powers
 from pas.surface.joins import ClipPlane, Join
+from pas.verdicts import Status
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface

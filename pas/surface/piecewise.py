@@ -20,6 +20,7 @@ from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.triangulate import triangulate
 from pas.partition.cells import OuterFace, Partition
+from pas.shape import Shape
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
 from pas.surface.joins import Join
@@ -48,12 +49,14 @@ class Cell:
         return {(a, b, c, d): to_fraction(v) for (a, b, c, d), v in zip(indices, values, strict=True)}
 
 
-class PiecewiseSurface:
+class PiecewiseSurface(Shape):
     """The zero set of a piecewise polynomial, C^`order` across faces, meeting its contacts.
 
     `patches` are the polynomials in the partition's local coordinates, one for each piece.
     Negative values are inside.  Nothing is taken on trust: what holds is what `certify` proves.
     """
+
+    kind = "surface"
 
     def __init__(
         self,
@@ -277,11 +280,9 @@ class PiecewiseSurface:
         """What `mesh` was called when it made something else."""
         return self.mesh(tolerance)
 
-    def __repr__(self) -> str:
-        return (
-            f"PiecewiseSurface({self.partition.name}, {len(self.patches)} pieces, "
-            f"degree {self.degree}, order {self.order})"
-        )
+    def __str__(self) -> str:
+        pieces = f"{len(self.patches)} pieces" if len(self.patches) > 1 else "one piece"
+        return f"{self.partition.name}, {pieces}, degree {self.degree}, order {self.order}"
 
 
 class _LocalField:

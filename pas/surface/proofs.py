@@ -35,10 +35,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded
-from pas.bernstein.signs import Limits, SignResult, Status, prove_positive
-from pas.surface.certificate import Certificate, Verdict
+from pas.bernstein.signs import Limits, SignResult, prove_positive
+from pas.surface.certificate import Certificate
 from pas.surface.contact_proofs import check_join, contact_verdict, from_signs, global_point
 from pas.surface.meetings import alpha_signs, meetings
+from pas.verdicts import Status, Verdict
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface

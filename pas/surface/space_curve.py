@@ -20,8 +20,9 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import b_form, on_simplex, rounded_forms
-from pas.bernstein.signs import Status, prove_apart, prove_positive
+from pas.bernstein.signs import prove_apart, prove_positive
 from pas.partition.cells import Partition
+from pas.verdicts import Status
 
 START_LATTICE = 4
 """Subdivisions of a cell's edge for the points at which Newton's method starts."""

@@ -11,11 +11,14 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction
 from pas.errors import GeometryError
 from pas.limits import Report, limited
+from pas.mesh.mesh import Mesh
+from pas.shape import Shape
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.primitives import ball, cone
 from pas.solid.solid import Solid, patch
 from pas.teapot import handle, lid, spout
 from pas.teapot.body import BOTTOM, LOWER, SEAM, TOP, upper
+from pas.verdicts import Findings
 
 STYLES = ("paper", "better")
 POT_COLOR, LID_COLOR = "#7d9db5", "#e8a33d"
@@ -40,14 +43,33 @@ CHANNEL_RADII = (Fraction(2, 25), Fraction(3, 50), Fraction(1, 20), Fraction(1, 
 """The axis (x, z) of the channel through the spout, and its radius at each of these points."""
 
 
-@dataclass(frozen=True)
-class Teapot:
+@dataclass(frozen=True, repr=False)
+class Teapot(Shape):
     """A closed solid with all its joints, and the same in parts: the hollow pot (better) and its lid."""
 
     style: str
     solid: Solid
     pot: Solid
     lid: Solid
+    kind = "teapot"
+
+    @property
+    def certificate(self) -> Findings:
+        """The verdicts on the joints of the closed solid."""
+        return self.solid.certificate
+
+    @limited("meshing a teapot", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """The mesh of the closed solid; see `Solid.mesh`."""
+        return self.solid.mesh(tolerance)
+
+    def __str__(self) -> str:
+        return str(self.solid)
+
+    def __repr__(self) -> str:
+        return f"<Teapot of style {self.style!r}>"
 
     @property
     def assembly(self) -> Assembly:

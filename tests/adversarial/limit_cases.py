@@ -15,7 +15,6 @@ from conftest import ROOT
 
 import pas
 from pas import solid
-from pas.exchange.project import save
 from pas.independent.checker import check_independently
 from pas.render.parts import draw_parts
 from pas.teapot.pot import teapot
@@ -114,7 +113,7 @@ def _ends(*_: Any) -> list[pas.Boundary]:
 
 
 def _saved_blend(folder: Path) -> Path:
-    return _saved(folder, lambda path: save(pas.blend(_pipes(), 1, prove=False), path))
+    return _saved(folder, lambda path: pas.blend(_pipes(), 1, prove=False).save(path))
 
 
 def _saved_shell(folder: Path) -> Path:
@@ -136,6 +135,7 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
     "check --independent": (_saved_blend, ("check", "{}", "--independent")),
     "mesh": (_saved_blend, ("mesh", "{}", "-o", "OUT/x.stl", *COARSE)),
     "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
+    "write": (_saved_blend, ("write", "{}", "OUT/x.obj", *COARSE)),
     "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
     "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
 }
@@ -144,7 +144,8 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
 LONG_CALLS = {
     "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, **k)),
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
-    "Blend.save": LongCall(_corner, lambda p, f, **k: p.save(f / "x.pas.json", **k)),
+    "pas.save": LongCall(_corner, lambda p, f, **k: pas.save(p, f / "x.pas.json", **k)),
+    "Blend.mesh": LongCall(_corner, lambda p, f, **k: p.mesh(T, **k), 3),
     "SolutionSpace.optimum": LongCall(_space, lambda p, f, **k: p.optimum(**k)),
     "pas.solutions": LongCall(_pipes, lambda p, f, **k: pas.solutions(p, 2, **k)),
     "pas.existence": LongCall(
@@ -165,6 +166,7 @@ LONG_CALLS = {
     "Solid.area": LongCall(_solid, lambda p, f, **k: p.area(T, **k), 3),
     "Solid.shell": LongCall(_ball, lambda p, f, **k: p.shell(0.2, tolerance=0.4, **k), 3),
     "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
+    "Assembly.mesh": LongCall(_parts, lambda p, f, **k: p.mesh(T, **k), 3),
     "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
     "pas.write": LongCall(_solid, lambda p, f, **k: pas.write(p, f / "x.obj", tolerance=T, **k), 3),
     "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
@@ -181,6 +183,9 @@ LONG_CALLS = {
     "ParametricSurface.mesh": LongCall(_patch, lambda p, f, **k: p.mesh(T, **k)),
     "ParametricBlend.mesh": LongCall(_hermite, lambda p, f, **k: p.mesh(T, ((-1, 1), (0, 1)), **k)),
     "ParametricBlend.prove": LongCall(_hermite, lambda p, f, **k: p.prove(((-1, 1), (0, 1)), **k)),
+    "RationalPatch.mesh": LongCall(
+        lambda _: pas.bezier_patch(pas.elliptic_paraboloid(), ((0, 1), (0, 1))), lambda p, f, **k: p.mesh(T, **k), 3
+    ),
     "pas.regularity": LongCall(_patch, lambda p, f, **k: pas.regularity(p, **k)),
     "pas.hermite_blend": LongCall(_data, lambda p, f, **k: pas.hermite_blend(p, 1, **k)),
     "pas.weighted_blend": LongCall(_data, lambda p, f, **k: pas.weighted_blend(p, 1, **k)),

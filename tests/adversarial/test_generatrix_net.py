@@ -19,8 +19,6 @@ from generatrix_cases import (
 )
 
 import pas
-from pas.bernstein.signs import Status
-from pas.cli.parametric import _counts
 from pas.generatrix.blend import generatrix_blend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.crossings import crossings
@@ -29,7 +27,7 @@ from pas.generatrix.quadric import Quadric, read_plane
 from pas.generatrix.sections import conic_section, ellipse_bounds
 from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.generatrix.verdicts import contact_verdict, sense_verdict
-from pas.surface.certificate import Verdict
+from pas.verdicts import Findings, Status, Verdict
 
 QUICK, MANY = 16, 140
 WHOLE, MORE = 3, 40
@@ -278,12 +276,13 @@ def test_marks_are_kept_in_records():
 
 
 def test_counts_in_words():
-    def some(*statuses: Status) -> list[Verdict]:
-        return [Verdict(s, "", "") for s in statuses]
+    def some(*statuses: Status) -> Findings:
+        return Findings(tuple(Verdict(s, "", "") for s in statuses))
 
-    assert _counts(some(Status.PROVED, Status.PROVED)) == "all proved"
+    assert some(Status.PROVED, Status.PROVED).counts == "all proved"
+    assert some().counts == "nothing claimed, nothing proved"
     mixed = some(Status.FAILS_MEASURED, Status.PROVED, Status.HOLDS_MEASURED, Status.HOLDS_MEASURED, Status.UNDECIDED)
-    assert _counts(mixed) == "1 proved; 1 undecided; 2 measured to hold; 1 measured to fail"
+    assert mixed.counts == "1 proved; 1 undecided; 2 measured to hold; 1 measured to fail"
 
 
 def test_measured_contacts_of_parametric_blends():

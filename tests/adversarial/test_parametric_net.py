@@ -13,12 +13,12 @@ from parametric_cases import ONE, POWERS, Case, H, T, case, number
 from parametric_contacts import contact_case
 
 import pas
-from pas.bernstein.signs import Status
 from pas.parametric.base_points import base_points
 from pas.parametric.framed import extent
 from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import regularity
 from pas.parametric.surface import ParametricSurface
+from pas.verdicts import Status
 
 QUICK, MANY = 240, 1400
 """Surfaces whose regularity is judged; the others come after them."""

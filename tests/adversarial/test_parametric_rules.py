@@ -14,7 +14,6 @@ from flint import fmpq, fmpq_poly
 from parametric_cases import ONE, H, T
 
 import pas
-from pas.bernstein.signs import Status
 from pas.bernstein.subdivision import halves
 from pas.generatrix.injective import is_injective
 from pas.parametric.blends import ParametricBlend, hermite_blend
@@ -30,6 +29,7 @@ from pas.parametric.regularity import positive_on_unit_square, regularity
 from pas.parametric.roots import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.tiling import GRID
+from pas.verdicts import Status
 
 UNIT = ((0, 1), (0, 1))
 TINY = Fraction(1, 10**40)

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
 from pathlib import Path
 from typing import Any
 
-from pas.exchange.cell_grid import cell_grid
 from pas.exchange.formats.format import Content, Format, Request
 from pas.exchange.volume import tetrahedra_of
-from pas.surface.piecewise import PiecewiseSurface
+from pas.shape import Shape, kind_of
 
 
-@singledispatch
 def grid_of(thing: Any, request: Request) -> Any:
-    """The `pyvista.UnstructuredGrid` of a thing: of a volume, or of a solid that is filled first."""
-    return tetrahedra_of(thing, request).to_pyvista()
-
-
-@grid_of.register
-def _(surface: PiecewiseSurface, request: Request) -> Any:
-    return cell_grid(surface)
+    """The `pyvista.UnstructuredGrid` of a thing: its cells where its kind has such, else tetrahedra that fill it."""
+    cells = kind_of(thing).cells if isinstance(thing, Shape) else None
+    return tetrahedra_of(thing, request).to_pyvista() if cells is None else cells(thing)
 
 
 def write_vtu(grid: Any, path: Path, request: Request) -> None:

@@ -1,21 +1,13 @@
-"""Blends as project files (`.pas.json`): the whole problem, the exact solution, the verdicts.
-
-`load` reads project files of every kind: blends, solids, assemblies, parametric surfaces and blends.
-"""
+"""Blends as a kind of shape: the whole problem, the exact solution, the verdicts."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-from pas._version import __version__
-from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.blending.solving import solve
-from pas.errors import ProjectFileError
-from pas.exchange.container import check_name, read, understood, write
-from pas.exchange.parametric_records import GENERATRIX, PARAMETRIC_BLEND, PARAMETRIC_SURFACE, parametric_from_content
+from pas.exchange.cell_grid import cell_grid
 from pas.exchange.records import (
     CERTIFICATE,
     CONSTRAINTS,
@@ -25,22 +17,17 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf, check
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf
 from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
-from pas.exchange.solid_records import ASSEMBLY, SOLID, solid_from_content
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes
-from pas.generatrix.blend import GeneratrixBlend
-from pas.limits import Report, limited
-from pas.parametric.blends import ParametricBlend
-from pas.parametric.surface import ParametricSurface
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.space import SolutionSpace
-from pas.solid.assembly import Assembly
-from pas.solid.solid import Solid
+from pas.render.piecewise import layers
+from pas.render.scene import Scene
+from pas.shape import Kind
 from pas.surface.certificate import Certificate
-
-BLEND = "blend"
+from pas.verdicts import Verdicts
 
 SOLUTION = Table(
     {
@@ -59,19 +46,13 @@ CONTENT = Table(
         "solution": SOLUTION,
         "certificate": CERTIFICATE,
     },
-    {"kind": TEXT},
 )
-"""What a project file of a blend holds; those of the first versions have no kind."""
+"""What a project file of a blend holds."""
 
 
-def save(blend: Blend, path: str | Path) -> Path:
-    """Write a blend, proving it first where that has not been done; returns the path.
-
-    Raises `ValueError` unless the name ends in `.pas.json`.
-    """
-    check_name(path)
-    content = {
-        "kind": BLEND,
+def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
+    """Everything that defines a blend, proved first where that has not been done."""
+    return {
         "problem": {"constraints": constraints_record(blend.wishes), "energy": blend.wishes.energy.to_record()},
         "surface": surface_record(blend.surface),
         "solution": {
@@ -84,41 +65,10 @@ def save(blend: Blend, path: str | Path) -> Path:
         },
         "certificate": blend.certificate.to_record(),
     }
-    return write(path, content, f"pas {__version__}")
 
 
-@limited("reading a project file", "")
-def load(
-    path: str | Path,
-    *,
-    edited: bool = False,
-    seconds: float | None = None,
-    progress: Report | None = None,
-) -> Blend | Solid | Assembly | ParametricSurface | ParametricBlend | GeneratrixBlend:
-    """Read a project file back: whatever it holds, exactly as it was written.
-
-    No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
-    blend has those of its file as `stored`.  With `edited`, a file whose checksum does not match is read
-    all the same.
-
-    Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
-    """
-    content, name = read(path, edited=edited), Path(path).name
-    kind = content.get("kind", BLEND)
-    if kind in (SOLID, ASSEMBLY):
-        return solid_from_content(content, name)
-    if kind in (PARAMETRIC_SURFACE, PARAMETRIC_BLEND, GENERATRIX):
-        return parametric_from_content(content, name)
-    if kind != BLEND:
-        raise ProjectFileError(
-            f"{name}: holds a thing of kind {shown(kind)}, which this program does not know; update pas"
-        )
-    with understood(name):
-        check(content, CONTENT, "content")
-        return _from_content(content)
-
-
-def _from_content(content: dict[str, Any]) -> Blend:
+def read(content: dict[str, Any]) -> Blend:
+    """The blend of `record`."""
     solution, problem = content["solution"], content["problem"]
     surface, basis = read_surface(content["surface"]), _read_basis(solution["basis"])
 
@@ -142,3 +92,14 @@ def _from_content(content: dict[str, Any]) -> Blend:
 
 def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:
     return None if record is None else tuple(tuple(read_polynomial(p) for p in m) for m in record)
+
+
+def _layers(blend: Blend, scene: Scene) -> None:
+    layers(blend.surface, scene)
+
+
+def _cells(blend: Blend) -> Any:
+    return cell_grid(blend.surface)
+
+
+BLEND = Kind("blend", Blend, CONTENT, record, read, _layers, text=str, body=Blend.solid, cells=_cells)

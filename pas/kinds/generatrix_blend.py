@@ -1,4 +1,4 @@
-"""Generatrix blends in project files (`.pas.json`): the plain data of their boundaries and shape, and back.
+"""Blends by a generatrix as a kind of shape: the plain data of their boundaries and shape functions.
 
 Boundaries are kept as the tables from which they were read (`pas.exchange.boundaries`) and how they were turned, so
 that reading searches nothing; shape functions as their exact coefficients.
@@ -13,6 +13,7 @@ from typing import Any
 
 from pas.algebra.rational import plain, rational
 from pas.exchange.boundaries import boundary_from
+from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
@@ -21,17 +22,23 @@ from pas.exchange.schema import (
     TEXT,
     WHOLE,
     Choice,
-    Kind,
     List,
     Maybe,
-    Shape,
     Table,
     TableOf,
+    Value,
 )
 from pas.generatrix.align import Alignment
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
+from pas.kinds.exact_patches import blend_patches
+from pas.mesh.mesh import Mesh
+from pas.parametric.framed import extent
+from pas.parametric.meshing import RELATIVE
+from pas.render.generatrix import layers
+from pas.shape import Kind
+from pas.verdicts import Verdicts
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
 
@@ -39,38 +46,44 @@ _FUNCTION = Choice(
     (Table({"cosine": List(REAL, 3)}), Table({"coefficients": List(NUMBER)})),
     "a shape function: a table with a cosine or coefficients",
 )
+BOUNDARY = Table({"table": TableOf(ANYTHING), "phase": REAL, "backwards": FLAG})
+SHAPE = Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": Maybe(List(Choice((TEXT, WHOLE), "a formula"), 3))})
 _ALIGNMENT = {"reversed": FLAG, "shift": REAL, "distance": REAL, "opposed": FLAG, "reason": TEXT}
-GENERATRIX_DATA: dict[str, Shape] = {
-    "boundaries": List(Table({"table": TableOf(ANYTHING), "phase": REAL, "backwards": FLAG}), 2),
-    "signs": List(Kind("1 or -1", lambda value: WHOLE.fits(value) and value in (1, -1)), 2),
-    "unit": FLAG,
-    "shape": Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": Maybe(List(Choice((TEXT, WHOLE), "a formula"), 3))}),
-    "alignment": Table(_ALIGNMENT, {"by_length": FLAG}),
-}
+CONTENT = Table(
+    {
+        "boundaries": List(BOUNDARY, 2),
+        "signs": List(Value("1 or -1", lambda value: WHOLE.fits(value) and value in (1, -1)), 2),
+        "unit": FLAG,
+        "shape": SHAPE,
+        "alignment": Table(_ALIGNMENT, {"by_length": FLAG}),
+        "verdicts": KEPT_VERDICTS,
+    }
+)
 """What a project file of a generatrix blend holds."""
 
 
-def generatrix_record(blend: GeneratrixBlend) -> dict[str, Any]:
+def record(blend: GeneratrixBlend, certificate: Verdicts | None = None) -> dict[str, Any]:
     """Everything that defines a blend; raises `ValueError` for one made of callables."""
     return {
-        "boundaries": [_boundary_record(boundary) for boundary in blend.boundaries],
+        "boundaries": [boundary_record(boundary) for boundary in blend.boundaries],
         "signs": list(blend.frames.signs),
         "unit": blend.frames.unit,
-        "shape": {name: _function_record(getattr(blend.shape, name)) for name in VALUES} | {"middle": _middle(blend)},
+        "shape": shape_record(blend.shape),
         "alignment": asdict(blend.alignment),
+        "verdicts": kept_verdicts(blend, certificate),
     }
 
 
-def read_generatrix(content: dict[str, Any]) -> GeneratrixBlend:
-    """The blend of `generatrix_record`."""
-    first, second = map(_read_boundary, content["boundaries"])
-    record = content["shape"]
-    shape = GeneratrixShape(**{n: _read_function(record[n]) for n in VALUES}, middle=record["middle"])
+def read(content: dict[str, Any]) -> GeneratrixBlend:
+    """The blend of `record`."""
+    first, second = map(read_boundary, content["boundaries"])
+    shape = shape_of(content["shape"])
     a, b = content["signs"]
     return GeneratrixBlend.of_turned((first, second), (a, b), shape, Alignment(**content["alignment"]), content["unit"])
 
 
-def _boundary_record(boundary: Boundary) -> dict[str, Any]:
+def boundary_record(boundary: Boundary) -> dict[str, Any]:
+    """The table that a boundary was made from, and how it was turned; raises `ValueError` for one of callables."""
     if boundary.source is None:
         raise ValueError(
             f"{boundary.name} was not made of plain data and cannot be saved; make it by pas.boundary_from or a "
@@ -79,9 +92,20 @@ def _boundary_record(boundary: Boundary) -> dict[str, Any]:
     return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
 
 
-def _read_boundary(record: dict[str, Any]) -> Boundary:
+def read_boundary(record: dict[str, Any]) -> Boundary:
+    """The boundary of `boundary_record`."""
     made = boundary_from(record["table"])
     return replace(made, phase=float(record["phase"]), backwards=record["backwards"])
+
+
+def shape_record(shape: GeneratrixShape) -> dict[str, Any]:
+    """The shape functions by name, and the middle curve; raises `ValueError` for one that is callable."""
+    return {name: _function_record(getattr(shape, name)) for name in VALUES} | {"middle": _middle(shape)}
+
+
+def shape_of(record: dict[str, Any]) -> GeneratrixShape:
+    """The shape of `shape_record`."""
+    return GeneratrixShape(**{n: _read_function(record[n]) for n in VALUES}, middle=record["middle"])
 
 
 def _function_record(function: ShapeFunction) -> dict[str, Any]:
@@ -100,10 +124,20 @@ def _read_function(record: dict[str, Any]) -> ShapeFunction:
     return ShapeFunction(tuple(c for (c,) in constant))
 
 
-def _middle(blend: GeneratrixBlend) -> list[Any] | None:
-    middle = blend.shape.middle
+def _middle(shape: GeneratrixShape) -> list[Any] | None:
+    middle = shape.middle
     if middle is None:
         return None
     if not isinstance(middle, list | tuple) or not all(isinstance(part, str | int) for part in middle):
         raise ValueError("a middle curve that is no list of three expressions in s, as strings, cannot be saved")
     return list(middle)
+
+
+def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
+    """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
+    if domain is not None:
+        return blend.surface.mesh(tolerance, domain)
+    return blend.mesh(RELATIVE * extent(blend.surface) if tolerance is None else tolerance)
+
+
+BLEND = Kind("generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches)

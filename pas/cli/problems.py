@@ -1,0 +1,95 @@
+"""What the commands do that make shapes: of problem files of every kind, and the teapot."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from pas.algebra.inputs import check_tolerance
+from pas.cli.commands import size_of, size_record
+from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file
+from pas.errors import MissingLibraryError
+
+
+def run_problem(options: argparse.Namespace) -> Outcome:
+    """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
+    from pas.exchange.files import together
+    from pas.exchange.problem import read_problem
+    from pas.render.scene import Style
+    from pas.shape import kind_of
+
+    problem = read_problem(problem_file(options.problem)).changed(order=options.order, degree=options.degree)
+    folder = output_folder(options.output)
+    wanted = problem.tolerance if options.tolerance is None else options.tolerance
+    tolerance = None if wanted is None else check_tolerance(wanted)
+    clock = Clock()
+    shape = problem.solve()
+    clock.passed("solve")
+    certificate = shape.certificate
+    clock.passed("prove")
+    kind = kind_of(shape)
+    mesh = kind.mesh(shape, tolerance, None)
+    clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
+    style = Style(problem.style)
+    drawn = {"style": style, "view": problem.view, "mesh": None if style is Style.ZEBRA else mesh}
+    with together(folder) as place:
+        base = place / problem.name
+        written = [shape.save(f"{base}.pas.json", certificate=certificate), mesh.write(f"{base}.stl")]
+        reason = "" if options.no_picture else _draw(shape, f"{base}.png", drawn, written, clock)
+    files = [str(folder / path.name) for path in written]
+    done = problem.satisfied(certificate) and not reason
+    lines = [kind.text(shape), "", f"mesh: {size_of(mesh)}", clock_line(clock), "", "written:"]
+    record = {
+        "name": problem.name,
+        "written": files,
+        "seconds": clock.seconds,
+        **size_record(mesh),
+        "proved": certificate.proved,
+        "holds": certificate.holds,
+        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+    }
+    return Outcome("\n".join([*lines, *(f"  {name}" for name in files)]), record, DONE if done else FAILED)
+
+
+def run_teapot(options: argparse.Namespace) -> Outcome:
+    """`pas teapot`."""
+    from pas.exchange.files import together
+    from pas.teapot.pot import teapot
+
+    tolerance = check_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    folder = output_folder(options.output)
+    clock = Clock()
+    pot = teapot(
+        options.style,
+        lid_height=options.lid_height,
+        spout_tilt=options.spout_tilt,
+        handle_size=options.handle_size,
+    )
+    clock.passed("build and prove")
+    mesh = pot.mesh(tolerance)
+    clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
+    with together(folder) as place:
+        written = [mesh.write(place / "teapot.stl"), pot.assembly.save(place / "teapot.pas.json")]
+        _draw(pot, str(place / "teapot.png"), {"mesh": mesh, "four_views": True}, written, clock)
+    files = [str(folder / path.name) for path in written]
+    record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}
+    text = "\n".join([str(pot), "", "written:", *(f"  {name}" for name in files)])
+    return Outcome(text, record, DONE if pot.certificate.holds else FAILED)
+
+
+def clock_line(clock: Clock) -> str:
+    """The seconds of the stages in one line."""
+    return "seconds: " + ", ".join(f"{stage} {spent:.3f}" for stage, spent in reversed(clock.seconds.items()))
+
+
+def _draw(shape: Any, path: str, options: dict[str, Any], written: list[Path], clock: Clock) -> str:
+    """Draw the picture; returns why there is none where OpenGL is missing, and says so."""
+    try:
+        written.append(shape.draw(path, **options))
+    except MissingLibraryError as error:
+        print(f"pas: no picture: {error}", file=sys.stderr)
+        return str(error)
+    clock.passed("picture")
+    return ""

@@ -1,0 +1,213 @@
+"""Problem files (TOML) of corners and other contacts: what to blend, and how.
+
+    order = 2                      # the k of GC^k
+    degree = 5                     # optional; raised until the proofs pass without
+    tolerance = 1e-3               # optional; of the mesh, in the model's units
+
+    [[pipes]]                      # or [[contacts]] with surface and clip as polynomials
+    axis = [1, 0, 0]
+    radius = "1/3"                 # exact: a string, an integer, or the decimal as written
+    clip = 1
+    point = [0, 0, 0]              # optional
+
+    [partition]                    # optional; by its kind, "six tetrahedra" without
+    center = [0, 0, 0]
+    legs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+    [energy]                       # optional; by its kind, "thin-plate" without
+    lower = ["1/4", "-2/5", "-2/5"]
+    upper = ["3/5", "2/5", "2/5"]  # one patch over a box instead of all over cells
+    piece = 0
+
+    [points]                       # optional
+    inside = [["1/2", "1/2", "1/2"]]
+    outside = []
+    through = []
+    near = []
+    near_weight = 100
+    margin = "1/1000"              # of inside and outside points, in the model's units
+
+    [normalize]                    # optional
+    kind = "mean-alpha"            # or "sum-of-coefficients", or "value-at" with point and value
+
+`basis` (a list of members, each a list of one polynomial a cell) restricts the solutions to a
+given basis; `prove = false` and `guard = false` are as in `pas.blend`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
+from pas.algebra.polynomial import Polynomial
+from pas.described import keys_of
+from pas.errors import LimitError, PasError
+from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.problem import Problem, ProblemKind
+from pas.exchange.records import NORMALIZATIONS, read_normalization
+from pas.fairing.energy import ENERGIES, read_energy
+from pas.fairing.wishes import Normalization, Wishes
+from pas.partition.cells import Partition
+from pas.partition.kinds import PARTITIONS, read_partition
+from pas.pipeline.blend import blend
+from pas.pipeline.result import Blend
+from pas.surface.contact import Contact, Pipe
+
+KEYS = {
+    "": {
+        "name",
+        "order",
+        "degree",
+        "tolerance",
+        "prove",
+        "guard",
+        "basis",
+        "pipes",
+        "contacts",
+        "partition",
+        "energy",
+        "points",
+        "normalize",
+        "picture",
+    },
+    "pipes": {"axis", "radius", "clip", "point"},
+    "contacts": {"surface", "clip"},
+    "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
+    "normalize": {"kind", "point", "value"},
+    "picture": {"style", "view"},
+}
+REQUIRED = {
+    "": {"order"},
+    "pipes": {"axis", "radius", "clip"},
+    "contacts": {"surface", "clip"},
+    "normalize": {"kind"},
+}
+LISTS = {"pipes", "contacts"}
+
+DEFAULT_TOLERANCE = 1e-3
+"""Of the mesh, in the model's units."""
+
+
+@dataclass(frozen=True)
+class CornerProblem(Problem):
+    """A problem as read from a file; the fields are the arguments of `pas.blend`, and those of every problem."""
+
+    name: str
+    contacts: tuple[Pipe | Contact, ...]
+    order: int
+    degree: int | None
+    tolerance: float
+    partition: Partition | None
+    wishes: Wishes
+    style: str = "plain"
+    view: View | None = None
+
+    @property
+    def prove(self) -> bool:  # type: ignore[override]  # a field of other problems
+        """Whether all must be proved."""
+        return self.wishes.prove
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The keyword arguments of `pas.blend` beside contacts, order and degree."""
+        return {"partition": self.partition, "wishes": self.wishes}
+
+    def solve(self) -> Blend:
+        """The blend; raises what `pas.blend` raises."""
+        return blend(self.contacts, self.order, self.degree, **self.options)
+
+
+class _Reader(PictureReader):
+    required, lists = REQUIRED, LISTS
+    usual_style = "plain"
+
+    @property
+    def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
+        """Those that there are, whatever has been registered since."""
+        return KEYS | {"partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
+
+    def problem(self, data: dict[str, Any]) -> CornerProblem:
+        self.check(data, "", 0)
+        items = [
+            self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))
+        ]
+        if not items:
+            raise self.error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
+        style, view = self.picture(data)
+        return CornerProblem(
+            name=self.name(data),
+            contacts=tuple(items),
+            order=self.checked(data, "order", check_order, None),
+            degree=self.checked(data, "degree", check_degree, None),
+            tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
+            partition=self._made("partition", data, read_partition),
+            wishes=self._wishes(data),
+            style=style,
+            view=view,
+        )
+
+    def _wishes(self, data: dict[str, Any]) -> Wishes:
+        points = self._made("points", data, lambda table: Wishes(**table)) or Wishes()
+        return points.changed(
+            energy=self._made("energy", data, read_energy),
+            normalize=self._made("normalize", data, self._normalization),
+            basis=self._basis(data),
+            prove=self.typed(data, "prove", bool, True),
+            guard=self.typed(data, "guard", bool, True),
+        )
+
+    def _item(self, kind: str, index: int, entry: dict[str, Any]) -> Pipe | Contact:
+        self.check(entry, kind, index)
+        make: Callable[..., Pipe | Contact] = Pipe if kind == "pipes" else Contact
+        try:
+            return make(**entry)
+        except LimitError:
+            raise
+        except (ValueError, TypeError, PasError) as error:
+            places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
+            key = min(places, key=places.__getitem__) if places else None
+            raise self.error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
+
+    def _made(self, table: str, data: dict[str, Any], make: Callable[[dict[str, Any]], Any]) -> Any:
+        if table not in data:
+            return None
+        self.check(data[table], table, 0)
+        try:
+            return make(data[table])
+        except LimitError:
+            raise
+        except (ValueError, TypeError, PasError) as error:
+            key = next((k for k in data[table] if re.match(rf"{k}\b", str(error))), None)
+            raise self.error(f"[{table}]: {error}", table, 0, key) from None
+
+    @staticmethod
+    def _normalization(table: dict[str, Any]) -> Normalization:
+        if table["kind"] not in NORMALIZATIONS:
+            raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(table['kind'])}")
+        return read_normalization(table)
+
+    def _basis(self, data: dict[str, Any]) -> tuple[tuple[Polynomial, ...], ...] | None:
+        if "basis" not in data:
+            return None
+        members = data["basis"]
+        if not isinstance(members, list) or not all(isinstance(member, list) for member in members):
+            raise self.error("basis must be a list of members, each a list of polynomials", "", 0, "basis")
+        try:
+            return tuple(tuple(Polynomial(p) for p in member) for member in members)
+        except (ValueError, TypeError) as error:
+            raise self.error(f"basis: {error}", "", 0, "basis") from None
+
+
+def _fits(data: dict[str, Any]) -> bool:
+    return bool(LISTS & data.keys()) or not {"surfaces", "boundaries", "method"} & data.keys()
+
+
+def _read(file: Path, text: str, data: dict[str, Any]) -> CornerProblem:
+    return _Reader(file, text).problem(data)
+
+
+PROBLEM = ProblemKind("corner", _fits, _read)

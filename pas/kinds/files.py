@@ -1,0 +1,119 @@
+"""Project files (`.pas.json`) of shapes of every kind: everything exact, and back.
+
+Guaranteed: what is read is equal to what was written.  Verdicts go along for people to read; no program believes them:
+they are proved anew, in this process, when they are first asked for.  Files of version 1 of the format are read.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pas._version import __version__
+from pas.algebra.inputs import shown
+from pas.errors import ProjectFileError
+from pas.exchange.container import check_name, read, understood, write
+from pas.exchange.schema import TEXT, Table, check
+from pas.limits import Report, limited
+from pas.shape import KINDS, Shape, kind_of
+from pas.verdicts import Verdicts
+
+FIRST_KIND = "blend"
+"""Of files of the first versions, which do not say it."""
+
+SOLIDS = ("solid", "assembly")
+PARAMETRIC = ("parametric surface", "parametric blend", "generatrix blend", "sphere blend")
+
+
+@limited("writing a project file", "")
+def save(
+    shape: Shape,
+    path: str | Path,
+    certificate: Verdicts | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> Path:
+    """Write any shape as a project file (`.pas.json`), exactly; returns the path.
+
+    `pas.load` reads it.  A blend is proved first where that has not been done; of others the `certificate`, where
+    given, goes with the file for those who read it.
+
+    Raises `ValueError` unless the name ends in `.pas.json`, for the certificate of another blend, and for what has no
+    exact text: functions of classes that do not say how to save them, surfaces, boundaries and curves that are
+    callables; `TypeError` for what is no shape.
+    """
+    check_name(path)
+    kind = kind_of(shape, "what to save")
+    return write(path, {"kind": kind.name, **kind.record(shape, certificate)}, f"pas {__version__}")
+
+
+@limited("reading a project file", "")
+def load(
+    path: str | Path,
+    *,
+    edited: bool = False,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> Any:
+    """Read a project file back: a shape of whatever kind it holds, exactly as it was written.
+
+    No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
+    blend has those of its file as `stored`.  With `edited`, a file whose checksum does not match is read
+    all the same.
+
+    Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
+    """
+    return _made(read(path, edited=edited), Path(path).name)
+
+
+def _made(content: dict[str, Any], name: str) -> Any:
+    """The shape of a content; raises `ProjectFileError`."""
+    title = content.get("kind", FIRST_KIND)
+    if not isinstance(title, str) or title not in KINDS:
+        raise ProjectFileError(
+            f"{name}: holds a thing of kind {shown(title)}, which this program does not know; update pas"
+        )
+    kind = KINDS[title]
+    with understood(name):
+        check(content, Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}), "content")
+        return kind.read(content)
+
+
+@limited("writing a project file", "")
+def save_solid(shape: Shape, path: str | Path, *, seconds: float | None = None, progress: Report | None = None) -> Path:
+    """`pas.save` for a solid or an assembly; raises `TypeError` for another shape."""
+    check_name(path)
+    _require(shape, SOLIDS, "shape must be a Solid or an Assembly")
+    return save(shape, path)
+
+
+@limited("reading a project file", "")
+def load_solid(
+    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
+) -> Any:
+    """`pas.load` of a solid or an assembly; raises `ProjectFileError` for a file of another kind."""
+    found = load(path, edited=edited)
+    if kind_of(found).name not in SOLIDS:
+        raise ProjectFileError(f"{Path(path).name}: holds no solid and no assembly; read it with pas.load")
+    return found
+
+
+@limited("writing a project file", "")
+def save_parametric(
+    thing: Shape,
+    path: str | Path,
+    certificate: Verdicts | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> Path:
+    """`pas.save` for a parametric surface or blend, or a blend by a generatrix; raises `TypeError` for others."""
+    check_name(path)
+    _require(thing, PARAMETRIC, "what to save must be a parametric surface or blend")
+    return save(thing, path, certificate)
+
+
+def _require(shape: Any, kinds: tuple[str, ...], sentence: str) -> None:
+    if getattr(type(shape), "kind", None) not in kinds:
+        raise TypeError(f"{sentence}, not {shape!r}; pas.save takes every shape")

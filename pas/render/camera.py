@@ -1,0 +1,52 @@
+"""From where a picture is taken."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.mesh.mesh import Mesh
+
+VIEW_ANGLE, MARGIN = 24.0, 1.12
+"""Of the camera, in degrees, and the picture's height over that of what is drawn."""
+
+FOUR_VIEWS = ((0.35, -1.0, 0.45), (0.0, -1.0, 0.0), (1.0, -0.2, 0.3), (0.0, -0.05, 1.0))
+"""From where four views look: past the front, from the front, from the right, from above."""
+
+TURNS, RISE, USUAL = 16, 0.55, 1.1
+"""Views that are tried, their height over their distance, and by how much another must be better than the first."""
+
+
+def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
+    """From where most of the surfaces is seen, among directions all around and a little above."""
+    around = np.arange(TURNS) * 2 * np.pi / TURNS - np.pi / 4
+    directions = np.stack([np.cos(around), np.sin(around), np.full(TURNS, RISE)], axis=1)
+    seen = np.zeros(TURNS)
+    for mesh in meshes:
+        p = mesh.points[mesh.triangles]
+        seen += np.abs(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) @ directions.T).sum(axis=0)
+    seen[0] *= USUAL
+    x, y, z = directions[int(seen.argmax())].tolist()
+    return x, y, z
+
+
+def look_at(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int]) -> None:
+    """Point the camera so that the points fill the picture."""
+    ahead = -np.array(view, dtype=float) @ frame
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1])
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(right, ahead), ahead])
+    seen = points @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    center = (low + high) / 2 @ axes
+    half = np.tan(np.radians(VIEW_ANGLE / 2))
+    reach = MARGIN * max(float(high[1] - low[1]), float(high[0] - low[0]) * size[1] / size[0]) / 2
+    plotter.camera.focal_point = tuple(center)
+    plotter.camera.position = tuple(center - (reach / half + float(high[2] - low[2]) / 2) * ahead)
+    plotter.camera.up = tuple(axes[1])
+    plotter.camera.view_angle = VIEW_ANGLE
+    plotter.reset_camera_clipping_range()

@@ -1,0 +1,44 @@
+"""Piecewise surfaces for pictures: the surface, and the neighbours that it continues."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.render.layers import BLEND_COLOR, PIPE_COLOR, Layer
+from pas.render.neighbours import neighbours
+from pas.render.scene import Scene, Style
+from pas.surface.piecewise import PiecewiseSurface
+
+VIEW = (0.62, -0.62, 0.48)
+"""From where one looks, in the frame of the contact directions: past the pipes, from above."""
+
+COARSE, FINE = 1e-3, 2e-4
+"""Tolerances of the mesh over the extent of the region; stripes show facets that shading hides."""
+
+BEYOND = 0.25
+"""How far neighbours are shown, over the extent of the region."""
+
+
+def layers(surface: PiecewiseSurface, scene: Scene) -> None:
+    """Add the surface and its neighbours; raises `MeshError` where it has no region."""
+    extent = float(np.ptp(surface.partition.points, axis=0).max()) if len(surface.partition.points) else 1.0
+    tolerance = scene.picture.tolerance or extent * (FINE if scene.style is Style.ZEBRA else COARSE)
+    mesh = scene.mesh(lambda: surface.mesh(tolerance))
+    curvature = surface.curvatures(mesh.points)[:, 0] if scene.style is Style.CURVATURE else None
+    scene.look(VIEW, _frame(surface))
+    scene.layers.append(Layer(mesh, BLEND_COLOR, curvature=curvature, outlined=True))
+    scene.layers += [Layer(other, PIPE_COLOR) for other in neighbours(surface, mesh, extent * BEYOND)]
+
+
+def _frame(surface: PiecewiseSurface) -> Floats:
+    """Unit directions towards the first contacts, completed to a frame by the axes."""
+    rows = [c.clip.gradient(np.zeros(3)) for c in surface.contacts] + list(np.eye(3))
+    frame: list[Floats] = []
+    for row in rows:
+        rest = np.array(row, dtype=float)
+        for known in frame:
+            rest = rest - (rest @ known) * known
+        if np.linalg.norm(rest) > 1e-6 * max(float(np.linalg.norm(row)), 1e-300) and len(frame) < 3:
+            frame.append(rest / np.linalg.norm(rest))
+    return np.array(frame)

@@ -1,0 +1,38 @@
+"""Shapes in a window."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from pas.errors import MissingLibraryError
+from pas.render.picture import plotted
+from pas.render.scene import Picture, scene_of
+from pas.shape import Shape
+
+SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
+"""The variables that name a screen where windows need one to be named."""
+
+
+def show(shape: Shape | Sequence[Shape], **options: Any) -> None:
+    """Show a shape, or a list of them, in a window, to be turned with the mouse; returns when it is closed.
+
+    `options` are those of `pas.draw` beside the path.  Raises `MissingLibraryError` where there is no screen.
+    """
+    mesh = options.pop("mesh", None)
+    picture = Picture.of(options)
+    scene = scene_of(shape, picture, mesh)
+    if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in SCREENS):
+        raise MissingLibraryError(
+            "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"
+        )
+    import pyvista
+
+    hidden = os.environ.pop("VTK_DEFAULT_OPENGL_WINDOW", None)  # that of pictures drawn before, without a screen
+    try:
+        plotted(pyvista, scene, picture, off_screen=False).show()
+    finally:
+        if hidden is not None:
+            os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = hidden

@@ -1,0 +1,144 @@
+"""Shapes: the base of everything that has a surface, and the kinds of shapes.
+
+A `Shape` gives its certificate and its mesh; saving, writing, drawing, showing are the same for all and are found by
+name when they are asked for, so that an object never knows who saves, prints or draws it.  What differs from kind to
+kind stands in one `Kind` each, a short file of `pas.kinds`, listed in `KINDS` and found by a shape's `kind`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
+
+from pas.registry import Registry, loaded
+from pas.verdicts import Verdicts
+
+VERBS = {
+    "save": "pas.kinds.files:save",
+    "write": "pas.exchange.write:write",
+    "draw": "pas.render.picture:draw",
+    "show": "pas.render.window:show",
+    "html": "pas.render.notebook:html",
+}
+"""Where the work of the verbs is done that all shapes have, in rooms above."""
+
+
+class Shape(ABC):
+    """Anything with a surface: it can be proved, meshed, drawn, saved, written and shown."""
+
+    kind: ClassVar[str]
+    """The name of its `Kind` in `KINDS`."""
+
+    @property
+    @abstractmethod
+    def certificate(self) -> Verdicts:
+        """What is proved of it, worked out when first asked for, and kept."""
+
+    @abstractmethod
+    def mesh(self, tolerance: Any = None) -> Any:
+        """Its `pas.Mesh`, within `tolerance` (the model's units) of the surface; None: as fine as is usual."""
+
+    @abstractmethod
+    def __str__(self) -> str:
+        """What it is, for people."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
+
+    def save(self, path: str | Path, **options: Any) -> Path:
+        """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
+        path = loaded(VERBS["save"])(self, path, **options)
+        return Path(path)
+
+    def write(self, path: str | Path, **options: Any) -> Path:
+        """Write a file of another format, which the suffix says; returns its path.  See `pas.write`."""
+        path = loaded(VERBS["write"])(self, path, **options)
+        return Path(path)
+
+    def draw(self, path: str | Path, **options: Any) -> Path:
+        """Draw a picture (`.png`); returns its path.  See `pas.draw`."""
+        path = loaded(VERBS["draw"])(self, path, **options)
+        return Path(path)
+
+    def show(self, **options: Any) -> None:
+        """Show it in a window.  See `pas.show`."""
+        loaded(VERBS["show"])(self, **options)
+
+    def _repr_html_(self) -> str:
+        """A table and a picture, for notebooks."""
+        return str(loaded(VERBS["html"])(self))
+
+
+S = TypeVar("S")
+
+
+def _whole_text(shape: Any) -> str:
+    """What it is, and its verdicts."""
+    return f"{shape}\n\n{shape.certificate}"
+
+
+def _own_mesh(shape: Any, tolerance: Any, domain: Any) -> Any:
+    """The shape's own mesh; raises `ValueError` for a domain."""
+    if domain is not None:
+        raise ValueError(f"domain is that of a parametric surface, which {shape!r} is not")
+    return shape.mesh(tolerance)
+
+
+@dataclass(frozen=True)
+class Kind(Generic[S]):
+    """What differs from one kind of shapes to the next.
+
+    `record(shape, certificate)` gives the table that a project file keeps, which fits `schema`, and `read` makes the
+    shape of it again; a certificate that is given goes along for people to read.  `layers(shape, scene)` adds to the
+    scene of a picture (see `pas.render.scene`) what is to be seen.
+
+    `text` is all that is to be said of it, verdicts included.  For files, `mesh(shape, tolerance, domain)` are its
+    triangles, `domain` that of what has parameters; `meshed` says that it is a mesh already, for which tolerances mean
+    nothing.  What not every kind has: `parts` by name, each with a colour, `patches(shape, domain)`, which are exact,
+    `cells(shape)` as a grid, and `body(shape, length)`, the solid with it in its boundary.
+    """
+
+    name: str
+    type: type[S]
+    schema: Any
+    record: Callable[[S, Verdicts | None], dict[str, Any]]
+    read: Callable[[dict[str, Any]], S]
+    layers: Callable[[S, Any], None]
+    mesh: Callable[[S, Any, Any], Any] = _own_mesh
+    parts: Callable[[S], Mapping[str, Any]] | None = None
+    patches: Callable[[S, Any], Sequence[Any]] | None = None
+    cells: Callable[[S], Any] | None = None
+    meshed: bool = False
+    text: Callable[[S], str] = _whole_text
+    body: Callable[[S, Any], Any] | None = None
+
+
+KINDS: Registry[Kind[Any]] = Registry(
+    "kind of shape",
+    {
+        "blend": "pas.kinds.blend:BLEND",
+        "surface": "pas.kinds.surface:SURFACE",
+        "solid": "pas.kinds.solid:SOLID",
+        "part": "pas.kinds.assembly:PART",
+        "assembly": "pas.kinds.assembly:ASSEMBLY",
+        "teapot": "pas.kinds.teapot:TEAPOT",
+        "parametric surface": "pas.kinds.parametric_surface:SURFACE",
+        "parametric blend": "pas.kinds.parametric_blend:BLEND",
+        "generatrix blend": "pas.kinds.generatrix_blend:BLEND",
+        "sphere blend": "pas.kinds.sphere_blend:BLEND",
+        "rational patch": "pas.kinds.rational_patch:PATCH",
+        "mesh": "pas.kinds.mesh:MESH",
+    },
+)
+"""All kinds of shapes; a user's own is added by `KINDS.register(Kind(...))`."""
+
+
+def kind_of(shape: Any, what: str = "this") -> Kind[Any]:
+    """The kind of a shape; raises `TypeError` for what is no shape, `what` names the argument."""
+    name = getattr(type(shape), "kind", None)
+    if not isinstance(shape, Shape) or not isinstance(name, str):
+        raise TypeError(f"{what} must be a mesh, a solid, an assembly, a surface or a blend, not {shape!r}")
+    return KINDS[name]
