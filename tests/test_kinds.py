@@ -230,7 +230,7 @@ def test_the_commands_take_it(name, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("verb", ["save", "draw", "show", "kind_of"])
-@pytest.mark.parametrize("thing", [None, "torus", 3, object()], ids=repr)
+@pytest.mark.parametrize("thing", [None, "torus", 3, object()], ids=lambda t: type(t).__name__)
 def test_what_is_no_shape_is_refused(verb, thing, tmp_path):
     verbs = {
         "save": lambda: pas.save(thing, tmp_path / "a.pas.json"),
