@@ -78,7 +78,7 @@ BY_CLASS = {
     ("solid/assembly.py", "Mesh"): "what a part may be is checked where an assembly is made",
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
     ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
-    ("parametric/conversion.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
+    ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
     ("generatrix/space.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }
 """Where a class of a kind of shapes may be asked for outside the kinds' own files, and why."""
