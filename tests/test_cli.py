@@ -155,3 +155,28 @@ def test_unprovable_problems_write_what_they_found(tmp_path, capsys):
     assert "refuted" in out
     code, out, _ = run(capsys, "check", tmp_path / "published_c.pas.json")
     assert code == 1
+
+
+@pytest.mark.parametrize("command", ["blend", "parametric"])
+@pytest.mark.parametrize(
+    ("path", "wanted"),
+    [("corners/equal_gc1", 0), ("parametric/example_1", 1), ("parametric/generatrix/quadrics", 0)],
+)
+def test_both_commands_take_every_problem(command, path, wanted, tmp_path, capsys):
+    file = ROOT / f"examples/{path}.toml"
+    arguments = [command, file, "-o", tmp_path, "--no-picture", "--tolerance", 0.1, "--json"]
+    code, out, _ = run(capsys, *arguments)
+    told = json.loads(out)
+    assert (code, told["holds"], told["name"]) == (wanted, wanted == 0, file.stem)
+    assert told["proved"] == all(verdict["status"] == "proved" for verdict in told["verdicts"])
+    assert told["triangles"] > 100
+    assert sorted(told["written"]) == sorted(str(p) for p in tmp_path.iterdir())
+
+
+def test_a_corner_may_say_how_it_is_drawn(tmp_path):
+    import pas
+
+    path = tmp_path / "corner.toml"
+    path.write_text(PROBLEM.read_text() + '\n[picture]\nstyle = "zebra"\nview = [1, 1, "1/2"]\n')
+    problem = pas.read_problem(path)
+    assert (problem.style, problem.view) == ("zebra", (1, 1, 0.5))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import fields
 from typing import Any
 
 from pas.algebra.inputs import check_tolerance
@@ -90,11 +91,11 @@ def run_render(options: argparse.Namespace) -> Outcome:
     """`pas render`."""
     from pas.kinds.files import load
     from pas.render.picture import draw
-    from pas.render.scene import Style
+    from pas.render.scene import Picture, Style
 
-    style = Style.ZEBRA if options.zebra else Style.CURVATURE if options.curvature else Style.PLAIN
-    arranged = {name: getattr(options, name) for name in ("four_views", "exploded", "cut", "tolerance")}
-    path = draw(load(project_file(options.project)), options.output, style=style, **arranged)
+    wanted = {field.name: getattr(options, field.name) for field in fields(Picture) if hasattr(options, field.name)}
+    wanted["style"] = Style(options.style)
+    path = draw(load(project_file(options.project)), options.output, **wanted)
     return Outcome(str(path), {"written": [str(path)]})
 
 

@@ -173,13 +173,16 @@ def _render_parser(added: Commands) -> None:
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
     style = parser.add_mutually_exclusive_group()
-    style.add_argument("--zebra", action="store_true", help="isophotes, which show the order of continuity")
-    style.add_argument("--curvature", action="store_true", help="colours by mean curvature")
+    for name, text in (
+        ("zebra", "isophotes, which show the order of continuity"),
+        ("curvature", "colours by mean curvature"),
+    ):
+        style.add_argument(f"--{name}", action="store_const", const=name, dest="style", help=text)
     parser.add_argument("--four-views", action="store_true", help="from four sides")
     parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")
     parser.add_argument("--cut", action="store_true", help="without what is in front of the middle plane")
     _tolerance(parser, "finer than a picture shows")
-    parser.set_defaults(command="render", run=commands.run_render)
+    parser.set_defaults(command="render", run=commands.run_render, style="plain")
 
 
 def _write_parser(added: Commands) -> None:
