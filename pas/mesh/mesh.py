@@ -52,8 +52,9 @@ class Mesh(Shape):
     ) -> Mesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
         faces = np.zeros(len(triangles), dtype=np.intp)
-        mesh = cls(points, triangles, faces, (name,), normals[triangles], **options)
+        mesh = cls(points, triangles, faces, (name,), np.take(normals, triangles, axis=0), **options)
         vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
+        vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp
         return mesh
 
     @classmethod
