@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -88,6 +89,25 @@ def test_files_and_toml(space, energy, tmp_path):
     text = (ROOT / "examples/corners/unequal_gc1.toml").read_text()
     problem.write_text(f"energy = {toml(energy.to_record())}\n{text}")
     assert pas.read_problem(problem).wishes.energy == energy
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"kind": "bending"}, "kind: there is no energy 'bending'"),
+        ({"kind": 3}, r"content\.problem\.energy\.kind must be a text"),
+        ({"wieght": 1}, "'wieght' does not belong to the energy 'membrane'"),
+        ({"weight": [1]}, "weight must be"),
+        ({"lower": "0", "upper": "1"}, "lower must be three numbers"),
+    ],
+)
+def test_project_files_with_other_energies_are_refused(space, tmp_path, change, words):
+    path = space.fit(energy=pas.Membrane(), prove=False, guard=False).save(tmp_path / "a.pas.json")
+    record = json.loads(path.read_text())
+    record["content"]["problem"]["energy"].update(change)
+    path.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match=words):
+        pas.load(path, edited=True)
 
 
 @pytest.mark.parametrize("kind", ["thin-plate", "membrane"])

@@ -110,10 +110,13 @@ def test_errors(problem, arguments, code, words, capsys):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ('kind = "cube"', "line 3: .* kind must be one of 'six tetrahedra', 'single cell', not 'cube'"),
-        ('kind = "single cell"\nlegs = [[1,0,0],[0,1,0],[0,0,1]]', "'legs' does not belong to kind 'single cell'"),
+        ('kind = "cube"', "line 3: .* there is no partition 'cube'; there are 'six tetrahedra', 'single cell'"),
+        (
+            'kind = "single cell"\nlegs = [[1,0,0],[0,1,0],[0,0,1]]',
+            "line 4: .*'legs' does not belong to the partition 'single cell'",
+        ),
         ('kind = "single cell"\nlower = [0, 0, 0]', "needs both lower and upper"),
-        ("lower = [0, 0, 0]", "'lower' does not belong to kind 'six tetrahedra'"),
+        ("lower = [0, 0, 0]", "'lower' does not belong to the partition 'six tetrahedra'"),
         ("center = [0, 0, 0]", "needs 'legs'"),
     ],
 )

@@ -76,3 +76,44 @@ def test_both_solvers_agree_with_the_programme_as_stated(seed):
         solution = solver(programme)
         assert solution.outcome is Outcome.SOLVED
         assert np.allclose(solution.unknowns, unknowns.value, atol=1e-5)
+
+
+def test_settings_have_one_list_of_names():
+    from dataclasses import fields
+
+    from pas.fairing.wishes import Options, PointOptions
+
+    assert [f.name for f in fields(pas.Wishes)] == list(Options.__annotations__)
+    assert PointOptions.__annotations__.keys() <= Options.__annotations__.keys()
+    with pytest.raises(TypeError, match="there is no option 'insid'; is 'inside' meant"):
+        pas.Wishes(insid=[PLACE])
+    with pytest.raises(TypeError, match="there is no option 'nears'; is 'near' meant"):
+        pas.blend(pipes(EQUAL), 1, nears=[PLACE])
+    space = pas.solutions(pipes(EQUAL), 1, 3)
+    for call in (space.optimum, solved(EQUAL, 1).refit):
+        with pytest.raises(TypeError, match="there is no option 'prove' here"):
+            call(prove=False)
+
+
+def test_settings_are_exact_and_can_be_changed():
+    wishes = pas.Wishes(near=[(0.5, "1/3", 1), PLACE], near_weight=(1, 2), handles={(0, (1, 0, 0, 0)): "1/2"}, margin=1)
+    assert wishes.near[0] == pas.Wishes(near=["1/2", "1/3", "1"]).near[0]
+    assert wishes.changed() == wishes
+    assert wishes.changed(margin=None) == pas.Wishes(near=wishes.near, near_weight=(1, 2), handles=wishes.handles)
+    assert wishes.changed(near_weight=[3, 3]).near_weight == 3
+    assert wishes.changed(near=(), near_weight=()) == pas.Wishes(handles=wishes.handles, margin=1)
+    with pytest.raises(ValueError, match="one for each of the 1 near points"):
+        wishes.changed(near=[PLACE])
+    assert hash(wishes) == hash(wishes.changed())
+
+
+def test_settings_and_keywords_say_the_same():
+    wishes = pas.Wishes(inside=[("1/2", 0, 0)], energy=pas.Membrane(), prove=False)
+    by_settings = pas.blend(pipes(EQUAL), 1, 3, wishes=wishes)
+    by_keywords = pas.blend(pipes(EQUAL), 1, 3, inside=[("1/2", 0, 0)], energy=pas.Membrane(), prove=False)
+    assert by_settings.surface.patches == by_keywords.surface.patches
+    assert by_settings.wishes == by_keywords.wishes == wishes
+    plain = pas.blend(pipes(EQUAL), 1, 3, wishes=wishes, energy=pas.ThinPlate())
+    assert plain.wishes == wishes.changed(energy=None)
+    assert by_settings.refit(inside=[]).wishes == wishes.changed(inside=[])
+    assert by_settings.space.fit(wishes).coefficients == by_settings.coefficients

@@ -181,7 +181,7 @@ class _Reader(PictureReader):
         except LimitError:
             raise
         except (ValueError, TypeError, PasError) as error:
-            key = next((k for k in data[table] if re.match(rf"{k}\b", str(error))), None)
+            key = next((k for k in data[table] if re.match(rf"'?{k}\b", str(error))), None)
             raise self.error(f"[{table}]: {error}", table, 0, key) from None
 
     @staticmethod

@@ -32,7 +32,7 @@ CONSTRAINTS = Table(
         "normalize": NORMALIZATION,
     }
 )
-ENERGY = OpenTable({"kind": TEXT}, {"weight": NUMBER, "piece": WHOLE, "lower": POINT, "upper": POINT})
+ENERGY = OpenTable({"kind": TEXT})
 VERDICT = Table(
     {
         "claim": TEXT,

@@ -1,22 +1,10 @@
 """Energies: what is made small when a member of a solution space is chosen.
 
-An energy is one class in one file.  It says by which name files know it (`kind`), its quadratic form
-on a working basis, its exact one where it has one, and how it is written as a table of plain data
-and read from one.  Registered, it is known to `pas.blend`, project files and problem files:
-
-    @pas.register_energy
-    @dataclass(frozen=True)
-    class Values(pas.Energy):
-        kind = "values"
-
-        def hessian(self, basis):
-            rules = basis.quadrature(2 * basis.degree)
-            factor = np.concatenate([basis.squares(*rule, [((), 1)]) for rule in rules])
-            return factor.T @ factor * basis.scale**3
-
-    pas.blend(pipes, order=2, energy=Values() + pas.ThinPlate(weight="1/10"))
-
-Sums of energies and their multiples by numbers >= 0 are energies.
+An energy is one class in one file (`examples/extensions/values.py` is one from outside).  It says by
+which name files know it (`kind`), its quadratic form on a working basis, its exact one where it has
+one, and, unless it is a dataclass of numbers and texts, how it is written as a table of plain data
+and read from one.  Registered, it is known to `pas.blend`, project files and problem files.  Sums of
+energies and their multiples by numbers >= 0 are energies.
 
 The seam for energies that are no quadratic forms (such as of the surface f = 0 rather than of f): they
 are settled by Gauss-Newton steps around the quadratic programme.  Such an energy gives, at a member

@@ -10,6 +10,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, TypedDict, Unpack
 
 from flint import fmpq
+from numpy.typing import NDArray
 
 from pas.algebra.rational import Vector, plain, rational, vector
 from pas.errors import meant
@@ -70,7 +71,7 @@ class UnitCoefficients:
 
 Normalization = MeanAlpha | SumOfCoefficients | ValueAt | UnitCoefficients
 
-PointsLike = Sequence[Any]
+PointsLike = Sequence[Any] | NDArray[Any]
 """Points as users write them: sequences of three numbers each (or an array), or a single one."""
 
 

@@ -30,9 +30,6 @@ from pas.teapot.pot import teapot
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
-PASSED_ON: set[str] = set()
-"""Calls that hand `seconds` and `progress` on among their options."""
-
 SHORT = {"ParametricBlend.all_polynomial_solutions", "pas.write_cells"}
 """Calls of long ones on what is small, and of a library's function of the same name."""
 
@@ -77,7 +74,7 @@ def test_no_public_call_does_long_work_without_the_keywords():
     """What calls a long function by its name takes the keywords itself."""
     long_names = {name.rsplit(".", 1)[-1] for name in LONG_CALLS}
     for name, function in functions():
-        if is_limited(function) or name in PASSED_ON | SHORT:
+        if is_limited(function) or name in SHORT:
             continue
         tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
         called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
