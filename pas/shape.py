@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -107,12 +107,12 @@ class Kind(Generic[S]):
     record: Callable[[S, Verdicts | None], dict[str, Any]]
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
-    mesh: Callable[[S, Any, Any], Any] = _own_mesh
+    mesh: Callable[[S, Any, Any], Any] = field(default_factory=lambda: _own_mesh)
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     cells: Callable[[S], Any] | None = None
     meshed: bool = False
-    text: Callable[[S], str] = _whole_text
+    text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
     body: Callable[[S, Any], Any] | None = None
 
 
