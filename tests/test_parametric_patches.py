@@ -142,7 +142,7 @@ def test_products_of_nets(m, n, k, p, seed):
 
 
 def test_what_step_does_not_take(tmp_path):
-    with pytest.raises(ValueError, match=r"patches\[1\] is not exact; write fit_patch"):
+    with pytest.raises(ValueError, match=r"patches\[1\]: the surface is not exact; write fit_patch"):
         pas.write_step([pas.torus(2, 1).with_domain(SQUARE), pas.helicoid()], tmp_path / "a.step")
     with pytest.raises(ValueError, match="domain of t is infinite"):
         pas.write_step(BLEND, tmp_path / "a.step")

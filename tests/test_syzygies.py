@@ -260,7 +260,7 @@ def test_hilbert_functions_are_those_of_normal_forms():
 
 
 def test_a_deadline_ends_it():
-    with pytest.raises(pas.LimitError, match="Groebner basis of a module"), pas.limit(seconds=1e-9):
+    with pytest.raises(pas.LimitError, match="while finding syzygies"), pas.limit(seconds=1e-9):
         syzygies(CASES["pairs"])
 
 
