@@ -30,8 +30,8 @@ from pas.teapot.pot import teapot
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
-SHORT = {"ParametricBlend.all_polynomial_solutions", "pas.write_cells"}
-"""Calls of long ones on what is small, and of a library's function of the same name."""
+SHORT = {"ParametricBlend.all_polynomial_solutions", "pas.write_cells", "Submodule.normal_form"}
+"""Calls of long ones on what is small, and of other functions of the same name."""
 
 FOREVER, AT_ENTRY = 1e9, 0.5
 """Seconds of a clock that moves on by one at each look; the second look is at the entry of a call."""
