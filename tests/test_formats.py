@@ -117,7 +117,7 @@ def test_smooth_meshes_have_their_normals_in_ply_files(tmp_path):
 @pytest.fixture
 def off():
     """The example's format, taken out again afterwards."""
-    yield runpy.run_path(str(ROOT / "examples/extend/off.py"))
+    yield runpy.run_path(str(ROOT / "examples/extensions/off.py"))
     del FORMATS._entries[".off"]
 
 

@@ -1,6 +1,6 @@
 """A file format of your own: OFF, the Object File Format of Geomview, for everything that has a mesh.
 
-    python examples/extend/off.py ball.off
+    python examples/extensions/off.py ball.off
 
 A format is a suffix, what its files hold and a function that writes that.  Here the files hold triangles, so the
 function is given parts, each with a name, a colour (red, green, blue up to 255) and a `Mesh`.  It writes to a path that
