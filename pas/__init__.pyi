@@ -19,6 +19,8 @@ from .blending.shaping import LeastSquares as LeastSquares
 from .blending.shaping import Optimum as Optimum
 from .blending.solving import register_method as register_method
 from .blending.trivial import TrivialPart as TrivialPart
+from .designs.teapot import Teapot as Teapot
+from .designs.teapot import teapot as teapot
 from .errors import GeometryError as GeometryError
 from .errors import InfeasibleError as InfeasibleError
 from .errors import InputError as InputError

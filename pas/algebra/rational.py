@@ -15,7 +15,7 @@ import numbers
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, SupportsFloat
 
 from flint import fmpq, fmpz
 
@@ -28,6 +28,12 @@ NUMBER = re.compile(
 """A quotient of integers or a decimal."""
 
 Vector = tuple[fmpq, fmpq, fmpq]
+
+Exact = int | float | str | Fraction | fmpq | SupportsFloat
+"""What is taken for an exact number, as the head of this module says."""
+
+ExactVector = Sequence[Exact]
+"""What is taken for three exact numbers; also an array of shape (3,)."""
 
 
 def rational(value: Any, name: str = "number") -> fmpq:
