@@ -229,7 +229,7 @@ IMPOSSIBLE = {
         lambda: teapot(spout=Spout(channel=points((1.15, -0.4, 0.08), (1.76, 0.3, 0.06), (2.48, 1.2, 0.025)))),
         r"its axis leaves spout lower at \(1.76, 0, 0.3\)",
     ),
-    "shifted root": (lambda: teapot(spout=PaperSpout(root="14 - 9*x + 2*z", at_root=(1.5, 0, -0.25))), "joints of the spout"),
+    "root": (lambda: teapot(spout=PaperSpout(root="14 - 9*x + 2*z", at_root=(1.5, 0, -1/4))), "joints of the spout"),
 }  # fmt: skip
 """Designs that cannot be made, and what is said of the joint."""
 
