@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from flint import Ordering, fmpq, fmpz_mpoly, fmpz_mpoly_ctx
 
+from pas.algebra.brief import whole_or_brief
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.normal_form import NormalForm, groebner, integral, leading_exponents
 from pas.algebra.nullspace import nullspace
@@ -133,7 +134,7 @@ class Ideal:
         return hash(self.groebner_basis())
 
     def __repr__(self) -> str:
-        return f"Ideal({', '.join(repr(str(g)) for g in self.generators)})"
+        return whole_or_brief("Ideal", [repr(str(g)) for g in self.generators], "generators")
 
     @cached_property
     def form(self) -> NormalForm:

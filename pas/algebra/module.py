@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
+from pas.algebra.brief import whole_or_brief
 from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_syzygies, lead, vector_degree
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
@@ -123,8 +124,8 @@ class Submodule:
         return hash((self.width, self.groebner_basis()))
 
     def __repr__(self) -> str:
-        rows = (f"({', '.join(repr(str(p)) for p in g)})" for g in self.generators)
-        return f"Submodule({', '.join(rows)})"
+        rows = [f"({', '.join(repr(str(p)) for p in g)})" for g in self.generators]
+        return whole_or_brief("Submodule", rows, "generators")
 
     @cached_property
     def _layout(self) -> Layout:

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
+from pas.algebra.latex import latex
 from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import rational, to_float, to_fraction
@@ -199,7 +201,13 @@ class Polynomial:
         return str(self.raw)
 
     def __repr__(self) -> str:
-        return f"Polynomial({str(self)!r})"
+        text = str(self)
+        if len(text) <= LONGEST - len("Polynomial('')"):
+            return f"Polynomial({text!r})"
+        return f"<Polynomial of degree {self.degree} with {len(self.raw)} terms: {cut(text, FORMULA)}>"
+
+    def _repr_latex_(self) -> str:
+        return f"${latex(str(self))}$"
 
     def _combine(self, other: Any, operation: Any) -> Polynomial:
         if not isinstance(other, Polynomial):

@@ -16,9 +16,11 @@ from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
+from pas.algebra.latex import latex
 from pas.algebra.locus import primitive
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.written import Step
@@ -189,12 +191,24 @@ class RationalFunction:
         return _rebuilt, (_plain_terms(self.numerator), _plain_terms(self.denominator), self.names)
 
     def __str__(self) -> str:
-        ring = fmpq_mpoly_ctx.get(tuple(name or "_" for name in self.names), Ordering.degrevlex)
-        above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
+        above, below = self._parts()
         return above if self.is_polynomial else f"({above})/({below})"
 
     def __repr__(self) -> str:
-        return f"RationalFunction({str(self)!r})"
+        text = str(self)
+        if len(text) <= LONGEST - len("RationalFunction('')"):
+            return f"RationalFunction({text!r})"
+        return f"<RationalFunction of degree {self.degree}: {cut(text, FORMULA)}>"
+
+    def _repr_latex_(self) -> str:
+        above, below = (latex(part) for part in self._parts())
+        return f"${above}$" if self.is_polynomial else f"$\\frac{{{above}}}{{{below}}}$"
+
+    def _parts(self) -> tuple[str, str]:
+        """Numerator and denominator as texts in the function's own names."""
+        ring = fmpq_mpoly_ctx.get(tuple(name or "_" for name in self.names), Ordering.degrevlex)
+        above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
+        return above, below
 
     def _with(self, other: Any, operation: Any) -> RationalFunction:
         if not isinstance(other, RationalFunction):

@@ -20,6 +20,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
 from pas.algebra.monomials import exponents
@@ -45,6 +46,8 @@ class ExistenceCase:
     dimension: int
     basis: tuple[Any, ...]
 
+    __repr__ = brief
+
     def __str__(self) -> str:
         where = [f"{c} = 0" for c in self.conditions] + [f"{c} != 0" for c in self.inequations]
         lines = [f"{', '.join(where) or 'always'}: dimension {self.dimension}"]
@@ -67,6 +70,8 @@ class Existence:
     degree: int
     parameters: tuple[Any, ...]
     cases: tuple[ExistenceCase, ...]
+
+    __repr__ = brief
 
     @property
     def exists(self) -> tuple[ExistenceCase, ...]:

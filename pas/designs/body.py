@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.exact import settle
 from pas.errors import GeometryError
@@ -39,6 +40,8 @@ class Body:
     wall: Fraction = Fraction(1, 5)
     floor: Fraction = Fraction(1, 10)
     """Thickness of the hollow pot's walls, as a value of the body's polynomials, and of its floor."""
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         settle(self)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import sqrt
 
+from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.body import Body
 from pas.designs.exact import settle
@@ -42,6 +43,8 @@ class Handle:
     tube_side: Fraction = Fraction(1, 25)
     body_side: Fraction = Fraction(3, 20)
     """How far the fillets reach, as values of the tube's polynomial and of the body's."""
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         settle(self)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import sqrt
 
+from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.body import Body, below
 from pas.designs.exact import settle
@@ -40,6 +41,8 @@ class Lid:
 
     apex: Fraction = Fraction(1, 10)
     """Of the cone of which the knob has the curvature where it starts."""
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         settle(self)

@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import cos, pi, sin
 from typing import ClassVar
 
+from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.designs.body import Body
 from pas.designs.exact import Point, Points, points, settle
@@ -43,6 +44,8 @@ class PaperSpout(SpoutShape):
     at_root: Point = (Fraction(7, 5), Fraction(0), Fraction(-1, 5))
     """A point of the root's plane inside the body, where a cubic must be inside too."""
 
+    __repr__ = brief
+
     def cubics(self, body: Body) -> tuple[Polynomial, Polynomial]:
         """Both cubics as published."""
         contacts = [(body.lower, self.root), (self.waist, self.bend)]
@@ -72,6 +75,8 @@ class PaperHandle:
     half: Fraction = Fraction(11, 20)
     thickness: Fraction = Fraction(11, 100)
     """Of its centre line: how far it stands out, half its height; and its radius."""
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         settle(self)

@@ -9,6 +9,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import ClassVar
 
+from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.designs.body import Body, below
 from pas.designs.exact import Point, Points, points, settle
@@ -144,6 +145,8 @@ class Spout(SpoutShape):
     """A point in the middle of the lower patch."""
 
     channel: Points = points((1.15, -0.4, 0.08), (1.76, 0.08, 0.06), (2.02, 0.41, 0.05), (2.48, 1.2, 0.025))
+
+    __repr__ = brief
 
     def cubics(self, body: Body) -> tuple[Polynomial, Polynomial]:
         """Both cubics with GC^1 at the body as well."""

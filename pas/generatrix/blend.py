@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import plain
 from pas.algebra.inputs import shown
 from pas.algebra.jets import Jet, composed
@@ -66,6 +67,8 @@ class GeneratrixBlend(Shape):
     shape: GeneratrixShape
     alignment: Alignment
     kind = "generatrix blend"
+
+    __repr__ = brief
 
     @classmethod
     def of_turned(

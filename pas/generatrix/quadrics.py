@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
@@ -89,6 +90,8 @@ class SphereBlend(Shape):
     def certificate(self) -> Findings:
         """The verdicts on all blends."""
         return Findings.of_parts({f"blend {i}": blend.certificate for i, blend in enumerate(self.blends)})
+
+    __repr__ = brief
 
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(

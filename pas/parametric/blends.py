@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import Values
 from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain
@@ -58,6 +59,8 @@ class ParametricBlend(Shape):
     surface: ParametricSurface
     weights: Weights | None = None
     kind = "parametric blend"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         check_order(self.order)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import component
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, short, shown
@@ -36,6 +37,8 @@ class SurfaceCurve:
     parameter: str
     path: tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]
     exact_path: tuple[RationalFunction, RationalFunction] | None
+
+    __repr__ = brief
 
     def __init__(self, surface: ParametricSurface, t: Any, h: Any, parameter: str = "s") -> None:
         if not isinstance(surface, ParametricSurface):

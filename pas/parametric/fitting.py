@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
@@ -57,6 +58,8 @@ class FittedPatch(RationalPatch):
 
     deviation: float = 0.0
     certified: bool = False
+
+    __repr__ = brief
 
 
 class HasSurface(Protocol):

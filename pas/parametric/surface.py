@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.brief import cut
 from pas.algebra.callables import Values, component, from_derivatives
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, shown
@@ -285,7 +286,7 @@ class ParametricSurface(Shape):
         return "({}, {}, {})".format(*self.components)
 
     def __repr__(self) -> str:
-        return f"ParametricSurface{self}" if self.is_exact else f"<{self}>"
+        return cut(f"ParametricSurface{self}" if self.is_exact else f"<{self}>")
 
     def _chunked(self, points: Any, work: Values, extra: tuple[int, ...]) -> Floats:
         """Results of `work`, three arrays of shape (*extra, n) for n points, gathered: (*extra, ..., 3)."""

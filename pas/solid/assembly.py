@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief, listed
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
@@ -37,6 +38,8 @@ class Part(Shape):
 
     def __str__(self) -> str:
         return f"{self.shape} in {self.color}"
+
+    __repr__ = brief
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
@@ -111,7 +114,7 @@ class Assembly(Shape):
         return "\n\n".join(f"{name} ({part.color})\n{part.shape}" for name, part in self.parts.items())
 
     def __repr__(self) -> str:
-        return f"<Assembly of {', '.join(self.parts)}>"
+        return listed("<Assembly of", self.parts)
 
 
 def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -19,6 +20,8 @@ class Joint:
     second: str
     along: tuple[Polynomial, Polynomial]
     order: int
+
+    __repr__ = brief
 
     def __init__(self, first: str, second: str, along: Any, order: int) -> None:
         if not isinstance(along, Sequence) or isinstance(along, str) or len(along) != 2:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -296,7 +297,7 @@ class Solid(Shape):
         return part_list(self)
 
     def __repr__(self) -> str:
-        return f"<Solid with faces {', '.join(self.faces)}>"
+        return listed("<Solid with faces", self.faces)
 
 
 def patch(name: str, polynomial: Any, *region: Any) -> Solid:

@@ -12,6 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from flint import fmpq
 
+from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -28,6 +29,8 @@ class Contact:
 
     surface: Polynomial
     clip: Polynomial
+
+    __repr__ = brief
 
     def __init__(self, surface: Any, clip: Any) -> None:
         object.__setattr__(self, "surface", _equation(surface, "surface"))

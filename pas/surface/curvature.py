@@ -24,6 +24,7 @@ from typing import Any
 
 from flint import fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import RING, Polynomial
@@ -47,6 +48,8 @@ class CurvatureContact:
     curvature: Polynomial
     gradient: tuple[Polynomial, Polynomial, Polynomial]
     membership: Polynomial | None
+
+    __repr__ = brief
 
     @property
     def on_curve(self) -> bool:
