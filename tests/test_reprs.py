@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,18 +17,18 @@ from pas.algebra.brief import LONGEST, brief, cut
 LONG = pas.Polynomial("(1 + 2*x/3 + 3*y + 4*z/7)^9")
 
 
-@lru_cache(maxsize=None)
+@cache
 def parametric():
     data = pas.BlendingData([pas.elliptic_cylinder(1, 1), pas.elliptic_cylinder(2, 2)], values=[0, 1])
     return pas.hermite_blend(data, order=2)
 
 
-@lru_cache(maxsize=None)
+@cache
 def generatrix():
     return pas.blend_quadrics("x^2 + y^2 + z^2 - 4", "z - 1", "x^2 + y^2 - (z - 7)^2/9", "z - 5")
 
 
-@lru_cache(maxsize=None)
+@cache
 def space():
     elbow = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]
     return pas.solutions(elbow, order=1, partition=pas.SingleCell((-2, -2, -2), (2, 2, 2)))
@@ -54,7 +54,7 @@ def tetrahedron():
     return pas.VolumeMesh(points, np.array([[0, 1, 2, 3]]), zero[:1], ("part",), boundary, zero, ("face",))
 
 
-@lru_cache(maxsize=None)
+@cache
 def cubics():
     cylinders = [("x^2 + y^2 - 1", "z"), ("x^2 + y^2 - 4", "z - 2")]
     return pas.solutions(cylinders, order=1, degree=4, partition=pas.SingleCell((-3, -3, 0), (3, 3, 2)))

@@ -9,7 +9,7 @@ import runpy
 import subprocess
 import sys
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ FACTS = json.loads((ROOT / "tests" / "data" / "teapot.json").read_text())
 VOLUMES = {"paper": 11.25, "better": 11.14}
 
 
-@lru_cache(maxsize=None)
+@cache
 def built(style, **wishes):
     """A teapot, built once for all tests."""
     return teapot(style, **wishes)

@@ -16,7 +16,7 @@ from pas.algebra.brief import whole_or_brief
 from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_syzygies, lead, vector_degree
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.limits import Report, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
@@ -24,7 +24,7 @@ Syzygy = tuple[Polynomial, ...]
 
 @limited("finding syzygies", "a lower degree")
 def syzygies(
-    polynomials: Sequence[Any],
+    polynomials: Sequence[PolynomialLike | Sequence[PolynomialLike]],
     degree: int | None = None,
     *,
     seconds: float | None = None,

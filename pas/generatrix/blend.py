@@ -273,7 +273,7 @@ def generatrix_blend(
     multiples of them.
 
     Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
-    shape functions that do not close up on closed curves.
+    shape functions that do not close up on closed curves, `TypeError` for what is no boundary or shape.
     """
     for boundary, name in ((first, "first"), (second, "second")):
         if not isinstance(boundary, Boundary):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -117,7 +117,11 @@ class Assembly(Shape):
         return listed("<Assembly of", self.parts)
 
 
-def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:
+PartLike: TypeAlias = Solid | SolidMesh | tuple[Solid | SolidMesh, str]
+"""What is taken for a part: a solid or closed mesh, or that and its colour."""
+
+
+def assembly(parts: Mapping[str, PartLike] | None = None, **named: PartLike) -> Assembly:
     """An assembly of solids or closed meshes by name: `assembly(pot=..., lid=...)`.
 
     A value may be a pair (solid, colour) with the colour as `#rrggbb`.  Raises `TypeError` and
