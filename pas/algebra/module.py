@@ -49,7 +49,7 @@ def syzygies(
     Source: Buchberger (1965) and Schreyer (1980); see Cox, Little and O'Shea (2005, chapter 5).
 
     >>> [[str(a) for a in s] for s in syzygies(["x", "y"])]
-    [['y', '-x']]
+    [['-y', 'x']]
     """
     vectors = _vectors(polynomials, "polynomials")
     if degree is not None and (not isinstance(degree, int) or isinstance(degree, bool) or degree < 0):

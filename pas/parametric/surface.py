@@ -31,10 +31,10 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, to_float, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction
+from pas.algebra.rational_function import PARAMETERS, FunctionLike, RationalFunction
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.components import Components, bundle_values, moved_text, text_of
 from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
-from pas.parametric.rational_function import PARAMETERS, FunctionLike, RationalFunction
 from pas.parametric.series import composed
 from pas.shape import Shape
 from pas.verdicts import Findings

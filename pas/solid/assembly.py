@@ -117,7 +117,7 @@ class Assembly(Shape):
         return listed("<Assembly of", self.parts)
 
 
-PartLike: TypeAlias = Solid | SolidMesh | tuple[Solid | SolidMesh, str]
+PartLike: TypeAlias = Solid | Mesh | tuple[Solid | Mesh, str]
 """What is taken for a part: a solid or closed mesh, or that and its colour."""
 
 
@@ -134,7 +134,7 @@ def assembly(parts: Mapping[str, PartLike] | None = None, **named: PartLike) -> 
     for number, (name, value) in enumerate(given.items()):
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
-            raise TypeError(f"the part {name!r} must be a solid or a SolidMesh, not {shape!r}")
+            raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}")
         result[name] = Part(shape, _color(color, name))
     return Assembly(MappingProxyType(result))
 
