@@ -16,7 +16,6 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
-
 from pas import solid
 from pas.designs.teapot import Teapot, teapot
 from pas.render.parts import Look, draw_parts

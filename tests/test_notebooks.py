@@ -26,9 +26,9 @@ def test_the_first_blend(tmp_path, monkeypatch):
     NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     text = "".join(output.get("text", "") for output in outputs)
-    assert "degree 5" in text
-    assert "all proved" in text
-    assert "energy 102.34 and " in text
+    assert "order               GC^2 at the contacts" in text
+    assert "energy 102.34 and 103.07; proved: True" in text
+    assert "volume 1.943" in text
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
     assert sum("text/latex" in output.get("data", {}) for output in outputs) == 1
     assert {p.name for p in tmp_path.iterdir()} == {
