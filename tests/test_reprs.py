@@ -13,6 +13,7 @@ from flint import fmpq
 import pas
 from pas import solid
 from pas.algebra.brief import LONGEST, brief, cut
+from pas.shape import KINDS
 
 LONG = pas.Polynomial("(1 + 2*x/3 + 3*y + 4*z/7)^9")
 
@@ -85,6 +86,7 @@ SAMPLES = {
     "IsolatedPoint": lambda: pas.IsolatedPoint(1, "x", 0.5, fmpq(1, 3), "t - 1/2", next(iter(pas.PointKind))),
     "LeastSquares": lambda: cubics().least_squares(np.random.default_rng(0).random((40, 3))),
     "MeanAlpha": pas.MeanAlpha,
+    "Kind": lambda: KINDS["solid"],
     "Membrane": pas.Membrane,
     "Mesh": lambda: ball().mesh(0.1),
     "Multipliers": lambda: space().multipliers[0],
@@ -96,6 +98,7 @@ SAMPLES = {
     "ParametricSolutions": lambda: parametric().all_solutions(),
     "ParametricSurface": lambda: parametric().surface,
     "Partition": lambda: pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)]),
+    "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],
     "PointKind": lambda: next(iter(pas.PointKind)),

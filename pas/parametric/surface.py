@@ -11,7 +11,7 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -30,7 +30,6 @@ from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, to_float, vector
-from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.algebra.rational_function import PARAMETERS, FunctionLike, RationalFunction
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.components import Components, bundle_values, moved_text, text_of

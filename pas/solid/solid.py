@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -326,10 +326,7 @@ def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -
     items = list(solids)
     if not items:
         raise ValueError("there must be at least one solid")
-    result = items[0]
-    for item in items[1:]:
-        result = operation(result, item)
-    return result
+    return reduce(operation, items)
 
 
 def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
