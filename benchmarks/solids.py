@@ -17,9 +17,9 @@ from pathlib import Path
 from statistics import median
 
 from pas import solid
+from pas.designs.teapot import Teapot, teapot
 from pas.render.parts import Look, draw_parts
 from pas.solid.solid import Solid
-from pas.teapot.pot import Teapot, teapot
 
 CASES: dict[str, tuple[Callable[[], Solid], float]] = {
     "box": (lambda: solid.box((0, 0, 0), (1, 2, 3)), 1e-3),

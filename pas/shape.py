@@ -115,6 +115,9 @@ class Kind(Generic[S]):
     text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
     body: Callable[[S, Any], Any] | None = None
 
+    def __repr__(self) -> str:
+        return f"<Kind {self.name!r} of {self.type.__name__}>"
+
 
 KINDS: Registry[Kind[Any]] = Registry(
     "kind of shape",

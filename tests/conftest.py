@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) 
     return [pas.Pipe(axis=a, radius=r, clip=h) for a, r, h in zip(AXES, radii, clips, strict=True)]
 
 
-@lru_cache(maxsize=None)
+@cache
 def solved(radii: tuple[str, ...], order: int, degree: int | None = None) -> pas.Blend:
     """A blend of unit corners, solved once for all tests."""
     return pas.blend(pipes(radii), order, degree)

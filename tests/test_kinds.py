@@ -38,7 +38,7 @@ def _through_sphere():
 
 def _pot():
     """A small stand-in for the teapot, which is tested elsewhere: another closed solid, and its parts."""
-    from pas.teapot.pot import Teapot
+    from pas.designs.teapot import Teapot
 
     bowl, lid = solid.box((0, 0, 0), (2, 2, 1)), solid.box((0, 0, 1), (2, 2, "3/2"))
     return Teapot("paper", bowl | lid, bowl, lid)

@@ -9,7 +9,7 @@ from igl.copyleft import cgal
 
 import pas
 from pas import solid
-from pas.teapot.pot import teapot
+from pas.designs.teapot import teapot
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 from itertools import permutations, product
 from math import prod
 
@@ -28,7 +28,7 @@ TINY = Fraction(1, 10**30)
 X = tuple(map(Polynomial, "xyz"))
 
 
-@lru_cache(maxsize=None)
+@cache
 def base(name: str) -> tuple[Known, Certificate]:
     """A proved surface and its certificate."""
     known = {

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
+import runpy
 import subprocess
 import sys
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,11 +17,16 @@ from conftest import ROOT
 
 import pas
 from pas import solid
-from pas.teapot import body, lid, spout
-from pas.teapot.pot import teapot
+from pas.designs import STYLES, Body, Handle, Lid, PaperHandle, PaperSpout, Spout, points, teapot
 
 FACTS = json.loads((ROOT / "tests" / "data" / "teapot.json").read_text())
 VOLUMES = {"paper": 11.25, "better": 11.14}
+
+
+@cache
+def built(style, **wishes):
+    """A teapot, built once for all tests."""
+    return teapot(style, **wishes)
 
 
 def definitions(style):
@@ -70,16 +78,18 @@ def test_printed_patches_make_one_closed_solid_with_all_joints(style):
 
 def test_lid_and_body_come_out_as_printed():
     names, _ = definitions("paper")
-    assert lid.knob(Fraction(7, 5)) == names["lid3"]
-    assert lid.blend().primitive() == names["lid2"].primitive()
-    assert names["lid1"] == lid.DOME
-    assert body.upper() == names["q1"]
-    assert names["q2"] == body.LOWER
+    body = Body()
+    made = Lid(height="7/5").solid(body).polynomials
+    assert made["lid knob"] == (names["lid3"],)
+    assert made["lid blend"][0].primitive() == names["lid2"].primitive()
+    assert made["lid dome"] == (names["lid1"],)
+    assert body.upper == names["q1"]
+    assert names["q2"] == body.lower
 
 
 def test_spouts_are_members_of_their_ideals():
     names, _ = definitions("paper")
-    lower, upper = spout.paper(Fraction(0))
+    lower, upper = PaperSpout().cubics(Body())
     both = pas.contact_ideal((names["q2"], names["h1"]), 0) & pas.contact_ideal((names["kz"], names["h2"]), 0)
     assert lower in both
     assert names["spl"] in both
@@ -87,13 +97,13 @@ def test_spouts_are_members_of_their_ideals():
     for generator in ("G0", "Gd", "Ge"):
         assert names[generator] in both
     assert upper in pas.contact_ideal((lower, names["h2"]), 1)
-    lower, upper = spout.better(Fraction(0))
+    lower, upper = Spout().cubics(Body())
     assert lower in pas.contact_ideal((names["q2"], names["h1"]), 1)
 
 
 @pytest.mark.parametrize("style", ["paper", "better"])
 def test_teapots_are_closed_joined_and_of_the_known_volume(style):
-    pot = teapot(style)
+    pot = built(style)
     shape = pot.solid
     assert shape.proved
     wanted = sorted(order for *_, order in FACTS[style]["joints"])
@@ -107,9 +117,28 @@ def test_teapots_are_closed_joined_and_of_the_known_volume(style):
     assert (cover.is_closed, cover.components, cover.euler_characteristic) == (True, 1, 2)
 
 
+DIGESTS = {
+    "paper": ({"style": "paper"}, 12, "bc653756426470b7"),
+    "better": ({}, 23, "1a982d365efbef20"),
+    "leaning": ({"spout_tilt": "1/10", "lid_height": "3/2"}, 23, "5ebe57122b37c3e7"),
+    "larger": ({"handle_size": "11/10"}, 23, "ea18135bc5a8bb08"),
+    "paper, other": ({"style": "paper", "spout_tilt": "-1/10", "handle_size": "21/20"}, 12, "c8212507aae88f10"),
+}
+"""Wishes, number of faces, and the first digits of the SHA-256 of all polynomials, as the constants gave them."""
+
+
+@pytest.mark.parametrize("name", DIGESTS)
+def test_designs_give_the_same_polynomials_bit_for_bit(name):
+    wishes, number, digest = DIGESTS[name]
+    faces = {k: v for part in ("pot", "lid", "solid") for k, v in getattr(teapot(**wishes), part).polynomials.items()}
+    assert len(faces) == number
+    text = "\n".join(f"{face}: {p}" for face in sorted(faces) for p in faces[face])
+    assert hashlib.sha256(text.encode()).hexdigest()[:16] == digest
+
+
 @pytest.mark.slow
 def test_the_hollow_pot_pours():
-    hollow = teapot("better").pot
+    hollow = built("better").pot
     mesh = hollow.mesh(1e-2)
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, -2)
     assert not hollow.contains([[0, 0, 0], [1.78, 0, 0.08], [2.2, 0, 0.7]]).any()
@@ -120,18 +149,16 @@ def test_parameters_rebuild_or_name_the_joint():
     tall = teapot("better", lid_height="3/2")
     assert tall.solid.proved
     assert tall.solid.contains([[0, 0, 1.49]])[0]
-    assert not teapot("better").solid.contains([[0, 0, 1.49]])[0]
+    assert not built("better").solid.contains([[0, 0, 1.49]])[0]
     assert teapot("better", handle_size="11/10").solid.proved
     assert teapot("better", spout_tilt="1/10").solid.proved
     for changed in ({"lid_height": 1}, {"spout_tilt": 1}, {"handle_size": 2}):
         with pytest.raises(pas.GeometryError, match=r"joint.* cannot be made with"):
             teapot("better", **changed)
-    with pytest.raises(ValueError, match="style must be one of"):
-        teapot("ugly")
 
 
 def test_many_points_are_classified():
-    shape = teapot("better").solid
+    shape = built("better").solid
     points = np.random.default_rng(0).uniform(shape.box[0], shape.box[1], size=(200_000, 3))
     share = shape.contains(points).mean() * np.prod(np.ptp(shape.box, axis=0))
     assert share == pytest.approx(VOLUMES["better"], rel=0.02)
@@ -145,3 +172,94 @@ def test_the_example_runs(tmp_path):
     )
     assert "joints: 8 of 8 proved" in done.stdout
     assert (tmp_path / "teapot.stl").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_the_design_of_ones_own(tmp_path, capsys):
+    pot = runpy.run_path(str(ROOT / "examples/teapot/own_design.py"))["main"](tmp_path / "own.stl")
+    out = capsys.readouterr().out
+    assert "joints: 12 of 12 proved" in out
+    assert "volume 11.099" in out
+    assert "refused: the joint of handle and upper body cannot be made" in out
+    assert (tmp_path / "own.stl").stat().st_size > 10_000
+    assert pot.solid.polynomials["spout upper"] != built("better").solid.polynomials["spout upper"]
+    assert pot.solid.polynomials["body lower"] == built("better").solid.polynomials["body lower"]
+
+
+def test_parts_of_both_styles_go_together():
+    """The published spout on the other pot: its joint with the body is GC^0, and it has no channel."""
+    pot = teapot(spout=PaperSpout())
+    assert pot.solid.proved
+    order = {(j.first, j.second): j.order for j in pot.solid.joints}
+    assert order["body lower", "spout lower"] == 0
+    assert order["body upper", "handle upper fillet"] == 1
+    assert "channel" not in pot.pot.faces
+    assert "channel" in built("better").pot.faces
+
+
+def test_a_handle_of_ones_own_needs_two_methods():
+    class NoHandle:
+        def walls(self):
+            return (), ()
+
+        def attached(self, solid, body):
+            return solid
+
+    pot = teapot(handle=NoHandle())
+    assert pot.solid.proved
+    assert not [face for face in pot.solid.faces if "handle" in face]
+    with pytest.raises(TypeError, match="handle_size changes designs with a field size, which"):
+        teapot(handle=NoHandle(), handle_size=1)
+
+
+IMPOSSIBLE = {
+    "seam": (lambda: Body(seam=1), "the joint of lower and upper body .* between the bottom at -4/5 and the top at 1"),
+    "axis": (lambda: Body(lower="x^2 + y^2 + z^2 - 1/10"), "the joint of lower and upper .* lower quadric .* -4/5"),
+    "rim": (lambda: Body(rim=-1), "the joint of lid and body .* not -1"),
+    "dome": (lambda: Lid(dome_end="1/5"), "the joint of dome and blend"),
+    "knob": (lambda: Lid(knob_start="1/20"), "the joint of knob and blend .* above dome_end 9/100"),
+    "low knob": (lambda: teapot(lid_height=1), "the joint of knob and blend .* lid_height 1: the knob starts at 6/5"),
+    "thick": (lambda: Handle(thickness="3/5"), "the joint of handle loop and handle tubes .* below half"),
+    "thin": (lambda: Handle(thickness=0), "the joints of the handle .* thickness must be positive, not 0"),
+    "high": (lambda: teapot(handle=Handle(middle="3/10")), "the joint of handle and upper body .* and the lid at 1"),
+    "paper": (lambda: PaperHandle(size=2), "the joints of handle and body .* handle_size 2"),
+    "tilt": (lambda: Spout(tilt="1/4"), "the joint of the two spout patches .* spout_tilt 1/4"),
+    "inside": (lambda: Spout(inside=(2, 0, 0)), "the two spout patches .* inside must be a point of"),
+    "channel": (
+        lambda: teapot(spout=Spout(channel=points((1.15, -0.4, 0.08), (1.76, 0.3, 0.06), (2.48, 1.2, 0.025)))),
+        r"its axis leaves spout lower at \(1.76, 0, 0.3\)",
+    ),
+    "root": (lambda: teapot(spout=PaperSpout(root="14 - 9*x + 2*z", at_root=(1.5, 0, -1/4))), "joints of the spout"),
+}  # fmt: skip
+"""Designs that cannot be made, and what is said of the joint."""
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_made_names_the_joint(name):
+    make, sentence = IMPOSSIBLE[name]
+    with pytest.raises(pas.GeometryError, match=sentence):
+        make()
+
+
+MISUSE = {
+    "no number": (lambda: Spout(tilt="much"), ValueError, "tilt is not a rational number: 'much'"),
+    "no points": (lambda: Spout(lower_outline="1 2"), TypeError, "lower_outline must be a sequence of points"),
+    "points in space": (lambda: Spout(lower_outline=[(1, 2, 3)]), ValueError, r"lower_outline must be points \(x, z\)"),
+    "mixed points": (lambda: Spout(channel=[(1, 2, 3), (1, 2)]), ValueError, r"channel\[1\] has 2 coordinates"),
+    "a wrong part": (lambda: teapot(spout=Handle()), TypeError, r"spout must be a design such as .*Spout\(\)"),
+    "a class": (lambda: teapot(handle=Handle), TypeError, r"handle must be a design such as .*Handle\(\)"),
+    "a style": (lambda: teapot("ugly"), ValueError, "style must be one of 'paper', 'better', not 'ugly'"),
+    "a wall": (lambda: Spout(lower_walls=["x +"]), ValueError, r"lower_walls\[0\]"),
+}
+
+
+@pytest.mark.parametrize("name", MISUSE)
+def test_misuse_names_the_argument(name):
+    make, error, sentence = MISUSE[name]
+    with pytest.raises(error, match=sentence):
+        make()
+
+
+def test_styles_are_two():
+    assert list(STYLES) == ["paper", "better"]
+    assert pas.teapot is teapot

@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 from pas import save_solid
+from pas.designs import STYLES, teapot
 from pas.exchange.write import write_solid
 from pas.render.parts import Look, draw_parts
-from pas.teapot.pot import STYLES, teapot
 
 parser = argparse.ArgumentParser(description="Build, prove, mesh and draw a teapot.")
 parser.add_argument("--style", choices=STYLES, default="better")

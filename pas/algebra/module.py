@@ -12,10 +12,11 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
+from pas.algebra.brief import whole_or_brief
 from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_syzygies, lead, vector_degree
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.limits import Report, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
@@ -23,7 +24,7 @@ Syzygy = tuple[Polynomial, ...]
 
 @limited("finding syzygies", "a lower degree")
 def syzygies(
-    polynomials: Sequence[Any],
+    polynomials: Sequence[PolynomialLike | Sequence[PolynomialLike]],
     degree: int | None = None,
     *,
     seconds: float | None = None,
@@ -48,7 +49,7 @@ def syzygies(
     Source: Buchberger (1965) and Schreyer (1980); see Cox, Little and O'Shea (2005, chapter 5).
 
     >>> [[str(a) for a in s] for s in syzygies(["x", "y"])]
-    [['y', '-x']]
+    [['-y', 'x']]
     """
     vectors = _vectors(polynomials, "polynomials")
     if degree is not None and (not isinstance(degree, int) or isinstance(degree, bool) or degree < 0):
@@ -123,8 +124,8 @@ class Submodule:
         return hash((self.width, self.groebner_basis()))
 
     def __repr__(self) -> str:
-        rows = (f"({', '.join(repr(str(p)) for p in g)})" for g in self.generators)
-        return f"Submodule({', '.join(rows)})"
+        rows = [f"({', '.join(repr(str(p)) for p in g)})" for g in self.generators]
+        return whole_or_brief("Submodule", rows, "generators")
 
     @cached_property
     def _layout(self) -> Layout:

@@ -6,7 +6,7 @@ C(m+3, 3) of those of any higher degree; inside one degree, in descending lexico
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from math import comb
 
 import numpy as np
@@ -21,13 +21,13 @@ CHUNK_ENTRIES = 1 << 21
 """Entries of the monomial matrix held at once (16 MB): larger blocks fall out of the caches."""
 
 
-@lru_cache(maxsize=None)
+@cache
 def exponents(degree: int, variables: int = 3) -> tuple[Exponents, ...]:
     """All exponent tuples of total degree <= `degree`, in the order above."""
     return tuple(e for d in range(degree + 1) for e in homogeneous_exponents(d, variables))
 
 
-@lru_cache(maxsize=None)
+@cache
 def homogeneous_exponents(degree: int, variables: int = 3) -> tuple[Exponents, ...]:
     """All exponent tuples of total degree exactly `degree`, descending lexicographically."""
     if variables == 1:
@@ -39,7 +39,7 @@ def homogeneous_exponents(degree: int, variables: int = 3) -> tuple[Exponents, .
     )
 
 
-@lru_cache(maxsize=None)
+@cache
 def positions(degree: int, variables: int = 3) -> dict[Exponents, int]:
     """Where each exponent tuple stands in `exponents`."""
     return {e: i for i, e in enumerate(exponents(degree, variables))}
@@ -50,7 +50,7 @@ def count(degree: int, variables: int = 3) -> int:
     return comb(degree + variables, variables) if degree >= 0 else 0
 
 
-@lru_cache(maxsize=None)
+@cache
 def _products(degree: int) -> tuple[tuple[slice, NDArray[np.intp], int], ...]:
     """How each block of monomials follows from earlier columns: (columns, parents, variable)."""
     where = positions(degree)

@@ -7,23 +7,29 @@ exact; calling a polynomial on an array is the only numerical thing it does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, lcm
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from numpy.typing import ArrayLike
 
+from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
+from pas.algebra.latex import latex
 from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
 from pas.algebra.parse import parse_polynomial
-from pas.algebra.rational import rational, to_float, to_fraction
+from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 
 VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+
+PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
+"""What is taken for a polynomial; see `Polynomial`."""
 
 
 class Polynomial:
@@ -39,7 +45,7 @@ class Polynomial:
     (2, Fraction(-1, 9))
     """
 
-    def __init__(self, expression: Any) -> None:
+    def __init__(self, expression: PolynomialLike) -> None:
         self.raw: fmpq_mpoly = _read(expression)
 
     @classmethod
@@ -90,19 +96,19 @@ class Polynomial:
         """Exact substitution of polynomials for the three variables."""
         return Polynomial.from_raw(self.raw.compose(x.raw, y.raw, z.raw, ctx=RING))
 
-    def at(self, point: Any) -> Fraction:
+    def at(self, point: VectorLike) -> Fraction:
         """The exact value at one rational point."""
         return to_fraction(self.raw(*(rational(entry, "coordinate") for entry in point)))
 
-    def __call__(self, points: Any) -> Any:
+    def __call__(self, points: ArrayLike) -> Any:
         """Values at `points` (..., 3), as floats of shape (...)."""
         return self._evaluate(points, self._columns[:, :1])[..., 0]
 
-    def gradient(self, points: Any) -> Floats:
+    def gradient(self, points: ArrayLike) -> Floats:
         """Gradients at `points` (..., 3), shape (..., 3)."""
         return self._evaluate(points, self._columns[:, 1:])
 
-    def hessian(self, points: Any) -> Floats:
+    def hessian(self, points: ArrayLike) -> Floats:
         """Matrices of second derivatives at `points` (..., 3), shape (..., 3, 3)."""
         degree = max(self.degree, 0)
         columns = np.stack([self.diff(i).diff(j).dense(degree) for i in range(3) for j in range(3)], 1)
@@ -124,7 +130,7 @@ class Polynomial:
         return np.stack([part.dense(degree) for part in parts], axis=1)
 
     @staticmethod
-    def _evaluate(points: Any, columns: Floats) -> Floats:
+    def _evaluate(points: ArrayLike, columns: Floats) -> Floats:
         array = np.asarray(points, dtype=float)
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
@@ -148,22 +154,22 @@ class Polynomial:
         terms = {e: sympy.Rational(c.numerator, c.denominator) for e, c in self.coefficients().items()}
         return sympy.Poly(terms or {(0, 0, 0): 0}, *symbols).as_expr()
 
-    def __add__(self, other: Any) -> Polynomial:
+    def __add__(self, other: PolynomialLike) -> Polynomial:
         return self._combine(other, lambda a, b: a + b)
 
-    def __sub__(self, other: Any) -> Polynomial:
+    def __sub__(self, other: PolynomialLike) -> Polynomial:
         return self._combine(other, lambda a, b: a - b)
 
-    def __rsub__(self, other: Any) -> Polynomial:
+    def __rsub__(self, other: PolynomialLike) -> Polynomial:
         return self._combine(other, lambda a, b: b - a)
 
-    def __mul__(self, other: Any) -> Polynomial:
+    def __mul__(self, other: PolynomialLike) -> Polynomial:
         return self._combine(other, lambda a, b: a * b)
 
     __radd__ = __add__
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Polynomial:
+    def __truediv__(self, other: PolynomialLike) -> Polynomial:
         divisor = rational(other, "the divisor")
         if divisor == 0:
             raise ZeroDivisionError("a polynomial cannot be divided by zero")
@@ -184,7 +190,7 @@ class Polynomial:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Polynomial):
             try:
-                other = Polynomial(other)
+                other = Polynomial(other)  # type: ignore[arg-type]  # refused where it is none
             except (TypeError, ValueError):
                 return NotImplemented
         return bool(self.raw == other.raw)
@@ -199,9 +205,15 @@ class Polynomial:
         return str(self.raw)
 
     def __repr__(self) -> str:
-        return f"Polynomial({str(self)!r})"
+        text = str(self)
+        if len(text) <= LONGEST - len("Polynomial('')"):
+            return f"Polynomial({text!r})"
+        return f"<Polynomial of degree {self.degree} with {len(self.raw)} terms: {cut(text, FORMULA)}>"
 
-    def _combine(self, other: Any, operation: Any) -> Polynomial:
+    def _repr_latex_(self) -> str:
+        return f"${latex(str(self))}$"
+
+    def _combine(self, other: PolynomialLike, operation: Callable[[fmpq_mpoly, fmpq_mpoly], fmpq_mpoly]) -> Polynomial:
         if not isinstance(other, Polynomial):
             try:
                 other = Polynomial(other)
@@ -227,7 +239,7 @@ def _read(expression: Any) -> fmpq_mpoly:
     return RING.constant(rational(expression, "the polynomial"))
 
 
-def _checked_terms(terms: Mapping[Any, Any]) -> dict[Exponents, fmpq]:
+def _checked_terms(terms: Mapping[tuple[int, ...], Exact]) -> dict[Exponents, fmpq]:
     checked: dict[Exponents, fmpq] = {}
     for key, value in terms.items():
         valid = isinstance(key, tuple) and len(key) == 3

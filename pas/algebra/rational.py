@@ -15,11 +15,14 @@ import numbers
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from flint import fmpq, fmpz
 
 from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, shown
+
+if TYPE_CHECKING:
+    import numpy as np
 
 NUMBER = re.compile(
     r"(?P<sign>[+-]?)(?=[.0-9])(?P<whole>[0-9]*)(?:/(?P<below>[0-9]+)|(?:\.(?P<decimals>[0-9]*))?"
@@ -28,6 +31,20 @@ NUMBER = re.compile(
 """A quotient of integers or a decimal."""
 
 Vector = tuple[fmpq, fmpq, fmpq]
+
+Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
+"""What is taken for an exact number, as the head of this module says."""
+
+VectorLike: TypeAlias = "Sequence[Exact] | np.ndarray"
+"""What is taken for three exact numbers: a sequence of them, or an array of shape (3,)."""
+
+
+class Symbolic(Protocol):
+    """An expression of sympy, by what tells it: sympy itself is not imported for it."""
+
+    @property
+    def free_symbols(self) -> Any:
+        """Its symbols."""
 
 
 def rational(value: Any, name: str = "number") -> fmpq:

@@ -12,21 +12,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
+from pas.algebra.latex import latex
 from pas.algebra.locus import primitive
-from pas.algebra.rational import rational, to_fraction
+from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
 from pas.algebra.written import Step
 
 PARAMETERS: Names = ("t", "h")
 RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 ONE: fmpq_mpoly = RING.constant(1)
+
+FunctionLike: TypeAlias = "RationalFunction | Exact | Symbolic"
+"""What is taken for a function of the parameters, mostly a text; see `RationalFunction`."""
 
 
 class RationalFunction:
@@ -42,7 +47,7 @@ class RationalFunction:
     ('t + h + 1/2', 1, True)
     """
 
-    def __init__(self, expression: Any, names: Names = PARAMETERS) -> None:
+    def __init__(self, expression: FunctionLike, names: Names = PARAMETERS) -> None:
         made = _read(expression, names)
         self.numerator: fmpq_mpoly = made.numerator
         self.denominator: fmpq_mpoly = made.denominator
@@ -141,24 +146,24 @@ class RationalFunction:
             parts.append(sympy.Poly(terms or {(0, 0): 0}, *symbols).as_expr())
         return parts[0] / parts[1]
 
-    def __add__(self, other: Any) -> RationalFunction:
+    def __add__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, lambda a, b: total([a, b]))
 
-    def __sub__(self, other: Any) -> RationalFunction:
+    def __sub__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, lambda a, b: total([a, -b]))
 
-    def __rsub__(self, other: Any) -> RationalFunction:
+    def __rsub__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, lambda a, b: total([b, -a]))
 
-    def __mul__(self, other: Any) -> RationalFunction:
+    def __mul__(self, other: FunctionLike) -> RationalFunction:
         return self._with(
             other, lambda a, b: RationalFunction.quotient(a.numerator * b.numerator, a.denominator * b.denominator)
         )
 
-    def __truediv__(self, other: Any) -> RationalFunction:
+    def __truediv__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, _divided)
 
-    def __rtruediv__(self, other: Any) -> RationalFunction:
+    def __rtruediv__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, lambda a, b: _divided(b, a))
 
     __radd__ = __add__
@@ -177,7 +182,7 @@ class RationalFunction:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RationalFunction):
             try:
-                other = RationalFunction(other, self.names)
+                other = RationalFunction(other, self.names)  # type: ignore[arg-type]  # refused where it is none
             except (TypeError, ValueError):
                 return NotImplemented
         return bool(self.numerator == other.numerator and self.denominator == other.denominator)
@@ -189,14 +194,26 @@ class RationalFunction:
         return _rebuilt, (_plain_terms(self.numerator), _plain_terms(self.denominator), self.names)
 
     def __str__(self) -> str:
-        ring = fmpq_mpoly_ctx.get(tuple(name or "_" for name in self.names), Ordering.degrevlex)
-        above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
+        above, below = self._parts()
         return above if self.is_polynomial else f"({above})/({below})"
 
     def __repr__(self) -> str:
-        return f"RationalFunction({str(self)!r})"
+        text = str(self)
+        if len(text) <= LONGEST - len("RationalFunction('')"):
+            return f"RationalFunction({text!r})"
+        return f"<RationalFunction of degree {self.degree}: {cut(text, FORMULA)}>"
 
-    def _with(self, other: Any, operation: Any) -> RationalFunction:
+    def _repr_latex_(self) -> str:
+        above, below = (latex(part) for part in self._parts())
+        return f"${above}$" if self.is_polynomial else f"$\\frac{{{above}}}{{{below}}}$"
+
+    def _parts(self) -> tuple[str, str]:
+        """Numerator and denominator as texts in the function's own names."""
+        ring = fmpq_mpoly_ctx.get(tuple(name or "_" for name in self.names), Ordering.degrevlex)
+        above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
+        return above, below
+
+    def _with(self, other: FunctionLike, operation: Any) -> RationalFunction:
         if not isinstance(other, RationalFunction):
             try:
                 other = RationalFunction(other, self.names)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache
 from math import factorial, lcm
 
 import numpy as np
@@ -63,7 +63,7 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
     return row
 
 
-@lru_cache(maxsize=None)
+@cache
 def _power_to_bernstein(degree: int, dimension: int) -> fmpz_mat:
     where = positions(degree, dimension)
     indices = homogeneous_exponents(degree, dimension + 1)

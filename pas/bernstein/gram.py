@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from math import comb, prod
 
 from flint import fmpq, fmpq_mat
@@ -10,7 +10,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import homogeneous_exponents
 
 
-@lru_cache(maxsize=None)
+@cache
 def gram(degree: int, dimension: int) -> fmpq_mat:
     """Integrals of B_a B_b over a simplex of volume 1 (Lai and Schumaker 2007, section 2.11).
 

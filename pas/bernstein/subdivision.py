@@ -7,7 +7,7 @@ the greatest; by repeated means (`halves`), with n 2^-53, exact for exact number
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from itertools import combinations
 from math import comb
 from typing import Any
@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, homogeneous_exponents
 
 
-@lru_cache(maxsize=None)
+@cache
 def edges(vertices: int) -> tuple[tuple[int, int], ...]:
     """The edges of a simplex with that many vertices, as pairs of vertex numbers."""
     return tuple(combinations(range(vertices), 2))
 
 
-@lru_cache(maxsize=None)
+@cache
 def halving(degree: int, vertices: int, edge: int) -> tuple[Floats, Floats]:
     """Matrices from the B-coefficients on a simplex to those on its two halves.
 

@@ -20,6 +20,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
 from pas.algebra.monomials import exponents
@@ -36,19 +37,20 @@ from pas.limits import Report, limited
 class ExistenceCase:
     """One case: where all `conditions` are zero and no inequation is (sympy polynomials).
 
-    `basis` holds `dimension` independent solutions there, sympy expressions in x, y, z and the
-    parameters.
+    `basis` holds `dimension` independent solutions there, sympy expressions in x, y, z and the parameters.
     """
 
     conditions: tuple[Any, ...]
     inequations: tuple[Any, ...]
     dimension: int
     basis: tuple[Any, ...]
+    __repr__ = brief
 
     def __str__(self) -> str:
         where = [f"{c} = 0" for c in self.conditions] + [f"{c} != 0" for c in self.inequations]
-        lines = [f"{', '.join(where) or 'always'}: dimension {self.dimension}"]
-        return "\n".join(lines + [f"    {g}" for g in self.basis])
+        return "\n".join(
+            [f"{', '.join(where) or 'always'}: dimension {self.dimension}", *(f"    {g}" for g in self.basis)]
+        )
 
     def _repr_latex_(self) -> str:
         import sympy
@@ -67,6 +69,7 @@ class Existence:
     degree: int
     parameters: tuple[Any, ...]
     cases: tuple[ExistenceCase, ...]
+    __repr__ = brief
 
     @property
     def exists(self) -> tuple[ExistenceCase, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pas.algebra.brief import brief
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial
 from pas.blending.methods.intersection import intersection
@@ -22,6 +23,8 @@ class Generator:
     polynomials: tuple[Polynomial, ...]
     multipliers: Multipliers
     regular: tuple[bool, ...]
+
+    __repr__ = brief
 
     @property
     def degree(self) -> int:

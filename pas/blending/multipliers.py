@@ -22,6 +22,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.buchberger import graded_syzygies
 from pas.algebra.monomials import Exponents, homogeneous_exponents
 from pas.algebra.nullspace import nullspace
@@ -47,6 +48,8 @@ class Multipliers:
     gamma: tuple[Polynomial, ...]
     beta: tuple[Polynomial, ...]
     alpha: tuple[Polynomial, ...]
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)

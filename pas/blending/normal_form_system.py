@@ -23,6 +23,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.monomials import count, exponents
 from pas.algebra.normal_form import NormalForm
@@ -47,6 +48,8 @@ class NormalFormSystem:
     order: int
     degree: int
     equations: tuple[Form, ...]
+
+    __repr__ = brief
 
     @property
     def unknowns(self) -> int:

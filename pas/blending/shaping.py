@@ -20,6 +20,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from scipy.linalg import svd
 
+from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import rational, to_float, to_fraction
 from pas.blending.space import Space
@@ -58,6 +59,8 @@ class Optimum:
     active: dict[str, Fraction]
     unique: bool
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
@@ -67,6 +70,8 @@ class LeastSquares:
     surface: PiecewiseSurface
     coefficients: Floats
     quotient: float
+
+    __repr__ = brief
 
 
 def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointOptions]) -> Optimum:

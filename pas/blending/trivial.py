@@ -18,6 +18,7 @@ from math import prod
 
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.brief import brief
 from pas.algebra.monomials import count, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
@@ -37,6 +38,8 @@ class TrivialPart:
     singular: tuple[Space, ...]
     products: Space | None
     same_everywhere: Space | None
+
+    __repr__ = brief
 
     @cached_property
     def common_factor(self) -> Polynomial:

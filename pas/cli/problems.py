@@ -55,8 +55,8 @@ def run_problem(options: argparse.Namespace) -> Outcome:
 
 def run_teapot(options: argparse.Namespace) -> Outcome:
     """`pas teapot`."""
+    from pas.designs.teapot import teapot
     from pas.exchange.files import together
-    from pas.teapot.pot import teapot
 
     tolerance = check_tolerance(0.001 if options.tolerance is None else options.tolerance)
     folder = output_folder(options.output)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import dot, rational, to_float, to_floats, vector
+from pas.algebra.rational import Exact, VectorLike, dot, rational, to_float, to_floats, vector
 from pas.parametric.patches import RationalPatch
 
 QUARTER = ((1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 2.0))
@@ -26,17 +26,24 @@ QUARTER_TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """Cosines and sines of multiples of 90 degrees."""
 
 
-def ball_patches(center: Any, radius: Any) -> list[RationalPatch]:
-    """The sphere: eight biquadratic octants; the poles are on the z axis."""
+def ball_patches(center: VectorLike, radius: Exact) -> list[RationalPatch]:
+    """The sphere: eight biquadratic octants; the poles are on the z axis.
+
+    Raises `ValueError` for a radius that is not positive.
+    """
     r = _positive(radius, "radius")
     frame = _frame(center, (0, 0, 1))
     return _revolved(_arc(0.0, r, -1), frame) + _revolved(_arc(0.0, r, 0), frame)
 
 
-def cone_patches(start: Any, end: Any, radius: Any, end_radius: Any = 0, *, ends: bool = True) -> list[RationalPatch]:
+def cone_patches(
+    start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 0, *, ends: bool = True
+) -> list[RationalPatch]:
     """The cone (or cylinder) around a segment: four quarters, of degree 2 around and 1 along it.
 
     With `ends` also the quarters of its flat ends.
+
+    Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
     a, b = vector(start, "start"), vector(end, "end")
     axis = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
@@ -54,13 +61,19 @@ def cone_patches(start: Any, end: Any, radius: Any, end_radius: Any = 0, *, ends
     return result
 
 
-def cylinder_patches(start: Any, end: Any, radius: Any, *, ends: bool = True) -> list[RationalPatch]:
-    """The cylinder around a segment; see `cone_patches`."""
+def cylinder_patches(start: VectorLike, end: VectorLike, radius: Exact, *, ends: bool = True) -> list[RationalPatch]:
+    """The cylinder around a segment; see `cone_patches`.
+
+    Raises `ValueError` as that does.
+    """
     return cone_patches(start, end, radius, radius, ends=ends)
 
 
-def torus_patches(center: Any, axis: Any, major: Any, minor: Any) -> list[RationalPatch]:
-    """The ring torus: sixteen biquadratic patches."""
+def torus_patches(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact) -> list[RationalPatch]:
+    """The ring torus: sixteen biquadratic patches.
+
+    Raises `ValueError` unless 0 < minor < major, and for a zero axis.
+    """
     big, small = _positive(major, "major"), _positive(minor, "minor")
     if small >= big:
         raise ValueError(f"minor must be smaller than major, not {small:g} >= {big:g}")
@@ -102,7 +115,7 @@ def _revolved(profile: Floats, frame: tuple[Floats, Floats]) -> list[RationalPat
     return result
 
 
-def _frame(center: Any, axis: Any) -> tuple[Floats, Floats]:
+def _frame(center: VectorLike, axis: VectorLike) -> tuple[Floats, Floats]:
     """A point and three orthonormal rows, the last along the axis; the usual ones for the z axis."""
     a = vector(axis, "axis")
     if dot(a, a) == 0:

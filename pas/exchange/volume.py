@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.errors import GeometryError
 from pas.exchange.formats.format import Content, Request
 from pas.exchange.parts import Piece, face_names, parts_of
@@ -83,6 +84,8 @@ class VolumeMesh:
     boundary: Integers
     faces: Integers
     names: tuple[str, ...]
+
+    __repr__ = brief
 
     @property
     def volumes(self) -> Floats:

@@ -106,7 +106,7 @@ def write_solid(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes; returns the path."""
+    """`write` for triangles of solids, assemblies and their meshes; returns the path, and raises what that raises."""
     target(path, suffixes_of("triangles"), "a solid")
     return _written(shape, path, tolerance=tolerance, unit=unit)
 
@@ -139,7 +139,7 @@ def write_step(
 def write_cells(surface: Any, path: str | Path) -> Path:
     """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
 
-    The arrays are those of `pas.exchange.cell_grid.cell_grid`.
+    The arrays are those of `pas.exchange.cell_grid.cell_grid`.  Raises what `write` raises.
     """
     target(path, (".vtu",), "cells")
     return _written(surface, path)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -78,7 +78,7 @@ def box_rule(box: Box, degree: int) -> tuple[Floats, Floats]:
     return points, products
 
 
-@lru_cache(maxsize=None)
+@cache
 def _conical_rule(points: int) -> tuple[Floats, Floats]:
     """Barycentric points and weights (of sum 1): the conical product of Gauss-Jacobi rules."""
     rules = []

@@ -12,6 +12,7 @@ from typing import Any, TypedDict, Unpack
 from flint import fmpq
 from numpy.typing import NDArray
 
+from pas.algebra.brief import brief
 from pas.algebra.rational import Vector, plain, rational, vector
 from pas.errors import meant
 from pas.fairing.energy import Energy, as_energy
@@ -135,6 +136,8 @@ class Wishes:
     prove: bool = True
     guard: bool = True
     basis: tuple[Any, ...] | None = None
+
+    __repr__ = brief
 
     def __init__(self, **options: Unpack[Options]) -> None:
         known = [f.name for f in fields(self)]

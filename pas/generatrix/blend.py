@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import plain
 from pas.algebra.inputs import shown
 from pas.algebra.jets import Jet, composed
@@ -66,6 +67,8 @@ class GeneratrixBlend(Shape):
     shape: GeneratrixShape
     alignment: Alignment
     kind = "generatrix blend"
+
+    __repr__ = brief
 
     @classmethod
     def of_turned(
@@ -270,7 +273,7 @@ def generatrix_blend(
     multiples of them.
 
     Raises `GeometryError` for an open and a closed curve, curves that touch, or an unclear side, `ValueError` for
-    shape functions that do not close up on closed curves.
+    shape functions that do not close up on closed curves, `TypeError` for what is no boundary or shape.
     """
     for boundary, name in ((first, "first"), (second, "second")):
         if not isinstance(boundary, Boundary):

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
@@ -74,6 +75,8 @@ class Boundary:
     parameters: Curve | None = None
     source: Mapping[str, Any] | None = field(default=None, repr=False)
     checked: bool = field(default=False, repr=False)
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.side not in (None, 1, -1):

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
@@ -92,6 +93,8 @@ class QuadricBranch:
     factor: Floats | None = None
     conic: Conic | None = None
     poles: tuple[float, ...] = ()
+
+    __repr__ = brief
 
     @property
     def closed(self) -> bool:

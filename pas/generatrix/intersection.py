@@ -17,6 +17,7 @@ import numpy as np
 from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
 from pas.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
@@ -37,7 +38,9 @@ FAR = 1e-7
 """A homogeneous point of length one whose last coordinate is below counts as at infinity."""
 
 
-def quadric_intersection(first: Any, second: Any) -> tuple[QuadricBranch, ...]:
+def quadric_intersection(
+    first: PolynomialLike | Quadric, second: PolynomialLike | Quadric
+) -> tuple[QuadricBranch, ...]:
     """All branches of the intersection of two quadrics, given by polynomials of degree two in any position.
 
     Closed branches first.  Raises `GeometryError` where they do not meet, meet in single points only, have a

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -78,6 +79,8 @@ class Quadric:
     """A polynomial of degree two in x, y, z; raises `ValueError` or `TypeError` for anything else."""
 
     polynomial: Polynomial
+
+    __repr__ = brief
 
     def __init__(self, expression: Any, name: str = "the quadric") -> None:
         if isinstance(expression, Quadric):

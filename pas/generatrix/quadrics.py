@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import plain, rational, to_float, to_floats, vector
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.generatrix.boundary import Boundary
@@ -47,10 +48,10 @@ WIDEST = math.pi / 3
 
 @limited("finding a blend by a generatrix", "lengths l1 and l2")
 def blend_quadrics(
-    quadric1: Any,
-    plane1: Any,
-    quadric2: Any,
-    plane2: Any,
+    quadric1: PolynomialLike,
+    plane1: PolynomialLike,
+    quadric2: PolynomialLike,
+    plane2: PolynomialLike,
     shape: GeneratrixShape | None = None,
     sides: tuple[int | None, int | None] = (None, None),
     *,
@@ -89,6 +90,8 @@ class SphereBlend(Shape):
     def certificate(self) -> Findings:
         """The verdicts on all blends."""
         return Findings.of_parts({f"blend {i}": blend.certificate for i, blend in enumerate(self.blends)})
+
+    __repr__ = brief
 
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
@@ -140,8 +143,8 @@ def _points(blend: GeneratrixBlend, size: tuple[int, int]) -> Floats:
 @limited("finding a blend by a generatrix", "lengths l1 and l2")
 def blend_through_sphere(
     boundaries: Sequence[Boundary],
-    center: Any,
-    radius: Any,
+    center: VectorLike,
+    radius: Exact,
     angles: Sequence[float] | None = None,
     shape: GeneratrixShape | None = None,
     *,

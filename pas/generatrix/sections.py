@@ -21,7 +21,8 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, exact, to_float, to_floats
+from pas.algebra.polynomial import PolynomialLike
+from pas.algebra.rational import Exact, Vector, cross, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary, Bounds
 from pas.generatrix.exact import on_unit_interval
@@ -99,9 +100,9 @@ class _Plane:
 
 
 def plane_section(
-    quadric: Any,
-    plane: Any,
-    interval: Sequence[Any] | None = None,
+    quadric: PolynomialLike | Quadric,
+    plane: PolynomialLike,
+    interval: Sequence[Exact] | None = None,
     branch: int = 1,
     name: str | None = None,
     side: int | None = None,
@@ -112,7 +113,8 @@ def plane_section(
     that of u (module docstring; for a parabola the length along the tangent at its vertex), and a hyperbola the
     `branch`, 1 or -1.  `side` is that of `Boundary`.
 
-    Raises `GeometryError` where the section is empty, a point or straight lines, saying which.
+    Raises `GeometryError` where the section is empty, a point or straight lines, saying which, `ValueError` for another
+    branch.
     """
     surface, (normal, offset) = Quadric(quadric), read_plane(plane)
     surface.require_curved("quadric")

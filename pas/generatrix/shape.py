@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import short, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
@@ -34,6 +35,8 @@ class ShapeFunction:
 
     coefficients: tuple[Fraction, ...] = ()
     wave: tuple[float, float, float] | None = None
+
+    __repr__ = brief
 
     @classmethod
     def constant(cls, value: Any) -> ShapeFunction:
@@ -151,6 +154,8 @@ class GeneratrixShape:
     lambda1: ShapeFunction
     lambda2: ShapeFunction
     middle: Any
+
+    __repr__ = brief
 
     def __init__(self, l1: Any = None, l2: Any = None, lambda1: Any = 0, lambda2: Any = 0, middle: Any = None) -> None:
         for name, value in (("l1", l1), ("l2", l2)):

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.brief import brief
 from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
@@ -73,6 +74,8 @@ class GeneratrixCertificate(Verdicts):
     regular: Verdict
     simple: Verdict
     partly_measured = True
+
+    __repr__ = brief
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from pas.designs.teapot import Teapot
 from pas.exchange.schema import TEXT, Table
 from pas.exchange.solid_records import RECORD, read_solid, solid_record
 from pas.render.parts import solid_layers
 from pas.render.scene import Scene
 from pas.shape import Kind
-from pas.teapot.pot import Teapot
 from pas.verdicts import Verdicts
 
 SOLIDS = ("solid", "pot", "lid")

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import Values
 from pas.algebra.inputs import check_order, short
-from pas.algebra.rational import plain
+from pas.algebra.rational import Exact, plain
 from pas.algebra.rational_function import RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
@@ -58,6 +59,8 @@ class ParametricBlend(Shape):
     surface: ParametricSurface
     weights: Weights | None = None
     kind = "parametric blend"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         check_order(self.order)
@@ -123,7 +126,7 @@ def hermite_blend(
 def weighted_blend(
     data: BlendingData,
     order: int,
-    balance: Any = "1/2",
+    balance: Exact | Sequence[Exact] = "1/2",
     normalized: bool = False,
     exponent: int | None = None,
     *,

@@ -28,7 +28,7 @@ def bundle_values(components: Callable[[], Components]) -> Values:
 
 def text_of(expressions: Sequence[Any]) -> tuple[str, str, str] | None:
     """The expressions as strings; None where one is a callable."""
-    found = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
+    found: list[Any] = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
     if any(callable(e) and not isinstance(e, RationalFunction) for e in found):
         return None
     x, y, z = (e if isinstance(e, str) else str(RationalFunction(e)) for e in found)

@@ -21,6 +21,7 @@ from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.bernstein.subdivision import halves
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
+from pas.parametric.domain import DomainLike
 from pas.parametric.meshing import exact_rectangle
 from pas.parametric.nets import ExactNet, exact_net
 from pas.parametric.patches import ExactControl, RationalPatch
@@ -33,7 +34,7 @@ LIGHTEST = fmpq(1, 10**100)
 """Weights from this to its inverse are left as they are; doubles hold them and their products."""
 
 
-def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatch:
+def bezier_patch(surface: ParametricSurface, domain: DomainLike = None) -> RationalPatch:
     """The exact rational Bezier patch of an exact surface over a rectangle of rational numbers.
 
     `domain` is by default the surface's own, None for an interval or an end that is its own.  Raises `ValueError` for a
@@ -51,7 +52,11 @@ def bezier_patch(surface: ParametricSurface, domain: Any = None) -> RationalPatc
 
 @limited("splitting a surface into patches", "a smaller domain")
 def bezier_patches(
-    surface: ParametricSurface, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+    surface: ParametricSurface,
+    domain: DomainLike = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> tuple[RationalPatch, ...]:
     """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
 

@@ -12,13 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import component
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational
+from pas.algebra.rational import Exact, plain, rational
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.components import Components
 from pas.parametric.surface import ParametricSurface
@@ -36,6 +37,8 @@ class SurfaceCurve:
     parameter: str
     path: tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]
     exact_path: tuple[RationalFunction, RationalFunction] | None
+
+    __repr__ = brief
 
     def __init__(self, surface: ParametricSurface, t: Any, h: Any, parameter: str = "s") -> None:
         if not isinstance(surface, ParametricSurface):
@@ -92,7 +95,7 @@ class SurfaceCurve:
         return unit(np.cross(self.normals(s), self.tangents(s)))
 
 
-def iso_curve(surface: ParametricSurface, t: Any = None, h: Any = None) -> SurfaceCurve:
+def iso_curve(surface: ParametricSurface, t: Exact | None = None, h: Exact | None = None) -> SurfaceCurve:
     """The curve along which one parameter is constant: `iso_curve(surface, h="1/2")` runs along t.
 
     Its parameter is the surface's other one.  Raises `ValueError` unless exactly one of the two is given, and

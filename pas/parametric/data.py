@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import MOST_SURFACES, short, shown
 from pas.algebra.rational import plain, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
@@ -81,6 +82,8 @@ class BlendingData:
 
     surfaces: tuple[ParametricSurface, ...]
     values: tuple[fmpq, ...]
+
+    __repr__ = brief
 
     def __init__(self, surfaces: Sequence[ParametricSurface], values: Sequence[Any] | None = None) -> None:
         items = tuple(surfaces)

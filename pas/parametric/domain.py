@@ -6,23 +6,28 @@ Proofs take the exact ends, since a surface may well be singular at 2/3 and regu
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TypeAlias
 
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import shown
-from pas.algebra.rational import rational, to_float, to_fraction
+from pas.algebra.rational import Exact, rational, to_float, to_fraction
 
 Interval = tuple[float, float]
 Domain = tuple[Interval, Interval]
 Ends = tuple[Fraction | None, Fraction | None]
 """Exact ends; None at infinity."""
 
+IntervalLike: TypeAlias = Sequence[Exact | None] | None
+DomainLike: TypeAlias = Sequence[IntervalLike] | None
+"""What is taken for an interval and for two of them; None stands for an end at infinity, and for both."""
+
 ExactDomain = tuple[Ends, Ends]
 PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
 
-def read_domain(domain: Any, names: Names) -> tuple[Domain, ExactDomain]:
+def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:
     """Two intervals as the user writes them, in doubles and exact, None for an end at infinity.
 
     Raises `ValueError` for anything else, empty intervals and ends that doubles do not hold or tell apart.
@@ -35,7 +40,7 @@ def read_domain(domain: Any, names: Names) -> tuple[Domain, ExactDomain]:
     return (first, second), (exactly, precisely)
 
 
-def _interval(given: Any, name: str) -> tuple[Interval, Ends]:
+def _interval(given: IntervalLike, name: str) -> tuple[Interval, Ends]:
     interval = (None, None) if given is None else given
     if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
         raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {shown(interval)}")
@@ -54,7 +59,7 @@ def _interval(given: Any, name: str) -> tuple[Interval, Ends]:
     return rounded, (low, high)
 
 
-def _end(end: Any, name: str) -> Fraction | None:
+def _end(end: Exact | None, name: str) -> Fraction | None:
     if end is None or (isinstance(end, float) and math.isinf(end)):
         return None
     return to_fraction(rational(end, f"an end of the domain of {name}"))

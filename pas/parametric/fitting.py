@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb, factorial
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
@@ -23,6 +24,7 @@ from pas.bernstein.boxes import product
 from pas.bernstein.signs import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
+from pas.parametric.domain import DomainLike
 from pas.parametric.framed import Framed
 from pas.parametric.meshing import RELATIVE, exact_rectangle
 from pas.parametric.nets import Nets, exact_net
@@ -58,6 +60,8 @@ class FittedPatch(RationalPatch):
     deviation: float = 0.0
     certified: bool = False
 
+    __repr__ = brief
+
 
 class HasSurface(Protocol):
     """A blend, say."""
@@ -78,8 +82,8 @@ def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
 @limited("fitting a patch", "a coarser tolerance or a smaller domain")
 def fit_patch(
     surface: ParametricSurface | HasSurface,
-    tolerance: Any = None,
-    domain: Any = None,
+    tolerance: float | None = None,
+    domain: DomainLike = None,
     *,
     seconds: float | None = None,
     progress: Report | None = None,

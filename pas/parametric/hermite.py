@@ -42,6 +42,8 @@ def hermite_determinant(values: Sequence[Any], order: int) -> Fraction:
     """The determinant of the interpolation problem, in rows d^j/dh^j at values[i] (i outer, j inner).
 
     `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so the problem has one solution.
+
+    Raises `ValueError` for equal values or an order out of range.
     """
     at, k = distinct(values), check_order(order)
     differences = prod(((b - a) ** ((k + 1) ** 2) for a, b in combinations(at, 2)), start=fmpq(1))

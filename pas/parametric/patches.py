@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.expressions import Names
 from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
@@ -59,6 +60,8 @@ class RationalPatch(Shape):
     knots: Knots = ()  # type: ignore[assignment]  # filled in below
     exact: ExactControl | None = None
     kind = "rational patch"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         points, weights = np.array(self.points, dtype=float), np.array(self.weights, dtype=float)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_order, short
 from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import RationalFunction
@@ -34,6 +35,8 @@ class ParametricCertificate(Verdicts):
 
     contacts: tuple[Verdict, ...]
     regular: Verdict
+
+    __repr__ = brief
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:

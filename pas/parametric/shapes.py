@@ -3,26 +3,30 @@
 Circles are parametrised rationally, by t -> ((1 - t^2)/(1 + t^2), 2t/(1 + t^2)), t the tangent of half the
 angle; t over all reals gives all points but (-1, 0).  So these surfaces are exact and lie exactly on
 their implicit equations.  With `angle=True` the parameter is the angle itself: closed, with a finite
-domain, but not exact.  Standard position is along the z-axis; `ParametricSurface.moved` places them.
+domain, but not exact.  All sizes are exact numbers, lengths in the model's units.  Standard position is along
+the z-axis; `ParametricSurface.moved` places them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from flint import fmpq
 
 from pas.algebra.inputs import short, shown
-from pas.algebra.rational import plain, rational, vector
+from pas.algebra.rational import Exact, VectorLike, plain, rational, vector
+from pas.algebra.rational_function import FunctionLike
+from pas.parametric.domain import IntervalLike
 from pas.parametric.surface import ParametricSurface
 
 COSINE, SINE = "((1 - {0}^2)/(1 + {0}^2))", "(2*{0}/(1 + {0}^2))"
 TURN = (-math.pi, math.pi)
 
 
-def plane(point: Any = (0, 0, 0), first: Any = (1, 0, 0), second: Any = (0, 1, 0)) -> ParametricSurface:
+def plane(
+    point: VectorLike = (0, 0, 0), first: VectorLike = (1, 0, 0), second: VectorLike = (0, 1, 0)
+) -> ParametricSurface:
     """The plane `point + t first + h second`; raises `ValueError` for parallel directions."""
     p, a, b = vector(point, "point"), vector(first, "first"), vector(second, "second")
     if all(a[i] * b[j] == a[j] * b[i] for i in range(3) for j in range(3)):
@@ -31,32 +35,46 @@ def plane(point: Any = (0, 0, 0), first: Any = (1, 0, 0), second: Any = (0, 1, 0
     return ParametricSurface(x, y, z)
 
 
-def elliptic_cylinder(a: Any = 1, b: Any = 1, angle: bool = False) -> ParametricSurface:
-    """x^2/a^2 + y^2/b^2 = 1: t goes round, h = z."""
+def elliptic_cylinder(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
+    """x^2/a^2 + y^2/b^2 = 1: t goes round, h = z.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    """
     return _ringed(_positive(a=a, b=b), "1", "h", angle)
 
 
-def elliptic_cone(a: Any = 1, b: Any = 1, angle: bool = False) -> ParametricSurface:
-    """x^2/a^2 + y^2/b^2 = z^2: t goes round, h = z; the normal vanishes at the apex h = 0."""
+def elliptic_cone(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
+    """x^2/a^2 + y^2/b^2 = z^2: t goes round, h = z; the normal vanishes at the apex h = 0.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    """
     return _ringed(_positive(a=a, b=b), "h", "h", angle)
 
 
-def elliptic_paraboloid(a: Any = 1, b: Any = 1, angle: bool = False) -> ParametricSurface:
-    """x^2/a^2 + y^2/b^2 = z: t goes round, h = sqrt(z) >= 0; the normal vanishes at the vertex h = 0."""
+def elliptic_paraboloid(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
+    """x^2/a^2 + y^2/b^2 = z: t goes round, h = sqrt(z) >= 0; the normal vanishes at the vertex h = 0.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    """
     return _ringed(_positive(a=a, b=b), "h", "h^2", angle, (0, None))
 
 
-def ellipsoid(a: Any = 1, b: Any = 1, c: Any = 1, angle: bool = False) -> ParametricSurface:
+def ellipsoid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 + z^2/c^2 = 1: t goes round, h from -1 (lower pole) to 1 (upper pole).
 
     h is the tangent of half the latitude; the normal vanishes at the poles.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], COSINE.format("h"), f"{plain(sizes[2])}*{SINE.format('h')}", angle, (-1, 1))
 
 
-def one_sheet_hyperboloid(a: Any = 1, b: Any = 1, c: Any = 1, angle: bool = False) -> ParametricSurface:
-    """x^2/a^2 + y^2/b^2 - z^2/c^2 = 1, by its straight lines: t constant is one of them, h = z/c."""
+def one_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
+    """x^2/a^2 + y^2/b^2 - z^2/c^2 = 1, by its straight lines: t constant is one of them, h = z/c.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    """
     a, b, c = _positive(a=a, b=b, c=c)
     u, v, domain = _circle(angle)
     return ParametricSurface(
@@ -64,16 +82,18 @@ def one_sheet_hyperboloid(a: Any = 1, b: Any = 1, c: Any = 1, angle: bool = Fals
     )
 
 
-def two_sheet_hyperboloid(a: Any = 1, b: Any = 1, c: Any = 1, angle: bool = False) -> ParametricSurface:
+def two_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 - z^2/c^2 = -1, the upper sheet: t goes round, h >= 1, z/c = (h + 1/h)/2.
 
     The normal vanishes at the vertex h = 1.  The lower sheet is the mirror image: see `moved`.
+
+    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], "((h^2 - 1)/(2*h))", f"{plain(sizes[2])}*(h^2 + 1)/(2*h)", angle, (1, None))
 
 
-def torus(major: Any = 2, minor: Any = 1, angle: bool = False) -> ParametricSurface:
+def torus(major: Exact = 2, minor: Exact = 1, angle: bool = False) -> ParametricSurface:
     """(sqrt(x^2 + y^2) - major)^2 + z^2 = minor^2: t goes round the axis, h round the tube.
 
     Raises `ValueError` unless 0 < minor < major.
@@ -86,7 +106,7 @@ def torus(major: Any = 2, minor: Any = 1, angle: bool = False) -> ParametricSurf
     return _ringed((fmpq(1), fmpq(1)), f"({plain(r)} + {plain(s)}*{u})", f"{plain(s)}*{v}", angle, turn)
 
 
-def helicoid(pitch: Any = 1, start: Any = 0) -> ParametricSurface:
+def helicoid(pitch: Exact = 1, start: Exact = 0) -> ParametricSurface:
     """(h sin t, h cos t, start + pitch t): transcendental, so not exact; raises `ValueError` for pitch 0."""
     p, s = rational(pitch, "pitch"), rational(start, "start")
     if p == 0:
@@ -94,28 +114,34 @@ def helicoid(pitch: Any = 1, start: Any = 0) -> ParametricSurface:
     return ParametricSurface("h*sin(t)", "h*cos(t)", f"{plain(s)} + ({plain(p)})*t")
 
 
-def surface_of_revolution(radius: Any, height: Any, angle: bool = False, interval: Any = None) -> ParametricSurface:
+def surface_of_revolution(
+    radius: FunctionLike, height: FunctionLike, angle: bool = False, interval: IntervalLike = None
+) -> ParametricSurface:
     """The curve (radius(h), height(h)) turned about the z-axis: t goes round, h in `interval`.
 
     `radius` and `height` are strings, sympy expressions or numbers in h; rational ones keep it exact.
+
+    Raises `ValueError` or `TypeError` for what is no expression in h.
     """
     u, v, domain = _circle(angle)
     return ParametricSurface(f"({radius})*{u}", f"({radius})*{v}", f"{height}", domain=(domain, interval))
 
 
 def tube(
-    center: Sequence[Any],
-    radius: Any,
-    first: Sequence[Any],
-    second: Sequence[Any],
+    center: Sequence[FunctionLike],
+    radius: FunctionLike,
+    first: Sequence[FunctionLike],
+    second: Sequence[FunctionLike],
     angle: bool = False,
-    domain: Any = None,
+    domain: IntervalLike = None,
 ) -> ParametricSurface:
     """C(t) + r (e1 cos + e2 sin): t runs along the `center` curve C, h goes round.
 
     `center`, `first` (e1) and `second` (e2) are triples of expressions in t, `radius` is one in t and h (strings, sympy
     expressions or numbers); rational ones keep it exact, cos and sin then being rational in h.  With unit vectors
     e1, e2 perpendicular to C' and each other it is a circular tube; that is not asked.  `domain` is that of t.
+
+    Raises `ValueError` where one of the three is no triple of expressions.
     """
     u, v, turn = _circle(angle, "h")
     triples = [_triple(center, "center"), _triple(first, "first"), _triple(second, "second")]
@@ -123,21 +149,23 @@ def tube(
     return ParametricSurface(x, y, z, domain=(domain, turn))
 
 
-def _ringed(sizes: Sequence[fmpq], radius: str, height: str, angle: bool, interval: Any = None) -> ParametricSurface:
+def _ringed(
+    sizes: Sequence[fmpq], radius: str, height: str, angle: bool, interval: IntervalLike = None
+) -> ParametricSurface:
     """Ellipses with the half-axes sizes * radius(h) at z = height(h)."""
     u, v, domain = _circle(angle)
     x, y = (f"{plain(size)}*{radius}*{w}" for size, w in zip(sizes, (u, v), strict=True))
     return ParametricSurface(x, y, height, domain=(domain, interval))
 
 
-def _circle(angle: bool, name: str = "t") -> tuple[str, str, Any]:
+def _circle(angle: bool, name: str = "t") -> tuple[str, str, tuple[float, float] | None]:
     """Cosine and sine in the parameter, and its domain."""
     if angle:
         return f"cos({name})", f"sin({name})", TURN
     return COSINE.format(name), SINE.format(name), None
 
 
-def _positive(**sizes: Any) -> tuple[fmpq, ...]:
+def _positive(**sizes: Exact) -> tuple[fmpq, ...]:
     exact = {name: rational(size, name) for name, size in sizes.items()}
     for name, size in exact.items():
         if size <= 0:
@@ -145,7 +173,7 @@ def _positive(**sizes: Any) -> tuple[fmpq, ...]:
     return tuple(exact.values())
 
 
-def _triple(items: Sequence[Any], name: str) -> tuple[str, ...]:
+def _triple(items: Sequence[FunctionLike], name: str) -> tuple[str, ...]:
     if isinstance(items, str) or len(items) != 3:
         raise ValueError(f"{name} must be three expressions, not {shown(items)}")
     return tuple(map(str, items))

@@ -14,6 +14,7 @@ from typing import Any
 
 from flint import fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.callables import component
 from pas.algebra.inputs import short
 from pas.algebra.jets import power
@@ -38,6 +39,8 @@ class ParametricSolutions:
     order: int
     particular: ParametricSurface
     polynomial: bool
+
+    __repr__ = brief
 
     @cached_property
     def multiplier(self) -> RationalFunction:

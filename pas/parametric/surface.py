@@ -11,7 +11,7 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,19 +19,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
+from numpy.typing import ArrayLike
 
+from pas.algebra.brief import cut
 from pas.algebra.callables import Values, component, from_derivatives
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import to_float, vector
-from pas.algebra.rational_function import PARAMETERS, RationalFunction
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, VectorLike, to_float, vector
+from pas.algebra.rational_function import PARAMETERS, FunctionLike, RationalFunction
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.components import Components, bundle_values, moved_text, text_of
-from pas.parametric.domain import Domain, ExactDomain, read_domain
+from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
 from pas.parametric.series import composed
 from pas.shape import Shape
 from pas.verdicts import Findings
@@ -72,11 +74,11 @@ class ParametricSurface(Shape):
 
     def __init__(
         self,
-        x: Any,
-        y: Any,
-        z: Any,
+        x: FunctionLike | Callable[..., ArrayLike],
+        y: FunctionLike | Callable[..., ArrayLike],
+        z: FunctionLike | Callable[..., ArrayLike],
         parameters: Names = PARAMETERS,
-        domain: Any = None,
+        domain: DomainLike = None,
         derivatives: Mapping[tuple[int, int], Callable[[Any, Any], Any]] | None = None,
     ) -> None:
         names = _names(parameters)
@@ -99,7 +101,7 @@ class ParametricSurface(Shape):
         values: Values,
         source: Callable[[], Components] | None,
         parameters: Names = PARAMETERS,
-        domain: Any = None,
+        domain: DomainLike = None,
         inexact: str = "",
         text: tuple[str, str, str] | None = None,
     ) -> ParametricSurface:
@@ -161,14 +163,14 @@ class ParametricSurface(Shape):
         """Whether the components are polynomials."""
         return all(c.is_polynomial for c in self.components)
 
-    def __call__(self, points: Any) -> Floats:
+    def __call__(self, points: ArrayLike) -> Floats:
         """Points of the surface at parameters `points` (..., 2): shape (..., 3).
 
         Infinite or nan at poles.  Raises `ValueError` outside the domain.
         """
         return self._chunked(points, self.values, ())
 
-    def on_grid(self, t: Any, h: Any) -> Floats:
+    def on_grid(self, t: ArrayLike, h: ArrayLike) -> Floats:
         """Points at all pairs from two sequences of parameters: shape (len(t), len(h), 3).
 
         Faster than points one by one, since what depends on one parameter is done once.
@@ -185,7 +187,7 @@ class ParametricSurface(Shape):
                     result[axis, rows] = part
         return np.moveaxis(result, 0, -1)
 
-    def derivative(self, points: Any, first: int = 0, second: int = 0) -> Floats:
+    def derivative(self, points: ArrayLike, first: int = 0, second: int = 0) -> Floats:
         """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
         orders = check_derivative(first, "first"), check_derivative(second, "second")
 
@@ -195,7 +197,7 @@ class ParametricSurface(Shape):
 
         return self._chunked(points, at if sum(orders) else self.values, ())
 
-    def tangents(self, points: Any) -> Floats:
+    def tangents(self, points: ArrayLike) -> Floats:
         """Both tangent vectors, dP/dt and dP/dh, at `points` (..., 2): shape (..., 2, 3)."""
 
         def at(t: Floats, h: Floats) -> tuple[Any, ...]:
@@ -208,13 +210,13 @@ class ParametricSurface(Shape):
 
         return np.moveaxis(self._chunked(points, at, (2,)), 0, -2)
 
-    def normals(self, points: Any) -> Floats:
+    def normals(self, points: ArrayLike) -> Floats:
         """Unit normals, along dP/dt x dP/dh, at `points` (..., 2): (..., 3); nan where that is zero."""
         tangents = scaled(self.tangents(points))
         with np.errstate(all="ignore"):
             return unit(np.cross(tangents[..., 0, :], tangents[..., 1, :]))
 
-    def at(self, t: Any, h: Any) -> tuple[Fraction, Fraction, Fraction]:
+    def at(self, t: Exact, h: Exact) -> tuple[Fraction, Fraction, Fraction]:
         """The exact point at rational parameters; raises `ValueError` at a pole."""
         x, y, z = (c.at(t, h) for c in self.components)
         return x, y, z
@@ -225,13 +227,18 @@ class ParametricSurface(Shape):
         x, y, z = (c.diff(*orders) for c in self.components)
         return ParametricSurface(x, y, z, self.parameters, self.ends)
 
-    def implicit_residual(self, polynomial: Any) -> RationalFunction:
+    def implicit_residual(self, polynomial: PolynomialLike) -> RationalFunction:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
         return composed(Polynomial(polynomial), self.components)
 
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
-        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        domain: DomainLike = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
@@ -244,7 +251,9 @@ class ParametricSurface(Shape):
 
         return mesh_surface(self, tolerance, domain)
 
-    def moved(self, matrix: Any = None, offset: Any = (0, 0, 0)) -> ParametricSurface:
+    def moved(
+        self, matrix: Sequence[Sequence[Exact]] | np.ndarray | None = None, offset: VectorLike = (0, 0, 0)
+    ) -> ParametricSurface:
         """The image under p -> matrix p + offset; rational numbers keep an exact surface exact."""
         rows = [vector(r, f"matrix[{i}]") for i, r in enumerate(np.eye(3, dtype=int) if matrix is None else matrix)]
         if len(rows) != 3:
@@ -268,7 +277,7 @@ class ParametricSurface(Shape):
         text = None if self.text is None else moved_text(self.text, rows, shift)
         return ParametricSurface.from_parts(values, made, self.parameters, self.ends, self.inexact, text)
 
-    def with_domain(self, domain: Any) -> ParametricSurface:
+    def with_domain(self, domain: DomainLike) -> ParametricSurface:
         """The same surface on another domain."""
         result = ParametricSurface.__new__(ParametricSurface)
         _fill(result, self.parameters, domain, self.values, self.source, self.inexact, self.text)
@@ -285,9 +294,9 @@ class ParametricSurface(Shape):
         return "({}, {}, {})".format(*self.components)
 
     def __repr__(self) -> str:
-        return f"ParametricSurface{self}" if self.is_exact else f"<{self}>"
+        return cut(f"ParametricSurface{self}" if self.is_exact else f"<{self}>")
 
-    def _chunked(self, points: Any, work: Values, extra: tuple[int, ...]) -> Floats:
+    def _chunked(self, points: ArrayLike, work: Values, extra: tuple[int, ...]) -> Floats:
         """Results of `work`, three arrays of shape (*extra, n) for n points, gathered: (*extra, ..., 3)."""
         array = np.asarray(points, dtype=float)
         if array.ndim == 0 or array.shape[-1] != 2:
@@ -314,7 +323,7 @@ class ParametricSurface(Shape):
 def _fill(
     surface: ParametricSurface,
     parameters: Names,
-    domain: Any,
+    domain: DomainLike,
     values: Values,
     source: Callable[[], Components] | None,
     inexact: str,

@@ -26,7 +26,7 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whole
 from pas.algebra.jets import power
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.hermite import distinct
 from pas.parametric.roots import roots_and_sides
@@ -59,9 +59,9 @@ class Weights:
 
     def __init__(
         self,
-        values: Sequence[Any],
+        values: Sequence[Exact],
         order: int,
-        balance: Any = "1/2",
+        balance: Exact | Sequence[Exact] = "1/2",
         normalized: bool = False,
         exponent: int | None = None,
     ) -> None:

@@ -70,6 +70,9 @@ class Partition:
 
     name = "tetrahedra"
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self.cells)} cells in {len(self.pieces)} pieces>"
+
     def __init__(
         self,
         vertices: Sequence[Any],

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from pas.algebra.brief import brief, listed
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
@@ -37,6 +38,8 @@ class Part(Shape):
 
     def __str__(self) -> str:
         return f"{self.shape} in {self.color}"
+
+    __repr__ = brief
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
@@ -111,10 +114,14 @@ class Assembly(Shape):
         return "\n\n".join(f"{name} ({part.color})\n{part.shape}" for name, part in self.parts.items())
 
     def __repr__(self) -> str:
-        return f"<Assembly of {', '.join(self.parts)}>"
+        return listed("<Assembly of", self.parts)
 
 
-def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:
+PartLike: TypeAlias = Solid | Mesh | tuple[Solid | Mesh, str]
+"""What is taken for a part: a solid or closed mesh, or that and its colour."""
+
+
+def assembly(parts: Mapping[str, PartLike] | None = None, **named: PartLike) -> Assembly:
     """An assembly of solids or closed meshes by name: `assembly(pot=..., lid=...)`.
 
     A value may be a pair (solid, colour) with the colour as `#rrggbb`.  Raises `TypeError` and
@@ -127,7 +134,7 @@ def assembly(parts: Mapping[str, Any] | None = None, **named: Any) -> Assembly:
     for number, (name, value) in enumerate(given.items()):
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
-            raise TypeError(f"the part {name!r} must be a solid or a SolidMesh, not {shape!r}")
+            raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}")
         result[name] = Part(shape, _color(color, name))
     return Assembly(MappingProxyType(result))
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_order
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.errors import GeometryError
 
 
@@ -20,7 +20,9 @@ class Joint:
     along: tuple[Polynomial, Polynomial]
     order: int
 
-    def __init__(self, first: str, second: str, along: Any, order: int) -> None:
+    __repr__ = brief
+
+    def __init__(self, first: str, second: str, along: Sequence[PolynomialLike], order: int) -> None:
         if not isinstance(along, Sequence) or isinstance(along, str) or len(along) != 2:
             raise TypeError(f"along must be the two polynomials (g, h) of the joint's curve, not {along!r}")
         g, h = Polynomial(along[0]), Polynomial(along[1])

@@ -1,21 +1,25 @@
-"""The usual solids, exact: half spaces, boxes, balls, cylinders, cones, tori, and any polynomial."""
+"""The usual solids, exact: half spaces, boxes, balls, cylinders, cones, tori, and any polynomial.
+
+Points are three exact numbers, lengths are exact numbers, both in the model's units.
+"""
 
 from __future__ import annotations
 
-from typing import Any
-
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, plain, rational, to_float, vector
+from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
 ZERO = GENERATORS[0] * 0
 
 
-def half_space(plane: Any, face: str = "plane") -> Solid:
-    """The points where a linear polynomial is <= 0, such as `"x + y - 1"`."""
+def half_space(plane: PolynomialLike, face: str = "plane") -> Solid:
+    """The points where a linear polynomial is <= 0, such as `"x + y - 1"`.
+
+    Raises `ValueError` for a polynomial of another degree.
+    """
     solid = patch(face, plane)
     if solid.polynomials[face][0].degree != 1:
         raise ValueError(
@@ -24,13 +28,20 @@ def half_space(plane: Any, face: str = "plane") -> Solid:
     return solid
 
 
-def implicit(polynomial: Any, *region: Any, face: str = "surface") -> Solid:
-    """The points where a polynomial is <= 0, in a region given by polynomials that must be >= 0."""
+def implicit(polynomial: PolynomialLike, *region: PolynomialLike, face: str = "surface") -> Solid:
+    """The points where a polynomial is <= 0, in a region given by polynomials that must be >= 0.
+
+    Raises `ValueError` for a constant.
+    """
     return patch(face, polynomial, *region)
 
 
-def box(lower: Any, upper: Any, face: str = "box") -> Solid:
-    """The box between two corners, with sides along the axes."""
+def box(lower: VectorLike, upper: VectorLike, face: str = "box") -> Solid:
+    """The box between two corners, with sides along the axes.
+
+    Its faces are named `box x-` to `box z+`.  Raises `ValueError` where `lower` is not below `upper` in each
+    coordinate.
+    """
     low, high = vector(lower, "lower"), vector(upper, "upper")
     for axis, a, b in zip("xyz", low, high, strict=True):
         if a >= b:
@@ -44,22 +55,30 @@ def box(lower: Any, upper: Any, face: str = "box") -> Solid:
     return Solid(combined(False, *walls))
 
 
-def ball(center: Any, radius: Any, face: str = "ball") -> Solid:
-    """The ball of a radius about a centre."""
+def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
+    """The ball of a radius about a centre.
+
+    Raises `ValueError` for a radius that is not positive.
+    """
     r = _positive(radius, "radius")
     w = _from(vector(center, "center"))
     return patch(face, Polynomial.from_raw(_square(w) - r * r))
 
 
-def cylinder(start: Any, end: Any, radius: Any, face: str = "cylinder") -> Solid:
-    """The circular cylinder around the segment from start to end, with flat ends."""
+def cylinder(start: VectorLike, end: VectorLike, radius: Exact, face: str = "cylinder") -> Solid:
+    """The circular cylinder around the segment from start to end, with flat ends.
+
+    Raises `ValueError` for a radius that is not positive, and where both ends are the same point.
+    """
     return cone(start, end, radius, radius, face)
 
 
-def cone(start: Any, end: Any, radius: Any, end_radius: Any = 0, face: str = "cone") -> Solid:
+def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 0, face: str = "cone") -> Solid:
     """The cone, or truncated cone, around the segment from start to end, with flat ends.
 
     `radius` is that at the start, `end_radius` that at the end; one of them may be 0 (an apex).
+
+    Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
     a, b = vector(start, "start"), vector(end, "end")
     axis: Vector = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
@@ -86,8 +105,11 @@ def cone(start: Any, end: Any, radius: Any, end_radius: Any = 0, face: str = "co
     return Solid(combined(False, *parts), (), special)
 
 
-def torus(center: Any, axis: Any, major: Any, minor: Any, face: str = "torus") -> Solid:
-    """The ring torus: points up to `minor` from the circle of radius `major` about a centre and axis."""
+def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face: str = "torus") -> Solid:
+    """The ring torus: points up to `minor` from the circle of radius `major` about a centre and axis.
+
+    Raises `ValueError` unless 0 < minor < major, and for a zero axis.
+    """
     big, small = _positive(major, "major"), _positive(minor, "minor")
     if small >= big:
         raise ValueError(f"minor must be smaller than major, not {plain(small)} >= {plain(big)}")
@@ -102,7 +124,7 @@ def torus(center: Any, axis: Any, major: Any, minor: Any, face: str = "torus") -
     return patch(face, Polynomial.from_raw((total + big * big - small * small) ** 2 - 4 * big * big * flat))
 
 
-def _positive(value: Any, name: str) -> fmpq:
+def _positive(value: Exact, name: str) -> fmpq:
     number = rational(value, name)
     if number <= 0:
         raise ValueError(f"{name} must be positive, not {plain(number)}")

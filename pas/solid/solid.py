@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, VectorLike
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
@@ -54,26 +57,26 @@ class Solid(Shape):
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
     kind = "solid"
 
-    def __or__(self, other: Any) -> Solid:
+    def __or__(self, other: Solid) -> Solid:
         return self._with(other, lambda a, b: combined(True, a, b))
 
-    def __and__(self, other: Any) -> Solid:
+    def __and__(self, other: Solid) -> Solid:
         return self._with(other, lambda a, b: combined(False, a, b))
 
-    def __sub__(self, other: Any) -> Solid:
+    def __sub__(self, other: Solid) -> Solid:
         return self._with(other, lambda a, b: combined(False, a, complement(b)))
 
-    def _with(self, other: Any, operation: Callable[[Tree, Tree], Tree]) -> Solid:
+    def _with(self, other: Solid, operation: Callable[[Tree, Tree], Tree]) -> Solid:
         if not isinstance(other, Solid):
             return NotImplemented
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         return Solid(operation(self.tree, other.tree), joints, self.special_points + other.special_points)
 
-    def translate(self, offset: Any) -> Solid:
+    def translate(self, offset: VectorLike) -> Solid:
         """The solid moved by three numbers."""
         return self._moved(translation(offset))
 
-    def rotate(self, axis: Any, degrees: Any, center: Any = (0, 0, 0)) -> Solid:
+    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> Solid:
         """The solid turned about an axis through `center`, counterclockwise seen from the axis' tip.
 
         Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
@@ -81,11 +84,11 @@ class Solid(Shape):
         """
         return self._moved(rotation(axis, degrees, center))
 
-    def scale(self, factor: Any, center: Any = (0, 0, 0)) -> Solid:
+    def scale(self, factor: Exact | VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
         """The solid scaled by a positive number, or by three, one for each axis."""
         return self._moved(scaling(factor, center))
 
-    def mirror(self, normal: Any, center: Any = (0, 0, 0)) -> Solid:
+    def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
         """The solid reflected in the plane through `center` with the given normal."""
         return self._moved(reflection(normal, center))
 
@@ -103,7 +106,7 @@ class Solid(Shape):
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
         return Solid(mapped(self.tree, move), joints, tuple((x, y, z) for x, y, z in moved.tolist()))
 
-    def cap(self, plane: Any, name: str = "cap") -> Solid:
+    def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
 
         Where the solid already ends on that surface, its end gets the name.
@@ -148,7 +151,7 @@ class Solid(Shape):
         """The solid with all its faces, walls included, under one name."""
         return Solid(mapped(self.tree, lambda atom: replace(atom, face=name)), (), self.special_points)
 
-    def joined(self, first: str, second: str, along: Any, order: int) -> Solid:
+    def joined(self, first: str, second: str, along: Sequence[PolynomialLike], order: int) -> Solid:
         """The solid with the claim that two faces meet with GC^`order` along V(g, h), `along = (g, h)`.
 
         The claim is proved by `verdicts`; meshes use the curve.  Raises `GeometryError` where a face
@@ -214,7 +217,7 @@ class Solid(Shape):
         curves = list(dict.fromkeys(j.along for j in self.joints))
         return SolidField(self.tree, self.box, curves, np.array(self.special_points).reshape(-1, 3))
 
-    def contains(self, points: Any) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).
 
         Points on a face count as inside, on one that a difference left as outside.
@@ -229,7 +232,7 @@ class Solid(Shape):
             result[part] = program.inside(program.signs(program.local(flat[part])))
         return result.reshape(array.shape[:-1])
 
-    def value(self, points: Any) -> Floats:
+    def value(self, points: ArrayLike) -> Floats:
         """A signed field at points (..., 3), shape (...): negative inside, positive outside, 0 on the boundary.
 
         The polynomials of the faces combined by minimum and maximum; not a distance, and not continuous
@@ -296,10 +299,10 @@ class Solid(Shape):
         return part_list(self)
 
     def __repr__(self) -> str:
-        return f"<Solid with faces {', '.join(self.faces)}>"
+        return listed("<Solid with faces", self.faces)
 
 
-def patch(name: str, polynomial: Any, *region: Any) -> Solid:
+def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Solid:
     """The set `polynomial <= 0` inside a region, each inequality of which reads `r >= 0`.
 
     The face `polynomial = 0` gets the name; the region's walls have none and are meant to be shared
@@ -310,12 +313,12 @@ def patch(name: str, polynomial: Any, *region: Any) -> Solid:
 
 
 def union(solids: Sequence[Solid]) -> Solid:
-    """The union of at least one solid."""
+    """The union of at least one solid; raises `ValueError` where there is none."""
     return _fold(solids, Solid.__or__)
 
 
 def intersection(solids: Sequence[Solid]) -> Solid:
-    """The intersection of at least one solid."""
+    """The intersection of at least one solid; raises `ValueError` where there is none."""
     return _fold(solids, Solid.__and__)
 
 
@@ -323,13 +326,10 @@ def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -
     items = list(solids)
     if not items:
         raise ValueError("there must be at least one solid")
-    result = items[0]
-    for item in items[1:]:
-        result = operation(result, item)
-    return result
+    return reduce(operation, items)
 
 
-def _inequality(expression: Any, name: str) -> Polynomial:
+def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
     try:
         polynomial = Polynomial(expression)
     except (ValueError, TypeError) as error:
@@ -343,7 +343,7 @@ def _same_zeros(a: Polynomial, b: Polynomial) -> bool:
     return a.primitive() == b.primitive()
 
 
-def _points(points: Any) -> Floats:
+def _points(points: ArrayLike) -> Floats:
     array = np.asarray(points, dtype=float)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"points must have shape (..., 3), not {array.shape}")

@@ -17,7 +17,7 @@ from pas.algebra.callables import component
 from pas.algebra.inputs import whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import Exact, Symbolic, plain, rational, to_float
 from pas.errors import GeometryError
 from pas.solid.distance import Distance
 from pas.solid.solid import Solid
@@ -200,11 +200,18 @@ class End(Distance):
         return cls(Tube.from_record(record["tube"]), whole(record["side"], "side", 0, 1))
 
 
-def tube(curve: Sequence[Any], radius: Any, interval: Sequence[Any], face: str = "tube", ends: str = "flat") -> Solid:
+def tube(
+    curve: Sequence[str | Symbolic | Exact],
+    radius: Exact,
+    interval: Sequence[Exact],
+    face: str = "tube",
+    ends: str = "flat",
+) -> Solid:
     """The points up to `radius` from a curve: three formulas in t on an interval.
 
     `ends` are "flat" (faces "tube start" and "tube end") or "round"; a closed curve has none.  Raises
-    `GeometryError` where the radius is not below the curve's radius of curvature or the curve stops.
+    `GeometryError` where the radius is not below the curve's radius of curvature or the curve stops, `ValueError` for a
+    radius that is not positive or other ends.
 
         solid.tube(("cos(t)", "sin(t)", "t/10"), "1/8", (0, 20))
     """

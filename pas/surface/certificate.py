@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from pas.algebra.brief import brief
 from pas.verdicts import Verdict, Verdicts
 
 
@@ -23,6 +24,8 @@ class Certificate(Verdicts):
     faces: tuple[Verdict, ...]
     one_sheet: Verdict
     enclosed: Verdict
+
+    __repr__ = brief
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:

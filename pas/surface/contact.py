@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from flint import fmpq
 
+from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, plain, rational, vector
+from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Contact:
 
     surface: Polynomial
     clip: Polynomial
+
+    __repr__ = brief
 
     def __init__(self, surface: Any, clip: Any) -> None:
         object.__setattr__(self, "surface", _equation(surface, "surface"))
@@ -70,7 +73,7 @@ class Pipe:
     clip: fmpq
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
-    def __init__(self, axis: Any, radius: Any, clip: Any, point: Any = (0, 0, 0)) -> None:
+    def __init__(self, axis: VectorLike, radius: Exact, clip: Exact, point: VectorLike = (0, 0, 0)) -> None:
         object.__setattr__(self, "axis", vector(axis, "axis"))
         object.__setattr__(self, "radius", rational(radius, "radius"))
         object.__setattr__(self, "clip", rational(clip, "clip"))
@@ -97,7 +100,11 @@ class Pipe:
         return f"pipe of radius {plain(self.radius)} along ({axis}) through ({point}), clipped at {plain(self.clip)}"
 
 
-def as_contact(item: Any, name: str = "contact") -> Contact:
+ContactLike: TypeAlias = "Contact | HasContact | tuple[PolynomialLike, PolynomialLike]"
+"""What is taken for a contact."""
+
+
+def as_contact(item: ContactLike, name: str = "contact") -> Contact:
     """The contact that a `Contact`, a `Pipe` or a pair (surface, clip) stands for."""
     if isinstance(item, Contact):
         return item
@@ -108,10 +115,12 @@ def as_contact(item: Any, name: str = "contact") -> Contact:
     raise TypeError(f"{name} must be a Pipe, a Contact or a pair (surface, clip), not {item!r}")
 
 
-def contact_ideal(contact: Any, order: int) -> Ideal:
+def contact_ideal(contact: ContactLike, order: int) -> Ideal:
     """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order`.
 
     `contact` is a `Contact`, a `Pipe` or a pair (surface, clip).
+
+    Raises `ValueError` or `TypeError` for a wrong contact or order.
     """
     k, checked = check_order(order), as_contact(contact)
     return Ideal(checked.surface, checked.clip ** (k + 1))

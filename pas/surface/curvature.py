@@ -20,15 +20,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from flint import fmpq_mpoly
 
+from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.errors import GeometryError
-from pas.surface.contact import as_contact, contact_ideal
+from pas.surface.contact import ContactLike, as_contact, contact_ideal
 
 ZERO = RING.constant(0)
 
@@ -47,6 +47,8 @@ class CurvatureContact:
     curvature: Polynomial
     gradient: tuple[Polynomial, Polynomial, Polynomial]
     membership: Polynomial | None
+
+    __repr__ = brief
 
     @property
     def on_curve(self) -> bool:
@@ -93,7 +95,7 @@ class CurvatureContact:
         return "\n".join(f"{name:<24}  {value}" for name, value in rows)
 
 
-def curvature_contact(f: Any, g: Any, contact: Any) -> CurvatureContact:
+def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike | Ideal) -> CurvatureContact:
     """The three conditions above for surfaces f and g (anything that `Polynomial` takes).
 
     `contact` gives the curve: a `Contact`, a `Pipe` or a pair (surface, clip), whose curve has
@@ -104,7 +106,8 @@ def curvature_contact(f: Any, g: Any, contact: Any) -> CurvatureContact:
     """
     first, second = Polynomial(f), Polynomial(g)
     met = None if isinstance(contact, Ideal) else as_contact(contact)
-    curve = NormalForm([p.raw for p in (contact.generators if met is None else (met.surface, met.clip))])
+    ideal = contact if isinstance(contact, Ideal) else contact_ideal(contact, 0)
+    curve = NormalForm([p.raw for p in ideal.generators])
     grad, starred = _gradient(first.raw, curve), _gradient(second.raw, curve)
     if not curve.reduce(first.raw).is_zero():
         raise GeometryError(f"the surface {first} does not contain the curve of the contact")

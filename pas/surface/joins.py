@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property
 from itertools import combinations
 
 import numpy as np
@@ -226,7 +226,7 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats) -> tuple[Floats, Fl
     return zeros, lengths
 
 
-@lru_cache(maxsize=None)
+@cache
 def _triangle_edges(subdivisions: int) -> np.ndarray:
     """The edges (numbers of `lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
     weights, pairs = lattice(np.eye(3), subdivisions)

@@ -7,7 +7,7 @@ among the B-coefficients means no root, one means exactly one; Lane and Riesenfe
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from math import comb
 
 import numpy as np
@@ -73,7 +73,7 @@ def _first_root(column: Floats, origins: Floats, directions: Floats, enter: Floa
     return roots
 
 
-@lru_cache(maxsize=None)
+@cache
 def _interpolation(degree: int) -> tuple[Floats, Floats]:
     """Chebyshev-Lobatto nodes on [0, 1] and the map from values there to B-coefficients."""
     powers = range(degree + 1)

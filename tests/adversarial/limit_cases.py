@@ -15,9 +15,9 @@ from conftest import ROOT
 
 import pas
 from pas import solid
+from pas.designs.teapot import teapot
 from pas.independent.checker import check_independently
 from pas.render.parts import draw_parts
-from pas.teapot.pot import teapot
 
 EXAMPLES = ROOT / "examples"
 
@@ -205,7 +205,7 @@ LONG_CALLS = {
     "SphereBlend.mesh": LongCall(
         lambda _: pas.blend_through_sphere(_ends(), (0, 0, 0), 1), lambda p, f, **k: p.mesh(size=(12, 6), **k)
     ),
-    "pas.teapot.pot.teapot": LongCall(lambda _: None, lambda p, f, **k: teapot("paper", **k), 2),
+    "pas.designs.teapot.teapot": LongCall(lambda _: None, lambda p, f, **k: teapot("paper", **k), 2),
     "pas.independent.checker.check_independently": LongCall(
         _saved_blend, lambda p, f, **k: check_independently(p, **k)
     ),

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 from itertools import combinations
 from math import floor, sqrt
 from random import Random
@@ -68,7 +68,7 @@ SINGLE = {
 }
 
 
-@lru_cache(maxsize=None)
+@cache
 def corner(number: int) -> Known:
     """Corners of six tetrahedra: four of unit clips (0 to 3), then random radii and clips."""
     if number < 4:
@@ -85,7 +85,7 @@ def corner(number: int) -> Known:
     return proved(pas.blend(pipes, 1 + number % 2), "corner of " + "; ".join(map(str, pipes)))
 
 
-@lru_cache(maxsize=None)
+@cache
 def single(name: str) -> Known:
     """One polynomial in a box."""
     contacts, box, order = SINGLE[name]
@@ -97,7 +97,7 @@ def single(name: str) -> Known:
     return proved(pas.blend(contacts, order, partition=cell), f"one {name}")
 
 
-@lru_cache(maxsize=None)
+@cache
 def sides(name: str, pieces: int) -> Known:
     """The same polynomial in a box of six pieces (one a side) or of twelve."""
     known = single(name)

@@ -23,10 +23,10 @@ from pas import solid
 from pas.cli import main
 from pas.cli.common import FAILED
 from pas.cli.parser import parser
+from pas.designs.teapot import teapot
 from pas.independent.checker import check_independently
 from pas.limits import LIMITED
 from pas.render.parts import draw_parts
-from pas.teapot.pot import teapot
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 

@@ -17,7 +17,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +93,7 @@ def worker() -> Iterator[Worker]:
     made.stop()
 
 
-@lru_cache(maxsize=None)
+@cache
 def bases(folder: Path) -> tuple[Base, ...]:
     folder.mkdir(parents=True, exist_ok=True)
     return (*problems(), *projects(folder))

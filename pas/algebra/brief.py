@@ -1,0 +1,82 @@
+"""Short reprs: what an object is in at most `LONGEST` characters, however many numbers it holds.
+
+A class says `__repr__ = brief` (a dataclass keeps it); all numbers are in `str`, where that makes sense, and in its
+fields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
+from reprlib import Repr
+from typing import Any
+
+from flint import fmpq
+
+LONGEST = 200
+"""Characters of a repr: two lines of a terminal."""
+
+PIECE = 60
+"""Characters of one field of it."""
+
+FORMULA = 130
+"""Characters of a formula within a repr."""
+
+
+class _Brief(Repr):
+    def repr_ndarray(self, array: Any, level: int) -> str:
+        return f"<{array.dtype} {array.shape}>" if array.size > self.maxtuple else repr(array.tolist())
+
+    def repr_function(self, function: Any, level: int) -> str:
+        return "a function"
+
+    def repr_instance(self, thing: Any, level: int) -> str:
+        if is_dataclass(thing):
+            return f"{type(thing).__name__}(...)"
+        return cut(str(thing) if isinstance(thing, Fraction | fmpq) else repr(thing), self.maxother)
+
+
+_WORDS = _Brief()
+_WORDS.maxlevel, _WORDS.maxother, _WORDS.maxstring = 3, PIECE, PIECE
+_WORDS.maxtuple = _WORDS.maxlist = _WORDS.maxdict = _WORDS.maxset = 3
+
+
+def cut(text: str, most: int = LONGEST) -> str:
+    """A text of at most so many characters: the middle of a longer one is left out."""
+    head = (most - 3) * 3 // 4
+    return text if len(text) <= most else f"{text[:head]}...{text[len(text) - (most - 3 - head) :]}"
+
+
+def brief(thing: Any) -> str:
+    """`Name(field=value, ...)` of a dataclass, or `Name()`, each value and the whole shortened."""
+    shown = [f for f in fields(thing) if f.repr] if is_dataclass(thing) else []
+    pieces: list[str] = []
+    room = LONGEST - len(type(thing).__name__) - len("(, ...)")
+    for field in shown:
+        piece = f"{field.name}={cut(_WORDS.repr(getattr(thing, field.name)), PIECE)}"
+        if len(piece) + 2 > room:
+            pieces.append("...")
+            break
+        pieces.append(piece)
+        room -= len(piece) + 2
+    return f"{type(thing).__name__}({', '.join(pieces)})"
+
+
+def whole_or_brief(name: str, items: Sequence[str], what: str) -> str:
+    """`Name(item, ...)`, which Python reads again, or where that is too long the number of items and the first one."""
+    text = f"{name}({', '.join(items)})"
+    return text if len(text) <= LONGEST else f"<{name} of {len(items)} {what}: {cut(items[0], FORMULA)}, ...>"
+
+
+def listed(head: str, names: Iterable[str]) -> str:
+    """`<head name, name, ...>`, and how many more names there are."""
+    all_names, shown = list(names), []
+    room = LONGEST - len(head) - len(", and 99999 more>")
+    for name in all_names:
+        room -= len(name) + 2
+        if room < 0:
+            break
+        shown.append(name)
+    more = len(all_names) - len(shown)
+    return f"{head} {', '.join(shown)}{f' and {more} more' if more else ''}>"

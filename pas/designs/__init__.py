@@ -1,0 +1,20 @@
+"""Designs made of patches, joints and solids alone: the classic teapot, of which each part can be changed.
+
+    import pas
+    from pas.designs import Handle, Spout
+
+    pot = pas.teapot(spout=Spout(tilt="1/10"), handle=Handle(reach=1))
+
+The command `pas teapot` builds it; whoever wants another pot gives one of its four parts other numbers, or an object
+of a class of his own with the same methods.
+"""
+
+from pas.designs.body import Body
+from pas.designs.exact import points
+from pas.designs.handle import Handle
+from pas.designs.lid import Lid
+from pas.designs.paper import PaperHandle, PaperSpout
+from pas.designs.spout import Spout
+from pas.designs.teapot import STYLES, Teapot, teapot
+
+__all__ = ["STYLES", "Body", "Handle", "Lid", "PaperHandle", "PaperSpout", "Spout", "Teapot", "points", "teapot"]

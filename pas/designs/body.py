@@ -1,0 +1,91 @@
+"""The body: two quadrics that meet with GC^1 where it is widest, on a flat bottom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from pas.algebra.brief import brief
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.designs.exact import settle
+from pas.errors import GeometryError
+from pas.solid.solid import Solid, patch
+
+
+def below(height: Fraction) -> Polynomial:
+    """The polynomial `height - z`, which is positive below."""
+    return Polynomial(height) - Polynomial.from_raw(GENERATORS[2])
+
+
+@dataclass(frozen=True)
+class Body:
+    """A surface of revolution about the z axis, of `lower` and, above the seam, another quadric.
+
+    All numbers and polynomials are exact, heights and radii in the model's units.  Raises `GeometryError` for the joint
+    that cannot be made.
+    """
+
+    lower: Polynomial = Polynomial("4/9*(x^2 + y^2) + 25/36*z^2 - 1")
+    """The lower quadric, negative inside."""
+
+    seam: Fraction = Fraction(2, 5)
+    bottom: Fraction = Fraction(-4, 5)
+    top: Fraction = Fraction(1)
+    """Heights where the quadrics meet, of the flat bottom, and of the lid's rim."""
+
+    rim: Fraction = Fraction(11, 10)
+    """The radius of the lid's rim."""
+
+    wall: Fraction = Fraction(1, 5)
+    floor: Fraction = Fraction(1, 10)
+    """Thickness of the hollow pot's walls, as a value of the body's polynomials, and of its floor."""
+
+    __repr__ = brief
+
+    def __post_init__(self) -> None:
+        settle(self)
+        if not self.bottom < self.seam < self.top:
+            raise GeometryError(
+                f"the joint of lower and upper body cannot be made: its seam must be between the bottom at "
+                f"{self.bottom} and the top at {self.top}, not at {self.seam}"
+            )
+        for surface, height, name in (
+            (self.lower, self.bottom, "lower"),
+            (self.lower, self.seam, "lower"),
+            (self.upper, self.top, "upper"),
+        ):
+            if surface.at((0, 0, height)) >= 0:
+                raise GeometryError(
+                    f"the joint of lower and upper body cannot be made: the {name} quadric {surface} must be negative "
+                    f"on the axis at height {height}"
+                )
+        if self.rim <= 0:
+            raise GeometryError(f"the joint of lid and body cannot be made: rim must be positive, not {self.rim}")
+
+    @cached_property
+    def upper(self) -> Polynomial:
+        """`lower + a (z - seam)^2`, which meets the lower quadric with GC^1, through the rim of the lid."""
+        seam = -below(self.seam)
+        rim_point = (self.rim, 0, self.top)
+        return self.lower + seam**2 * (-self.lower.at(rim_point) / seam.at(rim_point) ** 2)
+
+    @property
+    def rim_curve(self) -> tuple[Polynomial, Polynomial]:
+        """The circle in which the lid lies on the body, as the cylinder and the plane that it is on."""
+        x, y, _ = map(Polynomial.from_raw, GENERATORS)
+        return x**2 + y**2 - self.rim**2, -below(self.top)
+
+    def solid(self, upper_walls: tuple[Polynomial, ...], lower_walls: tuple[Polynomial, ...]) -> Solid:
+        """The two patches with their joint, each within walls where others continue it."""
+        solid = patch("body upper", self.upper, -below(self.seam), below(self.top), *upper_walls)
+        solid |= patch("body lower", self.lower, -below(self.bottom), below(self.seam), *lower_walls)
+        return solid.joined("body upper", "body lower", (self.lower, -below(self.seam)), 1)
+
+    def room(self) -> Solid:
+        """The room inside: level sets of the body's own polynomials, which keep their joint."""
+        above, floor = below(self.top + self.wall), -below(self.bottom + self.floor)
+        seam = -below(self.seam)
+        room = patch("inner upper", self.upper + self.wall, seam, above)
+        room |= patch("inner lower", self.lower + self.wall, floor, -seam).cap(-floor, "inner floor")
+        return room.joined("inner upper", "inner lower", (self.lower + self.wall, seam), 1)

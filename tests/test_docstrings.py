@@ -1,0 +1,94 @@
+"""Docstrings of exported functions: they name what is raised, the shapes of arrays, and every parameter has a type."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import textwrap
+import typing
+from collections.abc import Callable, Iterator
+
+import pytest
+
+import pas
+from pas import solid
+
+VERBS = re.compile(r"pas\.(blend|draw|show|save|write)\w*")
+"""Functions that take all kinds of things, and hand on the other parameters to what is made of them."""
+
+CHECKS = {"ArithmeticError", "AssertionError"}
+"""Errors that say that the program is wrong: no user is to reckon with them."""
+
+SHAPE = re.compile(r"\((\.\.\.|[\w*]+)(, [\w*]+)*,?\)")
+"""How a shape is written: (..., 3), (N, 3), (T,)."""
+
+
+def exported() -> Iterator[tuple[str, Callable]]:
+    for room, prefix in ((pas, "pas"), (solid, "solid")):
+        for name in room.__all__:
+            thing = getattr(room, name)
+            if inspect.isfunction(thing):
+                yield f"{prefix}.{name}", inspect.unwrap(thing)
+
+
+FUNCTIONS = dict(exported())
+
+
+def raises(function: Callable) -> bool:
+    """Whether the code of a function has a `raise`."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    return any(isinstance(node, ast.Raise) for node in ast.walk(tree))
+
+
+def called(function: Callable) -> Iterator[Callable]:
+    """The functions of the package that a function calls by name, and what makes the objects that it makes."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    body = [node for statement in tree.body[0].body for node in ast.walk(statement)]
+    for node in body:
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
+            continue
+        thing = inspect.unwrap(function.__globals__.get(node.func.id, len))
+        if not getattr(thing, "__module__", "").startswith("pas.") or thing.__module__ == "pas.limits":
+            continue
+        makers = [vars(thing).get("__post_init__"), vars(thing).get("__init__")] if inspect.isclass(thing) else [thing]
+        yield from (m for m in makers if inspect.isfunction(m) and "<string>" not in m.__code__.co_filename)
+
+
+def test_there_are_functions():
+    assert len(FUNCTIONS) > 60
+    assert raises(FUNCTIONS["pas.plane"])
+    assert not raises(FUNCTIONS["pas.ellipsoid"])
+    assert any(raises(g) for g in called(FUNCTIONS["pas.ellipsoid"]))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_errors_are_named(name):
+    """A function that raises, or calls what does, says so: each error of its own code by name."""
+    function = FUNCTIONS[name]
+    text = inspect.getdoc(function) or ""
+    if raises(function) or any(raises(other) for other in called(function)):
+        assert "raises" in text.lower(), f"{name} may raise; its docstring has no `Raises ...`"
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name):
+            error = node.exc.func.id
+            if error[0].isupper() and error not in CHECKS:
+                assert error in text, f"{name} raises {error}, which its docstring does not name"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_arrays_have_shapes(name):
+    """Where an array goes in or comes out, its shape stands in the docstring, as `(..., 3)`."""
+    function = FUNCTIONS[name]
+    hints = inspect.get_annotations(function)
+    arrays = [n for n, hint in hints.items() if any(w in str(hint) for w in ("ArrayLike", "Floats", "ndarray"))]
+    if arrays:
+        assert SHAPE.search(inspect.getdoc(function) or ""), f"{name}: {arrays}"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_parameters_are_typed_and_not_as_anything(name):
+    for parameter, hint in inspect.get_annotations(FUNCTIONS[name]).items():
+        if parameter != "return" and not VERBS.fullmatch(name):
+            assert hint not in ("Any", typing.Any), f"{name}: {parameter} may be Any; say what it takes"

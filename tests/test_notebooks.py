@@ -1,0 +1,39 @@
+"""Notebooks run from top to bottom in a fresh kernel, and hold no outputs."""
+
+from __future__ import annotations
+
+import nbformat
+import pytest
+from conftest import ROOT
+from nbclient import NotebookClient
+
+NOTEBOOKS = sorted((ROOT / "examples/notebooks").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
+def test_notebooks_are_stored_without_outputs(path):
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            assert not cell.outputs
+            assert cell.execution_count is None
+
+
+def test_the_first_blend(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT), prepend=":")
+    notebook = nbformat.read(ROOT / "examples/notebooks/first_blend.ipynb", as_version=4)
+    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    text = "".join(output.get("text", "") for output in outputs)
+    assert "order               GC^2 at the contacts" in text
+    assert "energy 102.34 and 103.07; proved: True" in text
+    assert "volume 1.943" in text
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
+    assert sum("text/latex" in output.get("data", {}) for output in outputs) == 1
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "corner.pas.json",
+        "corner.stl",
+        "corner_plain.png",
+        "corner_zebra.png",
+    }
