@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -172,3 +173,13 @@ def test_solving_needs_no_pictures_nor_sympy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_the_picture_of_the_rooms_is_drawn_from_the_sources():
+    rooms = runpy.run_path(str(ROOT / "docs/rooms.py"))
+    drawn = rooms["picture"]()
+    for name in set(ROOMS) - {"_version"}:
+        assert f">{name}</text>" in drawn
+    assert set(rooms["order"](["a", "b"], {("a", "b"): 1})) == {"a", "b"}
+    with pytest.raises(ValueError, match="a, b import from one another"):
+        rooms["order"](["a", "b"], {("a", "b"): 1, ("b", "a"): 1})
