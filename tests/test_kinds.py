@@ -248,6 +248,14 @@ def test_options_of_pictures_are_checked(tmp_path):
         sample("solid").draw(tmp_path / "a.png", tolerance=0)
 
 
+def test_every_setting_of_a_picture_is_a_keyword():
+    from dataclasses import fields
+
+    from pas.render.scene import PictureOptions
+
+    assert set(PictureOptions.__annotations__) == {field.name for field in fields(pas.Picture)}
+
+
 VERSION_1 = sorted((DATA / "version1").glob("*.pas.json"))
 
 
