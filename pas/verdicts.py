@@ -139,6 +139,20 @@ class Verdicts(ABC):
         found = Counter(v.status for v in self.verdicts)
         return "; ".join(f"{found[s]} {COUNTED[s]}" for s in Status if found[s]) or "nothing claimed, nothing proved"
 
+    def differences(self, stored: Verdicts) -> tuple[str, ...]:
+        """Where stored verdicts say other than these, which were proved: one sentence each."""
+        found = {verdict.claim: verdict.status.value for verdict in self.verdicts}
+        said = {verdict.claim: verdict.status.value for verdict in stored.verdicts}
+        missing = [f"{claim}: {status}; nothing is stored" for claim, status in found.items() if claim not in said]
+        others = [
+            f"{claim}: {found[claim]}; stored as {status}"
+            if claim in found
+            else f"{claim}: no claim; stored as {status}"
+            for claim, status in said.items()
+            if found.get(claim) != status
+        ]
+        return (*missing, *others)
+
     def __bool__(self) -> bool:
         raise TypeError("a certificate has several verdicts; ask for .proved, .holds or .refuted")
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pas.algebra.inputs import check_tolerance
 from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file
 from pas.verdicts import Verdicts
+
+if TYPE_CHECKING:
+    from pas.exchange.corner_problem import CornerProblem
 
 
 def run_solve(options: argparse.Namespace) -> Outcome:
@@ -18,8 +21,8 @@ def run_solve(options: argparse.Namespace) -> Outcome:
     from pas.pipeline.report import report
     from pas.pipeline.space import solutions
 
-    problem = read_problem(problem_file(options.problem), ("corner",))
-    problem = problem.changed(order=options.order, degree=options.degree)
+    found = cast("CornerProblem", read_problem(problem_file(options.problem), ("corner",)))
+    problem = found.changed(order=options.order, degree=options.degree)
     space = solutions(
         problem.contacts,
         problem.order,
@@ -42,7 +45,7 @@ def run_check(options: argparse.Namespace) -> Outcome:
     certificate: Verdicts = shape.certificate
     text, stored = str(certificate), getattr(shape, "stored", None)
     if stored is not None:
-        text += "".join(f"\nas stored otherwise: {difference}" for difference in shape.certificate.differences(stored))
+        text += "".join(f"\nas stored otherwise: {difference}" for difference in certificate.differences(stored))
     return _judged(text, certificate.counts, certificate.verdicts, certificate.proved, certificate.holds, start)
 
 

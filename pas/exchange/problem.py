@@ -18,7 +18,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from pas.errors import ProblemFileError
 from pas.exchange.picture_options import View
@@ -49,7 +49,7 @@ class Problem(ABC):
     def solve(self) -> Shape:
         """The shape that was asked for; raises what finding it raises."""
 
-    def changed(self, **options: Any) -> Any:
+    def changed(self, **options: Any) -> Self:
         """The problem with other values for those of its fields that are not None; raises `ValueError` for no field."""
         wanted = {name: value for name, value in options.items() if value is not None}
         known = {field.name for field in fields(self)}  # type: ignore[arg-type]  # all problems are dataclasses
@@ -87,8 +87,8 @@ PROBLEMS: Registry[ProblemKind] = Registry(
 PARAMETRIC = ("generatrix", "parametric")
 
 
-def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Any:
-    """Read a problem file of any kind, or of some `kinds` of `PROBLEMS`; returns a `Problem`.
+def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Problem:
+    """Read a problem file of any kind, or of some `kinds` of `PROBLEMS`.
 
     Raises `ProblemFileError` with the line for syntax errors, unknown or missing keys, wrong types and values, and for
     a problem of another kind; `FileNotFoundError`.
@@ -101,7 +101,7 @@ def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Any:
     return kind.read(file, text, data)
 
 
-def read_parametric_problem(path: str | Path) -> Any:
+def read_parametric_problem(path: str | Path) -> Problem:
     """`read_problem` of a parametric blend or one by a generatrix; raises `ProblemFileError` for other problems."""
     return read_problem(path, PARAMETRIC)
 

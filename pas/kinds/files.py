@@ -7,7 +7,7 @@ they are proved anew, in this process, when they are first asked for.  Files of 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from pas._version import __version__
 from pas.algebra.inputs import shown
@@ -16,6 +16,8 @@ from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.schema import TEXT, Table, check
 from pas.limits import Report, limited
 from pas.shape import KINDS, Shape, kind_of
+from pas.solid.assembly import Assembly
+from pas.solid.solid import Solid
 from pas.verdicts import Verdicts
 
 FIRST_KIND = "blend"
@@ -55,7 +57,7 @@ def load(
     edited: bool = False,
     seconds: float | None = None,
     progress: Report | None = None,
-) -> Any:
+) -> Shape:
     """Read a project file back: a shape of whatever kind it holds, exactly as it was written.
 
     No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
@@ -67,7 +69,7 @@ def load(
     return _made(read(path, edited=edited), Path(path).name)
 
 
-def _made(content: dict[str, Any], name: str) -> Any:
+def _made(content: dict[str, Any], name: str) -> Shape:
     """The shape of a content; raises `ProjectFileError`."""
     title = content.get("kind", FIRST_KIND)
     if not isinstance(title, str) or title not in KINDS:
@@ -77,7 +79,8 @@ def _made(content: dict[str, Any], name: str) -> Any:
     kind = KINDS[title]
     with understood(name):
         check(content, Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}), "content")
-        return kind.read(content)
+        shape: Shape = kind.read(content)
+        return shape
 
 
 @limited("writing a project file", "")
@@ -91,12 +94,12 @@ def save_solid(shape: Shape, path: str | Path, *, seconds: float | None = None, 
 @limited("reading a project file", "")
 def load_solid(
     path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
-) -> Any:
+) -> Solid | Assembly:
     """`pas.load` of a solid or an assembly; raises `ProjectFileError` for a file of another kind."""
     found = load(path, edited=edited)
     if kind_of(found).name not in SOLIDS:
         raise ProjectFileError(f"{Path(path).name}: holds no solid and no assembly; read it with pas.load")
-    return found
+    return cast("Solid | Assembly", found)
 
 
 @limited("writing a project file", "")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from pas.mesh.mesh import Mesh
 from pas.render.camera import FOUR_VIEWS, look_at, widest_view
 from pas.render.layers import CURVE_COLOR, Layer
 from pas.render.offscreen import offscreen_pyvista
-from pas.render.scene import SIZE, Picture, Scene, Style, scene_of
+from pas.render.scene import SIZE, Picture, PictureOptions, Scene, Style, scene_of
 from pas.shape import Shape
 
 STRIPES, TOWARDS = 28, np.array([0.35, 0.85, 0.4]) / np.linalg.norm([0.35, 0.85, 0.4])
@@ -52,7 +52,7 @@ def draw(
     mesh: Mesh | Mapping[str, Mesh] | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
-    **options: Any,
+    **options: Unpack[PictureOptions],
 ) -> Path:
     """Draw a shape, or a list of them, into a PNG file; returns the path.
 

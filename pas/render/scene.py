@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -25,6 +25,19 @@ class Style(Enum):
     PLAIN = "plain"
     ZEBRA = "zebra"
     CURVATURE = "curvature"
+
+
+class PictureOptions(TypedDict, total=False):
+    """The fields of `Picture` as keywords of `pas.draw` and `pas.show`."""
+
+    style: Style
+    size: tuple[int, int]
+    view: Any
+    domain: Any
+    tolerance: float | None
+    four_views: bool
+    exploded: bool
+    cut: bool
 
 
 @dataclass(frozen=True)

@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 from pas.errors import MissingLibraryError
+from pas.mesh.mesh import Mesh
 from pas.render.picture import plotted
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import Picture, PictureOptions, scene_of
 from pas.shape import Shape
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 """The variables that name a screen where windows need one to be named."""
 
 
-def show(shape: Shape | Sequence[Shape], **options: Any) -> None:
+def show(
+    shape: Shape | Sequence[Shape],
+    *,
+    mesh: Mesh | Mapping[str, Mesh] | None = None,
+    **options: Unpack[PictureOptions],
+) -> None:
     """Show a shape, or a list of them, in a window, to be turned with the mouse; returns when it is closed.
 
-    `options` are those of `pas.draw` beside the path.  Raises `MissingLibraryError` where there is no screen.
+    `mesh` and `options` are those of `pas.draw`.  Raises `MissingLibraryError` where there is no screen.
     """
-    mesh = options.pop("mesh", None)
     picture = Picture.of(options)
     scene = scene_of(shape, picture, mesh)
     if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in SCREENS):

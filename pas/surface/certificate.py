@@ -42,20 +42,6 @@ class Certificate(Verdicts):
             lines.append(f"{verdict.claim:<{width}}  {verdict.status.value:<9} {verdict.reason}{at}")
         return "\n".join(lines)
 
-    def differences(self, stored: Certificate) -> tuple[str, ...]:
-        """Where stored verdicts say other than these, which were proved: one sentence each."""
-        found = {verdict.claim: verdict.status.value for verdict in self.verdicts}
-        said = {verdict.claim: verdict.status.value for verdict in stored.verdicts}
-        missing = [f"{claim}: {status}; nothing is stored" for claim, status in found.items() if claim not in said]
-        others = [
-            f"{claim}: {found[claim]}; stored as {status}"
-            if claim in found
-            else f"{claim}: no claim; stored as {status}"
-            for claim, status in said.items()
-            if found.get(claim) != status
-        ]
-        return (*missing, *others)
-
     def to_record(self) -> dict[str, Any]:
         """A JSON-ready form."""
         return {

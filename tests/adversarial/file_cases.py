@@ -192,6 +192,8 @@ def projects(folder: Path) -> list[Base]:
     square = ((-1, 1), (0, 1))
     neck, weighted = pas.hermite_blend(data, 1), pas.weighted_blend(data, 1)
     quadrics = pas.read_parametric_problem(EXAMPLES / "parametric/generatrix/quadrics.toml").blend()
+    ends = [{"quadric": "x^2 + y^2 - 1", "plane": "z - 3"}, {"quadric": "x^2 + z^2 - 1", "plane": "y - 3"}]
+    through = pas.blend_through_sphere(list(map(pas.boundary_from, ends)), (0, 0, 0), "3/2")
     things: dict[str, tuple[Any, tuple[tuple[str, ...], ...]]] = {
         "corner": (corner, (check, *independent, as_json, mesh, convert)),
         "elbow": (elbow, (check, *independent, as_json, mesh)),
@@ -205,10 +207,14 @@ def projects(folder: Path) -> list[Base]:
         "waves": (waves, (check, mesh)),
         "neck": (_on(neck, square), (check, mesh)),
         "weighted": (_on(weighted, square), (check, mesh)),
-        "quadrics": (quadrics, (check, mesh)),
+        "quadrics": (quadrics, (check, as_json, mesh)),
+        "patches": (corner.surface, (check, mesh)),
+        "through": (through, (check,)),
+        "net": (pas.bezier_patches(surface)[0], (check, as_json, mesh)),
+        "tetra": (tetra, (check, as_json, ("write", "{}", "a.ply"))),
     }
     return [
-        Base(f"{name}.pas.json", _saved(thing, folder / f"{name}.pas.json").read_text(), commands)
+        Base(f"{name}.pas.json", thing.save(folder / f"{name}.pas.json").read_text(), commands)
         for name, (thing, commands) in things.items()
     ]
 
@@ -217,10 +223,3 @@ def _on(blend: pas.ParametricBlend, domain: Any) -> pas.ParametricBlend:
     from dataclasses import replace
 
     return replace(blend, surface=blend.surface.with_domain(domain))
-
-
-def _saved(thing: Any, path: Path) -> Path:
-    if isinstance(thing, pas.Blend):
-        return thing.save(path)
-    parametric = pas.ParametricSurface | pas.ParametricBlend | pas.GeneratrixBlend
-    return pas.save_parametric(thing, path) if isinstance(thing, parametric) else pas.save_solid(thing, path)

@@ -177,8 +177,10 @@ def _verdict(reply: dict[str, Any]) -> str:
     """A success that the verdicts do not bear out."""
     if '"proved": ' in reply["out"]:
         told = json.loads(reply["out"])
-        proved = told["proved"] and all(v["status"] == "proved" for v in told["verdicts"])
-        return "" if proved == (reply["code"] == 0) else f"exit code {reply['code']}, but {reply['out'][-300:]}"
+        proved = bool(told["verdicts"]) and all(v["status"] == "proved" for v in told["verdicts"])
+        failed = any(v["status"] in ("refuted", "fails, measured") for v in told["verdicts"])
+        right = told["proved"] == proved and told["holds"] == (reply["code"] == 0) and told["holds"] <= (not failed)
+        return "" if right else f"exit code {reply['code']}, but {reply['out'][-300:]}"
     last = reply["out"].rstrip().splitlines()[-1:] or [""]
     claims = [line for line in reply["out"].splitlines() if re.search(r"\brefuted\b", line)]
     if reply["code"] == 0 and re.match(r"(not )?all proved|none refuted", last[0]) and (
