@@ -132,12 +132,13 @@ from .render.window import show as show
 from .shape import Kind as Kind
 from .shape import Shape as Shape
 from .surface.certificate import Certificate as Certificate
+from .surface.cone import Cone as Cone
 from .surface.contact import Contact as Contact
-from .surface.contact import Pipe as Pipe
 from .surface.contact import contact_ideal as contact_ideal
 from .surface.curvature import CurvatureContact as CurvatureContact
 from .surface.curvature import curvature_contact as curvature_contact
 from .surface.piecewise import PiecewiseSurface as PiecewiseSurface
+from .surface.pipe import Pipe as Pipe
 from .verdicts import Status as Status
 from .verdicts import Verdict as Verdict
 from .verdicts import Verdicts as Verdicts

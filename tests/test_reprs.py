@@ -101,6 +101,7 @@ SAMPLES = {
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],
+    "Cone": lambda: pas.Cone((1, 0, 0), "1/3", 1, "1/10"),
     "PointKind": lambda: next(iter(pas.PointKind)),
     "Polynomial": lambda: LONG,
     "PolynomialCriterion": lambda: pas.has_polynomial_solution(parametric().data, 2),

@@ -16,8 +16,9 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.rational import Vector, cross, dot, plain, to_float
 from pas.errors import GeometryError
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.surface.contact import Contact, Pipe
+from pas.surface.contact import Contact
 from pas.surface.joins import Join
+from pas.surface.pipe import Pipe
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
 """What to do about contacts that make no corner."""

@@ -16,9 +16,10 @@ from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
-from pas.surface.contact import Contact, Pipe, as_contact
+from pas.surface.contact import Contact, as_contact
 from pas.surface.contact_proofs import check_join, clip_sided
 from pas.surface.joins import Join, joins
+from pas.surface.pipe import Pipe
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 

@@ -4,7 +4,7 @@
     degree = 5                     # optional; raised until the proofs pass without
     tolerance = 1e-3               # optional; of the mesh, in the model's units
 
-    [[pipes]]                      # or [[contacts]] with surface and clip as polynomials
+    [[pipes]]                      # or [[cones]], with a slope, or [[contacts]], surface and clip as polynomials
     axis = [1, 0, 0]
     radius = "1/3"                 # exact: a string, an integer, or the decimal as written
     clip = 1
@@ -44,7 +44,7 @@ from typing import Any
 
 from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
-from pas.described import keys_of
+from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
 from pas.exchange.picture_options import PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
@@ -55,7 +55,7 @@ from pas.partition.cells import Partition
 from pas.partition.kinds import PARTITIONS, read_partition
 from pas.pipeline.blend import blend
 from pas.pipeline.result import Blend
-from pas.surface.contact import Contact, Pipe
+from pas.surface.contact import CONTACTS, Contact, HasContact
 
 KEYS = {
     "": {
@@ -66,27 +66,20 @@ KEYS = {
         "prove",
         "guard",
         "basis",
-        "pipes",
-        "contacts",
         "partition",
         "energy",
         "points",
         "normalize",
         "picture",
     },
-    "pipes": {"axis", "radius", "clip", "point"},
-    "contacts": {"surface", "clip"},
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
     "picture": {"style", "view"},
 }
 REQUIRED = {
     "": {"order"},
-    "pipes": {"axis", "radius", "clip"},
-    "contacts": {"surface", "clip"},
     "normalize": {"kind"},
 }
-LISTS = {"pipes", "contacts"}
 
 DEFAULT_TOLERANCE = 1e-3
 """Of the mesh, in the model's units."""
@@ -97,7 +90,7 @@ class CornerProblem(Problem):
     """A problem as read from a file; the fields are the arguments of `pas.blend`, and those of every problem."""
 
     name: str
-    contacts: tuple[Pipe | Contact, ...]
+    contacts: tuple[Contact | HasContact, ...]
     order: int
     degree: int | None
     tolerance: float
@@ -122,21 +115,33 @@ class CornerProblem(Problem):
 
 
 class _Reader(PictureReader):
-    required, lists = REQUIRED, LISTS
+    """Knows the tables that there are, whatever has been registered since."""
+
     usual_style = "plain"
 
     @property
+    def lists(self) -> set[str]:  # type: ignore[override]
+        """The tables of contacts."""
+        return set(CONTACTS)
+
+    @property
     def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
-        """Those that there are, whatever has been registered since."""
-        return KEYS | {"partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
+        """The keys by table."""
+        tables = {table: set(constructor_keys(made)) for table, made in CONTACTS.items()}
+        others = {"": KEYS[""] | self.lists, "partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
+        return KEYS | others | tables
+
+    @property
+    def required(self) -> dict[str, set[str]]:  # type: ignore[override]
+        """The keys that must be, by table."""
+        arguments = {table: constructor_keys(made) for table, made in CONTACTS.items()}
+        return REQUIRED | {table: {k for k, needed in known.items() if needed} for table, known in arguments.items()}
 
     def problem(self, data: dict[str, Any]) -> CornerProblem:
         self.check(data, "", 0)
-        items = [
-            self._item(kind, i, entry) for kind in ("pipes", "contacts") for i, entry in enumerate(data.get(kind, []))
-        ]
+        items = [self._item(table, i, entry) for table in CONTACTS for i, entry in enumerate(data.get(table, []))]
         if not items:
-            raise self.error("gives no [[pipes]] and no [[contacts]]; a corner needs three", "", 0)
+            raise self.error(f"gives no {' and no '.join(f'[[{t}]]' for t in CONTACTS)}; a corner needs three", "", 0)
         style, view = self.picture(data)
         return CornerProblem(
             name=self.name(data),
@@ -160,17 +165,18 @@ class _Reader(PictureReader):
             guard=self.typed(data, "guard", bool, True),
         )
 
-    def _item(self, kind: str, index: int, entry: dict[str, Any]) -> Pipe | Contact:
+    def _item(self, kind: str, index: int, entry: dict[str, Any]) -> Contact | HasContact:
         self.check(entry, kind, index)
-        make: Callable[..., Pipe | Contact] = Pipe if kind == "pipes" else Contact
+        made: Contact | HasContact
         try:
-            return make(**entry)
+            made = CONTACTS[kind](**entry)
         except LimitError:
             raise
         except (ValueError, TypeError, PasError) as error:
             places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
             key = min(places, key=places.__getitem__) if places else None
             raise self.error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
+        return made
 
     def _made(self, table: str, data: dict[str, Any], make: Callable[[dict[str, Any]], Any]) -> Any:
         if table not in data:
@@ -203,7 +209,7 @@ class _Reader(PictureReader):
 
 
 def _fits(data: dict[str, Any]) -> bool:
-    return bool(LISTS & data.keys()) or not {"surfaces", "boundaries", "method"} & data.keys()
+    return bool(set(CONTACTS) & data.keys()) or not {"surfaces", "boundaries", "method"} & data.keys()
 
 
 def _read(file: Path, text: str, data: dict[str, Any]) -> CornerProblem:

@@ -15,7 +15,7 @@ from conftest import ROOT
 
 import pas
 from pas import solid
-from pas.designs.teapot import teapot
+from pas.designs.teapot import Teapot
 from pas.independent.checker import check_independently
 from pas.render.parts import draw_parts
 
@@ -205,7 +205,8 @@ LONG_CALLS = {
     "SphereBlend.mesh": LongCall(
         lambda _: pas.blend_through_sphere(_ends(), (0, 0, 0), 1), lambda p, f, **k: p.mesh(size=(12, 6), **k)
     ),
-    "pas.designs.teapot.teapot": LongCall(lambda _: None, lambda p, f, **k: teapot("paper", **k), 2),
+    "pas.teapot": LongCall(lambda _: None, lambda p, f, **k: pas.teapot("paper", **k), 2),
+    "Teapot.mesh": LongCall(lambda _: Teapot("paper", _box(), _box(), _box()), lambda p, f, **k: p.mesh(T, **k), 2),
     "pas.independent.checker.check_independently": LongCall(
         _saved_blend, lambda p, f, **k: check_independently(p, **k)
     ),

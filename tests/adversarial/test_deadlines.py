@@ -23,7 +23,6 @@ from pas import solid
 from pas.cli import main
 from pas.cli.common import FAILED
 from pas.cli.parser import parser
-from pas.designs.teapot import teapot
 from pas.independent.checker import check_independently
 from pas.limits import LIMITED
 from pas.render.parts import draw_parts
@@ -52,7 +51,7 @@ def functions() -> Iterator[tuple[str, FunctionType]]:
                         yield f"{thing.__name__}.{attribute}", function
             elif isinstance(thing, FunctionType):
                 yield f"pas.{name}", thing
-    for function in (draw_parts, teapot, check_independently):
+    for function in (draw_parts, check_independently):
         yield f"{function.__module__}.{function.__name__}", function
 
 

@@ -1,0 +1,54 @@
+"""Cones as contacts, and the tables of contacts that problem files know."""
+
+from __future__ import annotations
+
+import pytest
+
+import pas
+from pas.surface.contact import CONTACTS
+
+SAMPLES = {
+    "pipes": {"axis": (1, 0, 0), "radius": "1/3", "clip": 1},
+    "cones": {"axis": (1, 0, 0), "radius": "1/3", "clip": 1, "slope": "1/10"},
+    "contacts": {"surface": "y^2 + z^2 - 1/9", "clip": "x - 1"},
+}
+
+
+@pytest.mark.parametrize("table", CONTACTS)
+def test_every_kind_of_contact_is_read_from_its_table(table, tmp_path):
+    text = "\n".join(f"{key} = {list(v) if isinstance(v, tuple) else repr(v)}" for key, v in SAMPLES[table].items())
+    path = tmp_path / "problem.toml"
+    path.write_text(f"order = 1\n[[{table}]]\n{text}\n")
+    (found,) = pas.read_problem(path).contacts
+    assert found == CONTACTS[table](**SAMPLES[table])
+    path.write_text(f"order = 1\n[[{table}]]\n{text}\nnothing = 1\n")
+    with pytest.raises(pas.ProblemFileError, match="nothing"):
+        pas.read_problem(path)
+
+
+def test_a_cone_is_what_it_says():
+    cone = pas.Cone(axis=(0, 0, 2), radius="1/2", clip="3/2", slope="1/4", point=(1, 0, 0))
+    surface, clip = cone.contact.surface, cone.contact.clip
+    assert clip == pas.Polynomial("z/2 - 3/2")
+    for length, radius in ((1.5, 0.5), (2.5, 0.75), (0.5, 0.25), (-0.5, 0.0)):
+        assert surface.at((1 + radius, 0, 2 * length)) == 0
+        assert surface.at((1, radius, 2 * length)) == 0
+    assert surface.at((1, 0, 3)) < 0
+    assert pas.Cone((1, 2, 0), 1, 1, 0).contact == pas.Pipe((1, 2, 0), 1, 1).contact or (
+        pas.Cone((1, 2, 0), 1, 1, 0).contact.surface == pas.Pipe((1, 2, 0), 1, 1).contact.surface
+    )
+    for wrong, words in (({"axis": (0, 0, 0)}, "axis"), ({"radius": 0}, "radius must be positive")):
+        with pytest.raises(ValueError, match=words):
+            pas.Cone(**(SAMPLES["cones"] | wrong))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_cones_and_pipes_blend(order):
+    contacts = [
+        pas.Cone(axis=(1, 0, 0), radius="1/3", clip=1, slope="1/10"),
+        pas.Cone(axis=(0, 1, 0), radius="1/3", clip=1, slope="-1/20"),
+        pas.Pipe(axis=(0, 0, 1), radius="1/3", clip=1),
+    ]
+    corner = pas.SixTetrahedra((0, 0, 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    blend = pas.blend(contacts, order, partition=corner)
+    assert blend.certificate.proved
