@@ -156,7 +156,11 @@ def _moved(case: Case, random: Random) -> Case:
         factors = [c * Fraction(10) ** random.choice((-9, -30, 6, 30)) for c in factors]
     offset = [Fraction(random.randint(-99, 99), 10) for _ in range(3)]
     shapes = [case.solid] + ([] if case.gap is None else [solid.implicit(case.gap, face="gap")])
-    shapes = [s.mirror(normal).scale(factors).translate(offset) for s in shapes]
+    try:
+        shapes = [s.mirror(normal).scale(factors).translate(offset) for s in shapes]
+    except ValueError as error:  # coefficients of more than 10^300, which solids refuse
+        assert "cannot be evaluated in floating point" in str(error)
+        return case
     gap = None if case.gap is None else shapes[1].polynomials["gap"][0]
     return replace(case, solid=shapes[0], gap=gap)
 
