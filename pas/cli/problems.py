@@ -80,8 +80,8 @@ def run_teapot(options: argparse.Namespace) -> Outcome:
 
 
 def clock_line(clock: Clock) -> str:
-    """The seconds of the stages in one line."""
-    return "seconds: " + ", ".join(f"{stage} {spent:.3f}" for stage, spent in reversed(clock.seconds.items()))
+    """The seconds of the whole in one line."""
+    return "seconds in all: " + ", ".join(f"{stage} {spent:.3f}" for stage, spent in clock.seconds.items())
 
 
 def _draw(shape: Any, path: str, options: dict[str, Any], written: list[Path], clock: Clock) -> str:
