@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import comb
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -22,8 +22,10 @@ from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.parametric.framed import Framed
 from pas.parametric.nets import SMALLEST, Nets
-from pas.parametric.surface import ParametricSurface
 from pas.parametric.tiling import GRID, Placing
+
+if TYPE_CHECKING:
+    from pas.parametric.surface import ParametricSurface
 
 SAMPLES = 5
 """Points a side of a cell at which a surface that is not exact is compared."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -20,7 +20,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.errors import GeometryError
 from pas.parametric.domain import Interval
-from pas.parametric.surface import ParametricSurface
+
+if TYPE_CHECKING:
+    from pas.parametric.surface import ParametricSurface
 
 UNIT_SQUARE = ((0, 1), (0, 1))
 POINTS = 17
@@ -49,7 +51,7 @@ class Framed:
             parts = bounded.values(_moved(u, first), _moved(v, second))
             return tuple(_scaled(part, -exponent) for part in parts)
 
-        made = ParametricSurface.from_parts(values, None, bounded.parameters, UNIT_SQUARE, "it is framed")
+        made = type(bounded).from_parts(values, None, bounded.parameters, UNIT_SQUARE, "it is framed")
         return cls(bounded, made, exponent, math.ldexp(extent(bounded), -exponent))
 
     @property

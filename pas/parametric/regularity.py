@@ -12,6 +12,7 @@ exact, and for high degrees, tangents are measured on a grid.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq_mpoly
@@ -21,8 +22,10 @@ from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.limits import Report, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, Outcome, pieces_of, without_common_zero
-from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status, Verdict
+
+if TYPE_CHECKING:
+    from pas.parametric.surface import ParametricSurface
 
 GRID = 33
 """Points a side at which tangents are tried where there is no proof."""
