@@ -201,3 +201,13 @@ def test_long_and_rational_latex():
     assert text.count("{") == text.count("}")
     assert pas.RationalFunction("t^2/(1 + h)")._repr_latex_() == r"$\frac{t^{2}}{h + 1}$"
     assert pas.RationalFunction("t^2/2")._repr_latex_() == r"$\frac{1}{2} t^{2}$"
+
+
+def test_solution_spaces_as_latex():
+    elbow = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]
+    space = pas.solutions(elbow, order=1, partition=pas.SingleCell((-2, -2, -2), (2, 2, 2)))
+    text = space._repr_latex_()
+    assert text.startswith(r"$GC^{1},\ n = 3,\ \dim = 1:\quad \langle ") and text.endswith(r"\rangle$")
+    assert "x^{3}" in text
+    assert pas.solutions(pipes(), 1, 4)._repr_latex_() == r"$GC^{1},\ n = 4,\ \dim = 25$"
+    assert r"\ldots" in pas.solutions(elbow, 1, 4, pas.SingleCell())._repr_latex_()

@@ -14,6 +14,7 @@ from typing import Any, Self
 
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.latex import latex
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, to_fraction, vector
@@ -25,6 +26,9 @@ from pas.surface.placed import PlacedContacts
 
 Member = tuple[Polynomial, ...]
 """A piecewise polynomial: one polynomial for each piece."""
+
+LATEX_MEMBERS = 4
+"""Members that a notebook shows."""
 
 
 class Space:
@@ -141,6 +145,15 @@ class Space:
         """Exact values of functionals on the basis members: (functionals, dimension)."""
         rows = [functional.on(self.patches) for functional in functionals]
         return fmpq_mat(len(rows), self.dimension, [v for row in rows for v in row])
+
+    def _repr_latex_(self) -> str:
+        """The order, the degree and the dimension, and the first members of one piece."""
+        line = rf"GC^{{{self.order}}},\ n = {self.degree},\ \dim = {self.dimension}"
+        if len(self.patches) > 1 or not self.dimension:
+            return f"${line}$"
+        members = [latex(str(member[0])) for member in self.basis[:LATEX_MEMBERS]]
+        more = [r"\ldots"] if self.dimension > LATEX_MEMBERS else []
+        return f"${line}:\\quad " + r"\langle " + ",\\; ".join([*members, *more]) + r" \rangle$"
 
     def __repr__(self) -> str:
         what = f"GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name}"
