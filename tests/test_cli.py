@@ -9,7 +9,7 @@ import sys
 import pytest
 from conftest import ROOT
 
-from pas import __version__, solid
+from pas import __version__
 from pas.cli import main
 
 PROBLEM = ROOT / "examples/corners/equal_gc1.toml"
@@ -189,15 +189,3 @@ def test_a_corner_may_say_how_it_is_drawn(tmp_path):
     path.write_text(PROBLEM.read_text() + '\n[picture]\nstyle = "zebra"\nview = [1, 1, "1/2"]\n')
     problem = pas.read_problem(path)
     assert (problem.style, problem.view) == ("zebra", (1, 1, 0.5))
-
-
-def test_the_file_to_write_is_named_once(tmp_path, capsys):
-    project = solid.box((0, 0, 0), (1, 1, 1)).save(tmp_path / "box.pas.json")
-    for arguments in (["OUT"], ["-o", "OUT"]):
-        place = tmp_path / f"{len(arguments)}.stl"
-        assert main(["write", str(project), *(str(place) if a == "OUT" else a for a in arguments)]) == 0
-        assert place.stat().st_size > 600
-    capsys.readouterr()
-    for arguments in ([], ["a.stl", "-o", "b.stl"]):
-        assert main(["convert", str(project), *arguments]) == 2
-        assert "name one file to write, as in `pas convert" in capsys.readouterr().err

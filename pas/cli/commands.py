@@ -106,8 +106,7 @@ def run_write(options: argparse.Namespace) -> Outcome:
     """`pas write`."""
     from pas.kinds.files import load
 
-    path = _place(options)
-    return _written(load(project_file(options.project)), path, options)
+    return _written(load(project_file(options.project)), options)
 
 
 def run_convert(options: argparse.Namespace) -> Outcome:
@@ -115,26 +114,17 @@ def run_convert(options: argparse.Namespace) -> Outcome:
     from pas.kinds.files import load
     from pas.shape import kind_of
 
-    path = _place(options)
     shape = load(project_file(options.project))
     body = kind_of(shape).body
     if body is not None:
         shape = body(shape, options.length)
     elif options.length is not None:
         raise ValueError(f"--length is for blends with their neighbours; {options.project} holds none")
-    return _written(shape, path, options)
+    return _written(shape, options)
 
 
-def _place(options: argparse.Namespace) -> str:
-    """The file to write, named after the project or by -o; raises `ValueError` for none and for both."""
-    given = [name for name in (options.output, options.named_output) if name is not None]
-    if len(given) != 1:
-        raise ValueError(f"name one file to write, as in `pas {options.command} {options.project} OUT.stl`")
-    return str(given[0])
-
-
-def _written(shape: Any, place: str, options: argparse.Namespace) -> Outcome:
-    path = shape.write(place, tolerance=_tolerance(options), unit=options.unit)
+def _written(shape: Any, options: argparse.Namespace) -> Outcome:
+    path = shape.write(options.output, tolerance=_tolerance(options), unit=options.unit)
     return Outcome(str(path), {"written": [str(path)]})
 
 

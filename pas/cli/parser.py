@@ -193,8 +193,7 @@ def _write_parser(added: Commands) -> None:
 
 
 def _output_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("output", metavar="OUT", nargs="?", help="the file to write; its suffix says the format")
-    parser.add_argument("-o", "--output", metavar="OUT", dest="named_output", help="the same, as of other commands")
+    parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
     parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
     _tolerance(parser, "0.001 of the size")
 
