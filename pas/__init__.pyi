@@ -137,6 +137,8 @@ from .surface.contact import Contact as Contact
 from .surface.contact import contact_ideal as contact_ideal
 from .surface.curvature import CurvatureContact as CurvatureContact
 from .surface.curvature import curvature_contact as curvature_contact
+from .surface.fairness import Fairness as Fairness
+from .surface.fairness import FairnessLimits as FairnessLimits
 from .surface.piecewise import PiecewiseSurface as PiecewiseSurface
 from .surface.pipe import Pipe as Pipe
 from .verdicts import Status as Status

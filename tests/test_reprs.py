@@ -101,6 +101,8 @@ SAMPLES = {
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],
+    "Fairness": lambda: corner().surface.fairness(),
+    "FairnessLimits": lambda: pas.FairnessLimits.of_order(2),
     "Cone": lambda: pas.Cone((1, 0, 0), "1/3", 1, "1/10"),
     "PointKind": lambda: next(iter(pas.PointKind)),
     "Polynomial": lambda: LONG,

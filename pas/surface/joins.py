@@ -131,14 +131,16 @@ class Join:
         """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
         return np.concatenate([np.empty((0, 3)), *(points for points, _ in self.measured_curves())])
 
-    def measured_curves(self) -> list[tuple[Floats, Floats]]:
+    def measured_curves(self, subdivisions: int = CURVE_LATTICE) -> list[tuple[Floats, Floats]]:
         """For each clip face, the points (m, 3) of the curve on it, and how much of the curve each stands for, (m,).
+
+        Points are those where the curve crosses a lattice of so many `subdivisions` of the face's edges.
 
         Curves are measured in their face: by the sum of the changes of the barycentric coordinates, so that
         a small face counts as much as a large one.  Sums with these weights are integrals along
         the curve, and depend on it continuously, even where it passes through points of the lattice.
         """
-        return [_zeros_on_triangle(self.contact.surface, corners) for corners in self._triangles()]
+        return [_zeros_on_triangle(self.contact.surface, corners, subdivisions) for corners in self._triangles()]
 
     @cached_property
     def radius(self) -> float:
@@ -203,8 +205,8 @@ def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
     return weights @ corners, np.array(pairs)
 
 
-def _zeros_on_triangle(surface: Polynomial, corners: Floats) -> tuple[Floats, Floats]:
-    points, pairs = lattice(corners, CURVE_LATTICE)
+def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) -> tuple[Floats, Floats]:
+    points, pairs = lattice(corners, subdivisions)
     negative = surface(points) < 0
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
     first, second = pairs[crossed].T
@@ -219,7 +221,7 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats) -> tuple[Floats, Fl
     barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
     number = np.cumsum(crossed) - 1
     # the curve crosses two edges of a small triangle, or none: half of the piece between belongs to each
-    edges = _triangle_edges(CURVE_LATTICE)
+    edges = _triangle_edges(subdivisions)
     ends = number[edges[crossed[edges]]].reshape(-1, 2)
     pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
     lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)

@@ -23,6 +23,7 @@ from pas.partition.cells import OuterFace, Partition
 from pas.shape import Shape
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
+from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
 from pas.surface.placed import PlacedContacts
 from pas.surface.proofs import certify
@@ -223,6 +224,15 @@ class PiecewiseSurface(Shape):
                 for p in self.patches
             ]
         )
+
+    @limited("measuring how fair a surface is", "")
+    def fairness(self, *, seconds: float | None = None, progress: Report | None = None) -> Fairness:
+        """How fair the surface is: curvature beside that of its neighbours, bulges, inflections; see `pas.Fairness`.
+
+        Measured on some thousand rays from the centre.  Raises `GeometryError` for a surface without a region, a
+        centre inside it or a contact.
+        """
+        return fairness(self)
 
     def contains(self, points: Any) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""

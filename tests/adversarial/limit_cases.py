@@ -157,6 +157,7 @@ LONG_CALLS = {
         lambda p, f, **k: pas.normal_form_system(p, 1, 4, **k),
     ),
     "pas.syzygies": LongCall(lambda _: ["x^2 - y", "y^2 - z", "z^2 - x*y + 1"], lambda p, f, **k: pas.syzygies(p, **k)),
+    "PiecewiseSurface.fairness": LongCall(_surface, lambda p, f, **k: p.fairness(**k)),
     "PiecewiseSurface.certify": LongCall(_surface, lambda p, f, **k: p.certify(**k)),
     "PiecewiseSurface.triangulate": LongCall(_surface, lambda p, f, **k: p.triangulate(T, **k)),
     "PiecewiseSurface.mesh": LongCall(_surface, lambda p, f, **k: p.mesh(T, **k), 3),

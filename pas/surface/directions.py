@@ -1,0 +1,146 @@
+"""Where a surface is looked at while it is made fair: rays from the centre, spread evenly over the surface.
+
+The outer faces are quartered until no triangle sees more than its share of the surface's area; those
+that a contact curve crosses are quartered further.  Each triangle stands for one ray, through its centroid, with
+its exact solid angle (van Oosterom and Strackee 1983).  Rays that leave through the inside of a contact are
+dropped: what is left is the domain over which the surface is a graph, and it is the same for all members.
+
+The symmetries of the partition and of the member are those of the rays, to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats, count, monomial_values
+from pas.limits import checkpoint
+from pas.partition.cells import Partition
+
+EVEN, DEEPEST = 3, 8
+"""Quarterings of every outer face, and of those on a contact curve: seen from the centre, neighbours are foreshortened
+there, so that the area near their curves is the least certain."""
+
+SHARE = 1.6
+"""Area of the surface that one ray may stand for, over the mean for the number of rays asked for."""
+
+STEEP = 0.05
+"""Cosines between ray and normal count as at least this much where areas are estimated."""
+
+HALVINGS = 40
+
+Pieces = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Directions:
+    """Rays from the centre: unit `directions` (N, 3), `solid_angles` (N,), and by piece, in the order of `slices`.
+
+    `distances` (N,) are those at which the member that they were made for meets them, in local units.
+    """
+
+    directions: Floats
+    solid_angles: Floats
+    distances: Floats
+    slices: tuple[tuple[int, slice], ...]
+
+    @classmethod
+    def of(cls, local: Partition, columns: Sequence[Floats], degree: int, number: int) -> Directions:
+        """About `number` rays or more for a surface of one sheet around the centre.
+
+        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`.
+        """
+        triangles = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
+        pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
+        for _ in range(EVEN):
+            triangles, pieces = _quartered(triangles, pieces)
+        found: list[tuple[Any, ...]] = []
+        limit = 0.0
+        for level in range(EVEN, DEEPEST + 1):
+            checkpoint("sending rays")
+            centroids = triangles.mean(axis=1)
+            distances, areas = _met(columns, degree, centroids, pieces)
+            angles = solid_angles(triangles)
+            areas = areas * angles
+            limit = limit or SHARE * float(areas.sum()) / number
+            corners = triangles.reshape(-1, 3)
+            beyond = (_values(columns, degree, corners, np.repeat(pieces, 3)) > 0).reshape(-1, 3)
+            crossed = beyond.any(axis=1) & ~beyond.all(axis=1)
+            finer = ((areas > limit) | crossed) & (level < DEEPEST)
+            kept = ~finer & (distances > 0)
+            units = centroids / np.linalg.norm(centroids, axis=1)[:, None]
+            found.append((units[kept], angles[kept], distances[kept], pieces[kept]))
+            triangles, pieces = _quartered(triangles[finer], pieces[finer])
+            if not len(triangles):
+                break
+        units, angles, distances, numbers = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        order = np.argsort(numbers, kind="stable")
+        starts = np.searchsorted(numbers[order], np.arange(len(columns) + 1))
+        slices = tuple((p, slice(int(a), int(b))) for p, (a, b) in enumerate(pairwise(starts)) if b > a)
+        return cls(units[order], angles[order], distances[order], slices)
+
+
+def solid_angles(triangles: Floats) -> Floats:
+    """The solid angles (N,) at which triangles (N, 3, 3) are seen from 0 (van Oosterom and Strackee 1983)."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    above = np.abs((a * np.cross(b, c)).sum(axis=1))
+    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+    result: Floats = 2 * np.arctan2(above, below)
+    return result
+
+
+def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate([np.stack(part, axis=1) for part in parts]), np.tile(pieces, 4)
+
+
+def _values(columns: Sequence[Floats], degree: int, points: Floats, pieces: Pieces) -> Floats:
+    result = np.empty(len(points))
+    for piece in np.unique(pieces):
+        here = pieces == piece
+        result[here] = columns[piece] @ monomial_values(points[here], degree)
+    return result
+
+
+def _met(columns: Sequence[Floats], degree: int, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
+    """Where rays to given ends meet the member, 0 for those that end inside, and the area for a unit of solid angle."""
+    starts = [count(d - 1) for d in range(degree + 1)]
+    profiles = np.empty((degree + 1, len(ends)))
+    for piece in np.unique(pieces):
+        here = pieces == piece
+        profiles[:, here] = np.add.reduceat(columns[piece][:, None] * monomial_values(ends[here], degree), starts)
+    low, high = np.zeros(len(ends)), np.ones(len(ends))
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        inside = _horner(profiles, middle) < 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    shares = (low + high) / 2
+    lengths = np.linalg.norm(ends, axis=1)
+    distances = np.where(profiles.sum(axis=0) > 0, shares * lengths, 0.0)
+    step = 1e-4
+    around = ends * shares[:, None]
+    gradients = np.stack(
+        [
+            _values(columns, degree, around + step * axis, pieces)
+            - _values(columns, degree, around - step * axis, pieces)
+            for axis in np.eye(3)
+        ],
+        axis=1,
+    )
+    cosines = (gradients * ends).sum(axis=1) / (np.linalg.norm(gradients, axis=1) * lengths)
+    return distances, distances**2 / np.maximum(cosines, STEEP)
+
+
+def _horner(profiles: Floats, shares: Floats) -> Floats:
+    values = np.zeros(len(shares))
+    for row in profiles[::-1]:
+        values = values * shares + row
+    return values

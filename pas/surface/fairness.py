@@ -1,0 +1,320 @@
+"""How fair a surface is: its curvature beside that of its neighbours, measured on rays from the centre.
+
+Curvatures are compared with what cannot be avoided: the largest curvature with that of the neighbours on
+their contact curves (`sharpness`: 1 for a blend nowhere sharper than its thinnest pipe), the largest concave
+one with the largest arcs that fit between two neighbours (`hollowness`: 1 for these arcs).  All is measured on
+a stated number of points, and a feature between them is missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from math import inf, isnan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float, to_floats
+from pas.errors import GeometryError
+from pas.limits import checkpoint
+from pas.surface.directions import Directions
+from pas.surface.geometry import FIRST, SECOND, Geometry, jets
+from pas.surface.joins import Join
+
+if TYPE_CHECKING:
+    from pas.surface.piecewise import PiecewiseSurface
+
+RAYS = 4000
+"""Rays that the surface is looked at along; some more where contact curves cross."""
+
+AROUND = 720
+"""Points of a plane section."""
+
+STRAIGHT = 0.03
+"""Curvature of a section, times the largest radius, below which it counts as straight: no inflection there."""
+
+SHORTEST_RUN = 6
+"""Points of a section between two neighbours below which nothing is said of it."""
+
+BALL = 800
+"""Points of the ball around the centre that belongs to the hull."""
+
+CURVE = 96
+"""Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
+
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """A contact as the measures see it, in the user's units and relative to the centre.
+
+    `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
+    curvature of its surface on the curve, `curve` (m, 3) points of it.
+    """
+
+    mean: Floats
+    radius: float
+    curvature: float
+    curve: Floats
+
+    @property
+    def distance(self) -> float:
+        """From the centre to the mean point of the curve."""
+        return float(np.linalg.norm(self.mean))
+
+
+@dataclass(frozen=True)
+class FairnessLimits:
+    """Up to what a surface counts as fair; see `Fairness` for the measures."""
+
+    sharpness: float = 1.02
+    hollowness: float = 1.5
+    bulge: float = 0.05
+    wrong_sign: float = 0.2
+
+    @classmethod
+    def of_order(cls, order: int) -> FairnessLimits:
+        """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
+        return cls(1.02 if order < 3 else 1.05, {1: 1.6, 2: 1.5}.get(order, 1.8))
+
+
+@dataclass(frozen=True)
+class Fairness:
+    """Measures of one surface, in the user's units or without any.
+
+    `sharpness`: the largest |principal curvature| over the neighbours' largest on their contact curves, `sharpest`
+    where.  `hollowness`: the largest concave curvature times the radius of the largest arc that fits between two
+    neighbours' walls within their clips (nan where none does), `hollowest` where.  `bulge`: how far the surface leaves
+    the hull of the contact curves and of a ball of the largest radius around the centre, over that radius.
+    `wrong_sign`: the largest curvature of a plane section through two neighbours' axes that bends against the rest
+    of it, times the largest radius; `inflections`: how often such sections turn.  `variation`: r^2 * integral
+    |grad S|^2 dA, r the mean radius, S the shape operator; `bending`: integral of k1^2 + k2^2 dA; `area`; `gradients`:
+    least and largest |grad f| over its median.  `points`: how many points were looked at.
+    """
+
+    sharpness: float
+    sharpest: Place
+    hollowness: float
+    hollowest: Place
+    bulge: float
+    wrong_sign: float
+    inflections: int
+    variation: float
+    bending: float
+    area: float
+    gradients: tuple[float, float]
+    points: int
+
+    def __repr__(self) -> str:
+        return (
+            f"<Fairness: sharpness {self.sharpness:.2f}, hollowness {self.hollowness:.2f}, bulge {self.bulge:.2f}, "
+            f"wrong sign {self.wrong_sign:.2f}>"
+        )
+
+    def to_record(self) -> dict[str, Any]:
+        """A JSON-ready form; a measure that there is none of is null."""
+        return {
+            name: None if value is self.hollowness and isnan(value) else value for name, value in vars(self).items()
+        }
+
+    def within(self, limits: FairnessLimits) -> bool:
+        """Whether all measures are within limits."""
+        return not self.beyond(limits)
+
+    def beyond(self, limits: FairnessLimits) -> tuple[str, ...]:
+        """Which measures are beyond limits: a few words each."""
+        checks = (
+            ("sharpness", self.sharpness, limits.sharpness),
+            ("hollowness", self.hollowness, limits.hollowness),
+            ("bulge", self.bulge, limits.bulge),
+            ("wrong-sign curvature", self.wrong_sign, limits.wrong_sign),
+        )
+        return tuple(f"{name} {value:.3g} above {most:g}" for name, value, most in checks if value > most)
+
+    def __str__(self) -> str:
+        low, high = self.gradients
+        return "\n".join(
+            (
+                f"sharpness     {self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}",
+                f"hollowness    {self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}",
+                f"bulge         {self.bulge:.3f} of the largest radius beyond the hull of the contacts",
+                f"wrong sign    {self.wrong_sign:.3f} over the largest radius; sections turn {self.inflections} times",
+                f"variation     {self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}",
+                f"|grad f|      {low:.2f} to {high:.2f} of its median",
+                f"measured at {self.points} points",
+            )
+        )
+
+
+def _shown(place: Place) -> str:
+    return "({:.4g}, {:.4g}, {:.4g})".format(*place)
+
+
+def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
+    """Measure a surface on about `rays` rays from its centre.
+
+    Raises `GeometryError` for a surface without a region, a centre inside it or a contact.
+    """
+    return _Measuring(surface, rays).fairness()
+
+
+class _Measuring:
+    def __init__(self, surface: PiecewiseSurface, rays: int) -> None:
+        if surface.partition.center is None or not surface.partition.cells or not surface.contacts:
+            raise GeometryError("fairness is measured on rays from the centre of a region with contacts; there is none")
+        self.surface, self.degree = surface, surface.degree
+        self.scale = to_float(surface.partition.frame.scale)
+        self.columns = [patch.dense(surface.degree) for patch in surface.patches]
+        if any(column[0] >= 0 for column in self.columns):
+            raise GeometryError("fairness is measured on rays from the centre, and it is not inside the surface")
+        self.rays = Directions.of(surface.local, self.columns, surface.degree, rays)
+
+    @cached_property
+    def neighbours(self) -> list[Neighbour]:
+        return [neighbour(join, self.scale) for join in self.surface.joins if np.isfinite(join.radius)]
+
+    def fairness(self) -> Fairness:
+        local = self.rays.directions * self.rays.distances[:, None]
+        found = np.concatenate(
+            [jets(local[here], self.columns[piece], self.degree) for piece, here in self.rays.slices]
+        )
+        geometry = Geometry(found)
+        curvatures = geometry.principal / self.scale
+        cosines = np.maximum((geometry.normals * self.rays.directions).sum(axis=1), 1e-6)
+        areas = self.rays.solid_angles * self.rays.distances**2 / cosines * self.scale**2
+        squares = (geometry.variation**2).sum(axis=(1, 2, 3)) / self.scale**4
+        radii = [n.radius for n in self.neighbours]
+        sharpest, hollowest = int(np.abs(curvatures).max(axis=1).argmax()), int(curvatures[:, 1].argmin())
+        lengths = geometry.length / np.median(geometry.length)
+        wrong, turns = self.sections()
+        arc = largest_arc(self.neighbours)
+        return Fairness(
+            sharpness=float(np.abs(curvatures[sharpest]).max()) / max(n.curvature for n in self.neighbours),
+            sharpest=self.place(local[sharpest]),
+            hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc if arc < inf else float("nan"),
+            hollowest=self.place(local[hollowest]),
+            bulge=self.bulge(local * self.scale, max(radii)),
+            wrong_sign=wrong,
+            inflections=turns,
+            variation=float(np.mean(radii)) ** 2 * float(areas @ squares),
+            bending=float(areas @ (curvatures**2).sum(axis=1)),
+            area=float(areas.sum()),
+            gradients=(float(lengths.min()), float(lengths.max())),
+            points=len(local),
+        )
+
+    def place(self, local: Floats) -> Place:
+        x, y, z = self.surface.partition.frame.global_points(local).tolist()
+        return x, y, z
+
+    def bulge(self, points: Floats, radius: float) -> float:
+        """How far points, relative to the centre, are beyond the hull, over the largest radius."""
+        hull = ConvexHull(np.concatenate([radius * spiral(BALL), *(n.curve for n in self.neighbours)]))
+        far = hull.equations[:, :3] @ points.T + hull.equations[:, 3:]
+        return max(0.0, float(far.max())) / radius
+
+    def sections(self) -> tuple[float, int]:
+        """The largest wrong-sign curvature over the largest radius, and all inflections, of plane sections."""
+        widest = max(n.radius for n in self.neighbours)
+        wrong, turns = 0.0, 0
+        for first, second in planes([n.mean for n in self.neighbours]):
+            checkpoint("measuring sections")
+            for curvature in self.section(first, second):
+                sign = np.sign(curvature.sum())
+                wrong = max(wrong, float((-sign * curvature).max()) * widest)
+                bent = np.sign(curvature[np.abs(curvature) > STRAIGHT / widest])
+                turns += int((bent[1:] != bent[:-1]).sum())
+        return wrong, turns
+
+    def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
+        """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
+        angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
+        directions = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
+        center = to_floats(self.surface.partition.frame.origin)
+        distances = self.surface.intersect_rays(center, directions)
+        normal = np.cross(first, second)
+        for run in _runs(np.isfinite(distances)):
+            local = directions[run] * distances[run, None] / self.scale
+            pieces = self.surface.partition.piece_of[self.surface.local.locate(local, tolerance=np.inf)]
+            jet = np.empty((len(run), 20))
+            for piece in np.unique(pieces):
+                here = pieces == piece
+                jet[here] = jets(local[here], self.columns[piece], self.degree)
+            slope = jet[:, FIRST] - (jet[:, FIRST] @ normal)[:, None] * normal
+            length = np.linalg.norm(slope, axis=1)
+            tangent = np.cross(normal, slope / length[:, None])
+            yield np.einsum("ni,nij,nj->n", tangent, jet[:, SECOND], tangent) / length / self.scale
+
+
+def neighbour(join: Join, scale: float) -> Neighbour:
+    """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
+    parts = [
+        (points, weights * np.ptp(join.partition.points[list(face.vertices)], axis=0).max())
+        for face, (points, weights) in zip(join.faces, join.measured_curves(CURVE), strict=True)
+    ]
+    curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
+    contact = join.contact.surface
+    found = Geometry(jets(curve, contact.dense(contact.degree), contact.degree))
+    mean = weights @ curve / weights.sum()
+    return Neighbour(
+        mean * scale,
+        float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
+        float(np.abs(found.principal).max()) / scale,
+        curve * scale,
+    )
+
+
+def largest_arc(neighbours: Sequence[Neighbour]) -> float:
+    """The largest radius of an arc tangent to the walls of two neighbours within their clips: the least of all pairs.
+
+    For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
+    tangents of length l has radius l tan(t / 2).  Infinite where no two are less than half a turn apart.
+    """
+    found = inf
+    for a, b in combinations(neighbours, 2):
+        cosine = float(a.mean @ b.mean) / (a.distance * b.distance)
+        angle = float(np.arccos(np.clip(cosine, -1, 1)))
+        if not 0.05 < angle < np.pi - 0.05:
+            continue
+        tangents = [
+            one.distance - (other.radius + one.radius * cosine) / np.sin(angle) for one, other in ((a, b), (b, a))
+        ]
+        found = min(found, min(tangents) * float(np.tan(angle / 2)))
+    return found
+
+
+def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
+    """Orthonormal pairs that span the planes of two neighbours' directions each."""
+    for a, b in combinations(means, 2):
+        first = a / np.linalg.norm(a)
+        rest = b - (b @ first) * first
+        if np.linalg.norm(rest) > 1e-6 * np.linalg.norm(b):
+            yield first, rest / np.linalg.norm(rest)
+
+
+def spiral(number: int) -> Floats:
+    """Unit vectors (number, 3) spread evenly over the sphere along a spiral (Vogel 1979)."""
+    place = np.arange(number) + 0.5
+    height = 1 - 2 * place / number
+    turn = place * np.pi * (3 - np.sqrt(5))
+    across = np.sqrt(1 - height**2)
+    return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
+
+
+def _runs(there: Any) -> list[Any]:
+    """Circular runs of True, as index arrays."""
+    if there.all():
+        return [np.arange(len(there))]
+    if not there.any():
+        return []
+    start = int(np.flatnonzero(~there)[0])
+    order = (np.arange(len(there)) + start) % len(there)
+    breaks = np.flatnonzero(np.diff(there[order].astype(int)))
+    parts = np.split(order, breaks + 1)
+    return [part for part in parts if there[part[0]] and len(part) >= SHORTEST_RUN]

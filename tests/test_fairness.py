@@ -1,0 +1,98 @@
+"""Measures of fairness, on surfaces whose curvature is known, and on corners."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, pipes
+from scipy.integrate import quad
+
+import pas
+from pas.surface.fairness import largest_arc, neighbour
+
+BOX = pas.SingleCell((-1, -2, -2), (1, 2, 2))
+
+
+def revolved(text):
+    """A surface of revolution about the x-axis between x = -1 and x = 1, its own neighbour on both sides."""
+    return pas.PiecewiseSurface.from_polynomials(
+        BOX, [pas.Contact(text, "x - 1"), pas.Contact(text, "-x - 1")], 2, [text]
+    )
+
+
+def integrals(radius, slope, second, third):
+    """Area, bending and variation of a surface of revolution r(x), by one integral each."""
+
+    def along(x):
+        r, d, e, f = radius(x), slope(x), second(x), third(x)
+        w = np.sqrt(1 + d * d)
+        meridian, parallel = -e / w**3, 1 / (r * w)
+        meridian_slope = (-f / w**3 + 3 * e * e * d / w**5) / w
+        parallel_slope = (-d / (r * r * w) - e * d / (r * w**3)) / w
+        return 2 * np.pi * r * w * np.array([1, meridian**2 + parallel**2, meridian_slope**2 + 3 * parallel_slope**2])
+
+    return [quad(lambda x, i=i: along(x)[i], -1, 1)[0] for i in range(3)]
+
+
+def test_a_straight_pipe():
+    found = revolved("y^2 + z^2 - 1/9").fairness()
+    assert found.sharpness == pytest.approx(1) and np.isnan(found.hollowness)
+    assert found.bulge < 0.01 and found.wrong_sign < 1e-9 and found.inflections == 0
+    assert found.area == pytest.approx(4 * np.pi / 3, rel=2e-3)
+    assert found.bending == pytest.approx(9 * 4 * np.pi / 3, rel=2e-3) and found.variation < 1e-12
+    assert found.to_record()["hollowness"] is None
+    assert found.gradients == pytest.approx((1, 1)) and found.points >= 4000
+
+
+@pytest.mark.parametrize("name", ["barrel", "waist"])
+def test_surfaces_of_revolution(name):
+    sign, text = (-1, "x^2/4 + y^2 + z^2 - 1") if name == "barrel" else (1, "y^2 + z^2 - x^2/4 - 1/4")
+    c = 1.0 if name == "barrel" else 0.25  # r^2 = c + sign x^2/4
+    radius = lambda x: np.sqrt(c + sign * x * x / 4)  # noqa: E731
+    slope = lambda x: sign * x / 4 / radius(x)  # noqa: E731
+    second = lambda x: (sign / 4 - slope(x) ** 2) / radius(x)  # noqa: E731
+    third = lambda x: -3 * slope(x) * second(x) / radius(x)  # noqa: E731
+    area, bending, variation = integrals(radius, slope, second, third)
+    found = revolved(text).fairness()
+    assert found.area == pytest.approx(area, rel=2e-3)
+    assert found.bending == pytest.approx(bending, rel=5e-3)
+    assert found.variation == pytest.approx(radius(1) ** 2 * variation, rel=2e-2)
+    ends = max(abs(second(1) / (1 + slope(1) ** 2) ** 1.5), 1 / (radius(1) * np.sqrt(1 + slope(1) ** 2)))
+    middle = max(abs(second(0)), 1 / radius(0))
+    assert found.sharpness == pytest.approx(max(1, middle / ends), rel=1e-2)
+
+
+def test_measures_are_those_of_the_surface_itself():
+    surface = pas.blend(pipes(UNEQUAL), 2).surface
+    found = surface.fairness()
+    mean, gauss = surface.curvatures(found.hollowest)
+    near = [neighbour(join, float(surface.partition.frame.scale)) for join in surface.joins]
+    assert largest_arc(near) == pytest.approx(1 - 2 / 5)  # pipes of radius 2/5 and 1/4: clip less the other's radius
+    assert found.hollowness == pytest.approx((np.sqrt(mean**2 - gauss) - mean) * largest_arc(near))
+    mean, gauss = surface.curvatures(found.sharpest)
+    assert found.sharpness == pytest.approx((abs(mean) + np.sqrt(mean**2 - gauss)) / 4)
+    text = str(found)
+    assert f"{found.sharpness:.3f} of the sharpest neighbour" in text and f"measured at {found.points}" in text
+    assert json.loads(json.dumps(found.to_record()))["points"] == found.points
+    beyond = found.beyond(pas.FairnessLimits.of_order(2))
+    assert beyond and not found.within(pas.FairnessLimits.of_order(2))
+    assert found.within(pas.FairnessLimits(*[1e9] * 4))
+    assert any(word.startswith("sharpness") for word in found.beyond(pas.FairnessLimits(sharpness=0.5)))
+
+
+def test_measures_do_not_depend_on_place_and_size():
+    first = pas.blend(pipes(EQUAL), 1).surface.fairness()
+    corner = [pas.Pipe(a, 100, 300, (1000, 0, 7)) for a in ((0, 1, 0), (1, 0, 0), (0, 0, -1))]
+    second = pas.blend(corner, 1).surface.fairness()
+    for name in ("sharpness", "hollowness", "bulge", "wrong_sign", "variation", "bending"):
+        assert getattr(second, name) == pytest.approx(getattr(first, name), rel=1e-3, abs=1e-3)
+    assert second.area == pytest.approx(first.area * 300**2, rel=1e-3)
+
+
+def test_what_cannot_be_measured():
+    with pytest.raises(pas.GeometryError, match="rays from the centre of a region with contacts"):
+        pas.PiecewiseSurface.from_polynomials(BOX, [], 1, ["x^2 + y^2 + z^2 - 1/4"]).fairness()
+    with pytest.raises(pas.GeometryError, match="it is not inside the surface"):
+        revolved("(y - 1)^2 + z^2 - 1/9").fairness()
