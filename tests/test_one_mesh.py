@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import ROOT
@@ -158,3 +162,14 @@ def test_sharp_edges_double_points_and_their_parameters():
     assert np.array_equal(points[mesh.shading_points], mesh.shading[0])
     assert len(mesh.smoothed.shading[0]) == 4
     assert mesh.mesh(0.1) is mesh and mesh.box.tolist() == [[0, 0, 0], [1, 1, 1]]
+
+
+def test_corner_normals_are_made_when_they_are_asked_for():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    normals = np.array([[0.0, 0, 1], [0, 0.6, 0.8], [0.6, 0, 0.8]])
+    mesh = pas.Mesh.smooth(points, np.array([[0, 1, 2]]), normals, deviation=0.5)
+    assert "normals" not in vars(mesh) and mesh.deviation == 0.5
+    for one in (mesh, copy.copy(mesh), pickle.loads(pickle.dumps(mesh)), replace(mesh, deviation=None)):
+        assert (one.normals == normals[None]).all() and np.allclose(one.point_normals, normals)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = mesh.nothing

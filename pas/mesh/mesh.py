@@ -51,11 +51,18 @@ class Mesh(Shape):
         cls, points: Floats, triangles: Integers, normals: Floats, name: str = "surface", **options: Any
     ) -> Mesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
-        faces = np.zeros(len(triangles), dtype=np.intp)
-        mesh = cls(points, triangles, faces, (name,), np.take(normals, triangles, axis=0), **options)
+        mesh = cls(points, triangles, np.zeros(len(triangles), dtype=np.intp), (name,), normals, **options)
+        del vars(mesh)["normals"]  # of corners: made when they are asked for, which sliders never do
         vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
         vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp
         return mesh
+
+    def __getattr__(self, name: str) -> Floats:
+        if name != "normals" or "point_normals" not in vars(self):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        normals: Floats = np.take(self.point_normals, self.triangles, axis=0)
+        vars(self)["normals"] = normals
+        return normals
 
     @classmethod
     def from_triangles(cls, points: Any, triangles: Any, name: str = "mesh") -> Mesh:
