@@ -13,6 +13,7 @@ from adversarial.exact_checks import Point, exact
 from adversarial.surface_bases import Known, with_patches
 
 from pas import Contact, Partition, PiecewiseSurface, Polynomial
+from pas.algebra.inputs import HIGHEST_SURFACE_DEGREE
 
 VARIABLES = tuple(map(Polynomial, "xyz"))
 
@@ -34,7 +35,8 @@ def disguised(known: Known, random: Random) -> Known:
         faces = tuple(known.faces[i] for i in order)
         known = known.but(f, "", faces=faces)
     if random.random() < 0.2:
-        f = PiecewiseSurface(f.partition, f.contacts, f.order, f.patches, f.degree + random.randint(1, 2))
+        degree = min(f.degree + random.randint(1, 2), HIGHEST_SURFACE_DEGREE)
+        f = PiecewiseSurface(f.partition, f.contacts, f.order, f.patches, degree)
         story.append(f"written in degree {f.degree}")
     return known.but(f, ", ".join(story)) if story else known
 
