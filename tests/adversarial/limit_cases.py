@@ -172,7 +172,7 @@ LONG_CALLS = {
     "pas.write": LongCall(_solid, lambda p, f, **k: pas.write(p, f / "x.obj", tolerance=T, **k), 3),
     "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
     "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
-    "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=T, **k), 3),
+    "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=0.05, **k), 3),
     "pas.save_solid": LongCall(_solid, lambda p, f, **k: pas.save_solid(p, f / "x.pas.json", **k)),
     "pas.load_solid": LongCall(_saved_shell, lambda p, f, **k: pas.load_solid(p, **k), 2),
     "pas.load": LongCall(_saved_shell, lambda p, f, **k: pas.load(p, **k), 2),
