@@ -58,3 +58,10 @@ def test_long_values_are_shortened(what):
         LONG[what]()
     assert len(str(caught.value)) < 400
     assert max(map(len, re.findall(r"\w+", str(caught.value)))) <= 60
+
+
+def test_shape_values_beyond_doubles():
+    with pytest.raises(ValueError, match="shape values must not be above 1e300"):
+        pas.ShapeFunction.constant("1e400")
+    with pytest.raises(ValueError, match="shape values must not be above 1e300"):
+        pas.ShapeFunction.through([(0, 1), (1, "1e400")])

@@ -15,7 +15,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import short, shown
+from pas.algebra.inputs import WIDEST, short, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
@@ -24,6 +24,10 @@ from pas.parametric.series import univariate
 
 MANY = 24
 """Data pairs above make an interpolating polynomial swing wildly between them."""
+
+
+LARGEST = 10**WIDEST
+"""Of coefficients of shape functions, which are evaluated in doubles."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,10 @@ class ShapeFunction:
     wave: tuple[float, float, float] | None = None
 
     __repr__ = brief
+
+    def __post_init__(self) -> None:
+        if any(abs(c) > LARGEST for c in self.coefficients):
+            raise ValueError(f"shape values must not be above 1e{WIDEST}, which cannot be evaluated in floating point")
 
     @classmethod
     def constant(cls, value: Any) -> ShapeFunction:

@@ -20,6 +20,7 @@ from adversarial.surface_places import circle_point, distance2, in_hull, mean, w
 
 import pas
 from pas import Contact, Partition, PiecewiseSurface, Polynomial
+from pas.algebra.inputs import HIGHEST_SURFACE_DEGREE
 
 HOLDS, FAILS, UNKNOWN = Truth.HOLDS, Truth.FAILS, Truth.UNKNOWN
 VARIABLES = tuple(map(Polynomial, "xyz"))
@@ -38,12 +39,14 @@ def jump(random: Random) -> Known:
         face = surface.partition.interior_faces[number]
         piece = random.choice((face.first, face.second))
         bump = untouched(known, piece, leave=number)
-        if bump is not None:
+        if bump is None:
+            continue
+        m = random.randint(0, k + 1)
+        extra = Polynomial(random.choice(["1", "x + 1/7", "y - z + 3"]))
+        if order_across(Polynomial(0), extra, face.plane) >= 0:
+            extra = Polynomial(1)
+        if bump.degree + m + extra.degree <= HIGHEST_SURFACE_DEGREE:
             break
-    m = random.randint(0, k + 1)
-    extra = Polynomial(random.choice(["1", "x + 1/7", "y - z + 3"]))
-    if order_across(Polynomial(0), extra, face.plane) >= 0:
-        extra = Polynomial(1)
     c, tiny = amplitude(random)
     changed = added(surface, {piece: c * face.plane**m * bump * extra})
     faces = tuple(FAILS if i == number and m <= k else HOLDS for i in range(len(known.faces)))
