@@ -49,7 +49,7 @@ def test_the_same_verb_gives_the_same_type(kind):
     shape = SHAPES[kind]()
     coarse, fine = shape.mesh(0.05), shape.mesh(tolerance=0.01)
     for mesh, tolerance in ((coarse, 0.05), (fine, 0.01)):
-        assert type(mesh) is Mesh
+        assert isinstance(mesh, Mesh)
         assert mesh.is_manifold and mesh.is_closed == (kind in ("solid", "parametric"))
         assert 0 < mesh.deviation <= tolerance
         assert mesh.normals.shape == (len(mesh.triangles), 3, 3)

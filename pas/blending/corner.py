@@ -81,14 +81,14 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Pipe | None]) -> Vector
     reduced, rank = fmpq_mat(len(rows), 4, [v for row in rows for v in row]).rref()
     leads = [next(j for j in range(4) if reduced[i, j] != 0) for i in range(rank)]
     if 3 in leads:
-        raise GeometryError(_apart(pipes) or "the three surfaces have no common centre")
+        raise GeometryError(_apart(pipes))
     if rank < 3:
         raise GeometryError("the three surfaces have more than one common centre; give the partition")
     return reduced[0, 3], reduced[1, 3], reduced[2, 3]
 
 
 def _apart(pipes: Sequence[Pipe | None]) -> str:
-    """Which two axes miss one another, and by how much."""
+    """Which two axes miss one another, and by how much, or that there is no common centre."""
     for (i, a), (j, b) in combinations([(i, p) for i, p in enumerate(pipes, start=1) if p], 2):
         common = cross(a.axis, b.axis)
         offset = [q - p for p, q in zip(a.point, b.point, strict=True)]
@@ -98,7 +98,9 @@ def _apart(pipes: Sequence[Pipe | None]) -> str:
                 f"the axes of pipes {i} and {j} miss each other by {abs(gap):.6g}; "
                 "all three must pass through a common point"
             )
-    return "the axes of the three pipes do not pass through a common point" if any(pipes) else ""
+    if len(pipes) == 3 and all(pipes):
+        return "the axes of the three pipes do not pass through a common point"
+    return "the three surfaces have no common centre; give the partition, such as pas.SixTetrahedra(center, legs)"
 
 
 def check_circle(number: int, pipe: Pipe, join: Join) -> None:

@@ -26,9 +26,8 @@ def run_problem(options: argparse.Namespace) -> Outcome:
     tolerance = None if wanted is None else check_tolerance(wanted)
     clock = Clock()
     shape = problem.solve()
-    clock.passed("solve")
     certificate = shape.certificate
-    clock.passed("prove")
+    clock.passed("solve and prove")
     kind = kind_of(shape)
     mesh = kind.mesh(shape, tolerance, None)
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")

@@ -51,18 +51,11 @@ class Mesh(Shape):
         cls, points: Floats, triangles: Integers, normals: Floats, name: str = "surface", **options: Any
     ) -> Mesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
-        mesh = cls(points, triangles, np.zeros(len(triangles), dtype=np.intp), (name,), normals, **options)
-        del vars(mesh)["normals"]  # of corners: made when they are asked for, which sliders never do
+        mesh = SmoothMesh(points, triangles, np.zeros(len(triangles), dtype=np.intp), (name,), normals, **options)
+        del vars(mesh)["normals"]  # these are those of points
         vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
         vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp
         return mesh
-
-    def __getattr__(self, name: str) -> Floats:
-        if name != "normals" or "point_normals" not in vars(self):
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        normals: Floats = np.take(self.point_normals, self.triangles, axis=0)
-        vars(self)["normals"] = normals
-        return normals
 
     @classmethod
     def from_triangles(cls, points: Any, triangles: Any, name: str = "mesh") -> Mesh:
@@ -277,3 +270,12 @@ class Mesh(Shape):
         if self.deviation is None:
             return text
         return f"{text}; within {self.deviation:.3g} of the surface ({'proved' if self.proved else 'measured'})"
+
+
+class SmoothMesh(Mesh):
+    """A mesh of one smooth face, whose corner normals are made when they are asked for, which sliders never do."""
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals (T, 3, 3) at the triangles' corners: those of their points."""
+        return np.take(self.point_normals, self.triangles, axis=0)

@@ -30,13 +30,13 @@ def choose(space: SolutionSpace, wishes: Wishes, attempts: Sequence[Attempt], st
     """The same for wishes that are known not to contradict by themselves; `attempts` are those before this one."""
     if wishes.basis is not None:
         space = space.restricted(wishes.basis)
-    with stages.stage("fit", f" (degree {space.degree}, dimension {space.dimension})"):
+    stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
+    with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
         choice = space.fairing(wishes.energy).choose(wishes)
     history = (*attempts, Attempt(space.degree, space.dimension, "proved" if wishes.prove else "fitted"))
     if not wishes.prove:
         return Blend.of(space, choice, wishes, stages.seconds, history)
-    with stages.stage("prove"):
-        certificate = choice.surface.certificate
+    certificate = choice.surface.certificate
     result = Blend.of(space, choice, wishes, stages.seconds, history)
     if not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)

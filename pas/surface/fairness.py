@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.errors import GeometryError
@@ -81,6 +82,7 @@ class FairnessLimits:
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:
         """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
+        order = check_order(order)
         return cls(1.02 if order < 3 else 1.05, {1: 1.6, 2: 1.5}.get(order, 1.8))
 
 
