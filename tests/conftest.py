@@ -29,8 +29,14 @@ def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) 
 
 @cache
 def solved(radii: tuple[str, ...], order: int, degree: int | None = None) -> pas.Blend:
-    """A blend of unit corners, solved once for all tests."""
-    return pas.blend(pipes(radii), order, degree)
+    """A blend of unit corners by the thin plate, as published, solved once for all tests."""
+    return pas.blend(pipes(radii), order, degree, energy=pas.ThinPlate())
+
+
+@cache
+def fair(radii: tuple[str, ...], order: int) -> pas.Blend:
+    """A blend of a unit corner, or of an elbow for two radii, as users get it, solved once for all tests."""
+    return pas.blend(pipes(radii) if len(radii) == 3 else pipes((*radii, "1/3"))[:2], order)
 
 
 @pytest.fixture(scope="session")

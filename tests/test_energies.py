@@ -15,7 +15,7 @@ from flint import fmpq
 
 import pas
 from pas.fairing.basis import to_doubles
-from pas.fairing.energy import DEFAULT, ENERGIES, read_energy
+from pas.fairing.energy import ENERGIES, QUADRATIC, read_energy
 
 BOX = pas.Box(("1/4", "-1/5", "-1/5"), ("1/2", "1/5", "1/5"))
 SAMPLES = {
@@ -47,7 +47,7 @@ def space():
 def test_every_registered_energy_is_tested_here():
     assert set(SAMPLES) == {kind for kind, made in ENERGIES.items() if made.__module__.startswith("pas.")}
     assert all(energy.kind == kind for kind, energies in SAMPLES.items() for energy in energies)
-    assert DEFAULT in ENERGIES
+    assert QUADRATIC in ENERGIES
 
 
 @pytest.mark.parametrize("energy", ALL, ids=WORDS)

@@ -1,19 +1,20 @@
-"""From three pipes (or contacts) to the six-tetrahedra corner, or one sentence why not.
+"""From two or three pipes (or contacts) to the six-tetrahedra corner, or one sentence why not.
 
-Served are three contacts whose clip planes are mutually perpendicular and whose surfaces have a
-common centre (where all gradients vanish: the common point of three pipes' axes), in any
-position, orientation and scale.
+Served are contacts whose clip planes are mutually perpendicular and whose surfaces have a common centre (where
+all gradients vanish: the common point of the pipes' axes), in any position, orientation and scale.
+Two of them make an elbow: the third leg, which carries nothing, is as long as the longer of theirs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from itertools import combinations
 from math import sqrt
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.rational import Vector, cross, dot, plain, to_float
+from pas.algebra.rational import Vector, cross, dot, plain, rational, to_float
 from pas.errors import GeometryError
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.contact import Contact
@@ -24,18 +25,22 @@ OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, u
 """What to do about contacts that make no corner."""
 
 
+LARGEST_DENOMINATOR = 1000
+"""Of the share by which the third leg of an elbow is made as long as the others, where that is no fraction."""
+
+
 def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = ()) -> SixTetrahedra:
-    """The six-tetrahedra corner whose clip planes are those of three contacts.
+    """The six-tetrahedra corner whose clip planes are those of two or three contacts.
 
     `pipes` gives the pipes that the contacts came from, for better error messages.
     """
-    if len(contacts) != 3:
-        raise GeometryError(f"the six-tetrahedra corner joins exactly three pipes, not {len(contacts)}; {OTHERS}")
+    if len(contacts) not in (2, 3):
+        raise GeometryError(f"the six-tetrahedra corner joins two or three pipes, not {len(contacts)}; {OTHERS}")
     normals = [_normal(i + 1, c) for i, c in enumerate(contacts)]
     for (i, a), (j, b) in combinations(enumerate(normals, start=1), 2):
         if all(c == 0 for c in cross(a, b)):
             raise GeometryError(
-                f"pipes {i} and {j} are parallel, and the six-tetrahedra corner needs three perpendicular directions; "
+                f"pipes {i} and {j} are parallel, and the six-tetrahedra corner needs perpendicular directions; "
                 f"{OTHERS}"
             )
         if dot(a, b) != 0:
@@ -45,7 +50,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = (
                 f"corner needs; {OTHERS}"
             )
     center = _center(contacts, pipes)
-    legs = []
+    legs: list[Vector] = []
     for number, (contact, normal) in enumerate(zip(contacts, normals, strict=True), start=1):
         height = contact.clip.raw(*center)
         if height == 0:
@@ -53,8 +58,20 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = (
                 f"the clip plane of pipe {number} passes through the centre "
                 f"({_words(center)}); it must leave room for the blend"
             )
-        legs.append(tuple(-height / dot(normal, normal) * n for n in normal))
+        x, y, z = (-height / dot(normal, normal) * n for n in normal)
+        legs.append((x, y, z))
+    if len(legs) == 2:
+        legs.append(_third(legs[0], legs[1]))
     return SixTetrahedra(center, legs)
+
+
+def _third(first: Vector, second: Vector) -> Vector:
+    """A leg across two others, about as long as the longer one."""
+    across = cross(first, second)
+    length = sqrt(to_float(max(dot(first, first), dot(second, second))) / to_float(dot(across, across)))
+    share = rational(Fraction(length).limit_denominator(LARGEST_DENOMINATOR))
+    x, y, z = (share * c for c in across)
+    return x, y, z
 
 
 def _normal(number: int, contact: Contact) -> Vector:
@@ -83,7 +100,7 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Pipe | None]) -> Vector
     if 3 in leads:
         raise GeometryError(_apart(pipes))
     if rank < 3:
-        raise GeometryError("the three surfaces have more than one common centre; give the partition")
+        raise GeometryError("the surfaces have more than one common centre; give the partition")
     return reduced[0, 3], reduced[1, 3], reduced[2, 3]
 
 
@@ -96,11 +113,11 @@ def _apart(pipes: Sequence[Pipe | None]) -> str:
         if gap != 0:
             return (
                 f"the axes of pipes {i} and {j} miss each other by {abs(gap):.6g}; "
-                "all three must pass through a common point"
+                "all of them must pass through a common point"
             )
     if len(pipes) == 3 and all(pipes):
         return "the axes of the three pipes do not pass through a common point"
-    return "the three surfaces have no common centre; give the partition, such as pas.SixTetrahedra(center, legs)"
+    return "the surfaces have no common centre; give the partition, such as pas.SixTetrahedra(center, legs)"
 
 
 def check_circle(number: int, pipe: Pipe, join: Join) -> None:

@@ -30,7 +30,7 @@ def place(items: Sequence[Any], order: int, partition: Partition | None = None) 
     A clip is turned so that it is negative on the region's side of its faces; one without a face, so
     that it is negative at the centre.
 
-    Without a partition three perpendicular pipes or contacts get the six-tetrahedra corner.
+    Without a partition two or three perpendicular pipes or contacts get the six-tetrahedra corner.
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
     for anything that is no contact or no partition, `ValueError` for an order that is none.
     """

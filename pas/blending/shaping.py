@@ -26,7 +26,7 @@ from pas.algebra.rational import rational, to_float, to_fraction
 from pas.blending.space import Space
 from pas.errors import InfeasibleError, NoSolutionError
 from pas.fairing.basis import orthonormal, to_doubles
-from pas.fairing.energy import Energy
+from pas.fairing.energy import Energy, as_energy
 from pas.fairing.functionals import b_coefficient, value_at
 from pas.fairing.optimum import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
@@ -84,11 +84,11 @@ def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointO
     """
     check_point_options(options)
     _not_empty(space)
-    wishes = Wishes(energy=energy, **options)
+    wishes = Wishes(**options)
     free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles)
     if options.get("normalize") is None:
         wishes = wishes.changed(normalize=SumOfCoefficients())
-    quadratic = wishes.energy.products(space)
+    quadratic = as_energy(energy).products(space)
     near = fmpq_mat(space.dimension, space.dimension)
     for weight, row in zip(wishes.near_weights, _values(space, wishes, "near"), strict=True):
         near += fmpq_mat(space.dimension, 1, row) * fmpq_mat(1, space.dimension, row) * (2 * weight)

@@ -26,7 +26,7 @@ def run_solve(options: argparse.Namespace) -> Outcome:
     space = solutions(
         problem.contacts,
         problem.order,
-        problem.degree,
+        problem.degree if isinstance(problem.degree, int) else None,
         problem.partition,
         method=options.method,
         regular=options.regular,

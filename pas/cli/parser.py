@@ -119,10 +119,25 @@ def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
     parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file, of whatever kind")
     parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
     parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
-    parser.add_argument("--degree", type=int, metavar="N", help="this degree only, instead of the lowest proved")
+    parser.add_argument(
+        "--degree",
+        type=_degree,
+        metavar="N",
+        help="this degree only, or lowest for the lowest that is proved, instead of the lowest that is fair",
+    )
+    parser.add_argument(
+        "--tension",
+        metavar="T",
+        help="of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's",
+    )
     _tolerance(parser, "the file's, or 0.001 of the size")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
     parser.set_defaults(command=command, run=problems.run_problem)
+
+
+def _degree(text: str) -> int | str:
+    """A number, or the word for the lowest."""
+    return text if text == "lowest" else int(text)
 
 
 def _solve_parser(added: Commands) -> None:

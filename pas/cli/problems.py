@@ -20,7 +20,9 @@ def run_problem(options: argparse.Namespace) -> Outcome:
     from pas.render.scene import Style
     from pas.shape import kind_of
 
-    problem = read_problem(problem_file(options.problem)).changed(order=options.order, degree=options.degree)
+    problem = read_problem(problem_file(options.problem)).changed(
+        order=options.order, degree=options.degree, tension=options.tension
+    )
     folder = output_folder(options.output)
     wanted = problem.tolerance if options.tolerance is None else options.tolerance
     tolerance = None if wanted is None else check_tolerance(wanted)

@@ -1,7 +1,8 @@
 """Problem files (TOML) of corners and other contacts: what to blend, and how.
 
     order = 2                      # the k of GC^k
-    degree = 5                     # optional; raised until the proofs pass without
+    degree = 5                     # optional; "lowest" for the lowest that is proved; without, raised until it is fair
+    tension = 5                    # optional; of the surface: from 0 (full) over 23/5 (as usual) up (slim)
     tolerance = 1e-3               # optional; of the mesh, in the model's units
 
     [[pipes]]                      # or [[cones]], with a slope, or [[contacts]], surface and clip as polynomials
@@ -14,7 +15,10 @@
     center = [0, 0, 0]
     legs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
-    [energy]                       # optional; by its kind, "thin-plate" without
+    [limits]                       # optional; up to what the surface counts as fair, see pas.FairnessLimits
+    hollowness = 1.5
+
+    [energy]                       # optional; of the surface's curvature without; by its kind, "thin-plate" without one
     lower = ["1/4", "-2/5", "-2/5"]
     upper = ["3/5", "2/5", "2/5"]  # one patch over a box instead of all over cells
     piece = 0
@@ -40,9 +44,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Self
 
-from pas.algebra.inputs import check_degree, check_order, check_tolerance, shown
+from pas.algebra.inputs import check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
 from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
@@ -50,12 +54,13 @@ from pas.exchange.picture_options import PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
 from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.fairing.energy import ENERGIES, read_energy
-from pas.fairing.wishes import Normalization, Wishes
+from pas.fairing.wishes import Normalization, Wishes, tensed
 from pas.partition.cells import Partition
 from pas.partition.kinds import PARTITIONS, read_partition
-from pas.pipeline.blend import blend
+from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
 from pas.surface.contact import CONTACTS, Contact, HasContact
+from pas.surface.fairness import FairnessLimits
 
 KEYS = {
     "": {
@@ -68,12 +73,15 @@ KEYS = {
         "basis",
         "partition",
         "energy",
+        "tension",
+        "limits",
         "points",
         "normalize",
         "picture",
     },
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
+    "limits": {"sharpness", "hollowness", "bulge", "wrong_sign"},
     "picture": {"style", "view"},
 }
 REQUIRED = {
@@ -92,7 +100,7 @@ class CornerProblem(Problem):
     name: str
     contacts: tuple[Contact | HasContact, ...]
     order: int
-    degree: int | None
+    degree: int | Literal["lowest"] | None
     tolerance: float
     partition: Partition | None
     wishes: Wishes
@@ -108,6 +116,12 @@ class CornerProblem(Problem):
     def options(self) -> dict[str, Any]:
         """The keyword arguments of `pas.blend` beside contacts, order and degree."""
         return {"partition": self.partition, "wishes": self.wishes}
+
+    def changed(self, **options: Any) -> Self:
+        """See `Problem.changed`; the tension is one of the wishes."""
+        tension = options.pop("tension", None)
+        wishes = None if tension is None else self.wishes.changed(tension=tension)
+        return super().changed(**options, wishes=wishes)
 
     def solve(self) -> Blend:
         """The blend; raises what `pas.blend` raises."""
@@ -147,7 +161,7 @@ class _Reader(PictureReader):
             name=self.name(data),
             contacts=tuple(items),
             order=self.checked(data, "order", check_order, None),
-            degree=self.checked(data, "degree", check_degree, None),
+            degree=self.checked(data, "degree", check_wanted_degree, None),
             tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
             partition=self._made("partition", data, read_partition),
             wishes=self._wishes(data),
@@ -157,8 +171,12 @@ class _Reader(PictureReader):
 
     def _wishes(self, data: dict[str, Any]) -> Wishes:
         points = self._made("points", data, lambda table: Wishes(**table)) or Wishes()
+        energy = self._made("energy", data, read_energy)
+        if "tension" in data:
+            energy = self.checked(data, "tension", lambda tension: tensed(energy, tension), None)
         return points.changed(
-            energy=self._made("energy", data, read_energy),
+            energy=energy,
+            limits=self._made("limits", data, lambda table: FairnessLimits(**table)),
             normalize=self._made("normalize", data, self._normalization),
             basis=self._basis(data),
             prove=self.typed(data, "prove", bool, True),

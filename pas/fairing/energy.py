@@ -6,22 +6,21 @@ one, and, unless it is a dataclass of numbers and texts, how it is written as a 
 and read from one.  Registered, it is known to `pas.blend`, project files and problem files.  Sums of
 energies and their multiples by numbers >= 0 are energies.
 
-The seam for energies that are no quadratic forms (such as of the surface f = 0 rather than of f): they
-are settled by Gauss-Newton steps around the quadratic programme.  Such an energy gives, at a member
-with coefficients q, residuals r and their Jacobian J, and with these a model of itself,
-`1/2 |r + J (x - q)|^2`.  For a quadratic form that is the same at every member, with `J^T J` the
-`hessian`; in general the programme's linear term, `J^T (r - J q)` (see `pas.fairing.qp.Programme`),
-is no longer zero.  What asks an energy for its form is `Fairing.hessian` alone.
+An energy has two parts, of which most have one: a quadratic form of the function f (`hessian`), and an
+integral over the surface f = 0 of squared residuals (`residuals`), which see its differential geometry.  The
+first is made small by one quadratic programme, the second by Gauss-Newton steps around it
+(`pas.fairing.settling`), each of which takes `1/2 |r + J (x - q)|^2` for the energy near a member q.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from fractions import Fraction
+from math import sqrt
 from typing import Any, ClassVar, Protocol, Self
 
+import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import shown
@@ -30,11 +29,12 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational, to_float
 from pas.described import constructor_keys, described
 from pas.fairing.basis import WorkingBasis
+from pas.fairing.surface_points import Sizes, SurfacePoints, differences
 from pas.partition.cells import Partition
 from pas.registry import Registry
 
-DEFAULT = "thin-plate"
-"""The kind of energy that is made small where nobody says which."""
+QUADRATIC = "thin-plate"
+"""The kind of energy that is made small where nobody says which and it must be a quadratic form."""
 
 
 class Members(Protocol):
@@ -53,19 +53,33 @@ class Members(Protocol):
         """The members: one polynomial for each piece."""
 
 
-class Energy(ABC):
-    """A quadratic form on piecewise polynomials f, in the user's units: `E(f) = 1/2 q^T H q`.
+class Energy:
+    """What is made small: a quadratic form on piecewise polynomials f, `1/2 q^T H q`, plus an integral over f = 0.
 
-    Energies are immutable and can be compared; a frozen dataclass whose fields are exact numbers,
-    whole numbers or texts is written and read by what is here.
+    A class of energies gives `hessian`, or `residuals`, or both, in the user's units.  Energies are immutable and
+    can be compared; a frozen dataclass whose fields are exact numbers, whole numbers or texts is written and
+    read by what is here.
     """
 
     kind: ClassVar[str]
     """The name by which files know the class."""
 
-    @abstractmethod
     def hessian(self, basis: WorkingBasis) -> Floats:
         """The matrix H (m, m), symmetric and positive semidefinite, for coefficients q in a working basis."""
+        return np.zeros((basis.size, basis.size))
+
+    def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """What is squared, summed and integrated over the surface, at points of it: (N, R)."""
+        return np.zeros((len(points), 0))
+
+    def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """The derivatives (N, R, 14) of the residuals by `points.quantities`; differences, where a class has no own."""
+        return differences(lambda moved: self.residuals(moved, sizes), points)
+
+    @property
+    def on_surface(self) -> bool:
+        """Whether it has a part that is an integral over the surface."""
+        return type(self).residuals is not Energy.residuals
 
     def products(self, members: Members) -> fmpq_mat:
         """The same for a basis of members, exact: (dimension, dimension).
@@ -100,6 +114,12 @@ class Energy(ABC):
 
     __rmul__ = __mul__
 
+    def __truediv__(self, by: Any) -> Combination:
+        divisor = rational(by, "the divisor")
+        if divisor == 0:
+            raise ValueError("an energy cannot be divided by 0")
+        return self * (1 / divisor)
+
 
 @dataclass(frozen=True)
 class Combination(Energy):
@@ -119,6 +139,22 @@ class Combination(Energy):
         """See `Energy.hessian`."""
         first, *others = (to_float(times) * energy.hessian(basis) for times, energy in self.terms)
         return sum(others, first)
+
+    def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """See `Energy.residuals`."""
+        return np.concatenate([root * energy.residuals(points, sizes) for root, energy in self._roots()], axis=1)
+
+    def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """See `Energy.slopes`."""
+        return np.concatenate([root * energy.slopes(points, sizes) for root, energy in self._roots()], axis=1)
+
+    def _roots(self) -> list[tuple[float, Energy]]:
+        return [(sqrt(to_float(times)), energy) for times, energy in self.terms]
+
+    @property
+    def on_surface(self) -> bool:
+        """See `Energy.on_surface`."""
+        return any(energy.on_surface for _, energy in self.terms)
 
     def products(self, members: Members) -> fmpq_mat:
         """See `Energy.products`."""
@@ -145,6 +181,7 @@ class Combination(Energy):
 ENERGIES: Registry[type[Energy]] = Registry(
     "energy",
     {
+        "curvature-variation": "pas.fairing.energies.curvature_variation:CurvatureVariation",
         "thin-plate": "pas.fairing.energies.thin_plate:ThinPlate",
         "membrane": "pas.fairing.energies.membrane:Membrane",
         "combination": Combination,
@@ -169,13 +206,13 @@ def read_energy(record: Mapping[str, Any]) -> Energy:
 
     Raises `ValueError` or `TypeError`, in sentences that begin with the key at fault.
     """
-    return described(ENERGIES, record, DEFAULT)
+    return described(ENERGIES, record, QUADRATIC)
 
 
 def as_energy(energy: Any) -> Energy:
     """An energy, the default one for None; raises `TypeError` for anything else."""
     if energy is None:
-        return ENERGIES[DEFAULT]()
+        return ENERGIES[QUADRATIC]()
     if not isinstance(energy, Energy):
         raise TypeError(f"energy must be a pas.Energy such as pas.ThinPlate(), or None, not {shown(energy)}")
     return energy

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from pas.algebra.monomials import Floats
 from pas.fairing.guard import Guard, Margins, Rows
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.rays import Rays
 from pas.limits import checkpoint
 
 LATTICES = (16, 32, 64)
@@ -64,24 +63,24 @@ class Exchange:
         """
         others: list[Stage] = []
         for subdivisions in LATTICES:
-            path = list(_Search(self, subdivisions).path())
+            path = list(Search(self, subdivisions).path())
             if path:
                 yield path.pop()
             others = path or others
         yield from reversed(others)
 
 
-class _Search:
+class Search:
     """The search on one lattice."""
 
     def __init__(self, exchange: Exchange, subdivisions: int) -> None:
         self.programme, self.guard, self.margins = exchange.programme, exchange.guard, exchange.margins
-        self.rays = Rays(self.guard, subdivisions)
+        self.rays = exchange.programme.fairing.rays(subdivisions)
         self.all_edges = self.guard.edges(subdivisions, self.margins)
 
     def path(self) -> Iterator[Stage]:
         """The clean member that the exchange ends with, and those of the descent from it."""
-        settled = self._settled()
+        settled = self.settled()
         if settled is None:
             return
         first, rounds, edges = settled
@@ -100,13 +99,13 @@ class _Search:
             if enough:
                 return
 
-    def _settled(self) -> tuple[Stage, int, Rows] | None:
+    def settled(self) -> tuple[Stage, int, Rows] | None:
         """The exchange: the member, its rounds, and the rows of walls and clip faces; None without end."""
         edges, sheet = self.guard.initial(self.margins), Rows.none(self.guard.basis.size)
         for number in range(1, ROUNDS + 1):
             checkpoint(f"choosing a member of degree {self.guard.basis.degree}")
             member = self.programme.optimum(edges + sheet)
-            new_edges, new_sheet = self._failures(member)
+            new_edges, new_sheet = self.failures(member)
             if not len(new_edges) + len(new_sheet):
                 return Stage(member, edges + sheet), number, edges
             edges, sheet = edges + new_edges, sheet + new_sheet
@@ -118,12 +117,12 @@ class _Search:
         aim, share = self.programme.optimum(rows), 1.0
         while share >= SHORTEST:
             trial: Floats = member + share * (aim - member)
-            if not any(map(len, self._failures(trial))):
+            if not any(map(len, self.failures(trial))):
                 return trial
             share /= 2
         return None
 
-    def _failures(self, member: Floats) -> tuple[Rows, Rows]:
+    def failures(self, member: Floats) -> tuple[Rows, Rows]:
         """Rows of the walls and clip faces, and of the sheet, that a member misses by too much."""
         unknowns = self.programme.normalised(member)
         crossings = self.rays.crossings(unknowns, self.margins.band * self.guard.reach)

@@ -8,9 +8,9 @@ then solved exactly for the coefficients that they determine best, so they hold 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from flint import fmpq_mat
@@ -19,24 +19,33 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis, to_doubles
-from pas.fairing.energy import Energy
+from pas.fairing.energy import Energy, as_energy
 from pas.fairing.exchange import Exchange
+from pas.fairing.fair import FairSearch
 from pas.fairing.guard import LADDER, SLIMMEST, Guard, Margins, Rows
+from pas.fairing.landscape import Landscape
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.wishes import Wishes
+from pas.fairing.rays import Rays
+from pas.fairing.settling import State
+from pas.fairing.wishes import UnitCoefficients, Wishes
+from pas.surface.fairness import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A member: its exact surface, its working coefficients, and the guard rows whose optimum it is with
-    their margins."""
+    """A member: its exact surface, its working coefficients, its energy, and the guard rows whose optimum it is
+    with their margins.  `by` is the energy it was chosen by, where that is not the one that was wished for,
+    `landscape` what is kept for the next step."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
+    energy: float
     rows: Rows
     margins: Margins | None = None
+    by: Energy | None = None
+    landscape: Landscape | None = None
 
 
 class Fairing:
@@ -47,6 +56,7 @@ class Fairing:
 
     def __init__(self, placed: PlacedContacts, degree: int, patches: Sequence[fmpq_mat], energy: Energy) -> None:
         self.placed, self.partition, self.degree, self.energy = placed, placed.partition, degree, energy
+        self.patches = patches
         if not placed.partition.cells:
             raise ValueError(
                 "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
@@ -70,6 +80,11 @@ class Fairing:
         return Guard(self.basis, self.placed)
 
     @cached_property
+    def rays(self) -> Callable[[int], Rays]:
+        """The rays to the lattice of so many subdivisions on the outer faces; made once."""
+        return lru_cache(maxsize=4)(lambda subdivisions: Rays(self.guard, subdivisions))
+
+    @cached_property
     def coefficient_gram(self) -> Floats:
         """The squared Euclidean length of the polynomials' coefficients (user's coordinates, all
         pieces) as a quadratic form in the working basis, (m, m)."""
@@ -81,29 +96,50 @@ class Fairing:
         return total
 
     @cached_property
+    def quadratic_part(self) -> Floats:
+        """The matrix H of the part of the energy that is a quadratic form, in the user's units: `1/2 q^T H q`."""
+        return self._checked(self.energy)
+
+    @cached_property
     def hessian(self) -> Floats:
-        """The energy matrix H in the working basis, in the user's units: `1/2 q^T H q`."""
-        hessian, m = np.asarray(self.energy.hessian(self.basis)), self.basis.size
+        """The quadratic form whose optimum is chosen, or from whose the way to a fair surface begins (m, m)."""
+        return self._checked(as_energy(None)) if self.energy.on_surface else self.quadratic_part
+
+    def _checked(self, energy: Energy) -> Floats:
+        hessian, m = np.asarray(energy.hessian(self.basis)), self.basis.size
         if hessian.shape != (m, m) or not np.isfinite(hessian).all():
-            raise ValueError(f"the energy {self.energy.kind!r} must give a finite matrix of shape {m, m}")
+            raise ValueError(f"the energy {energy.kind!r} must give a finite matrix of shape {m, m}")
         return hessian
 
     def energy_of(self, working: fmpq_mat) -> float:
-        """The energy of a member."""
+        """The energy of a member that is a quadratic form."""
         q = to_doubles(working)[0]
-        return float(q @ self.hessian @ q) / 2
+        return float(q @ self.quadratic_part @ q) / 2
 
     def surface(self, working: fmpq_mat) -> PiecewiseSurface:
         """The exact surface with given working coefficients (1, m)."""
         patches = [Polynomial.from_row(entries, self.degree) for entries in self.basis.combine(working)]
         return PiecewiseSurface.in_place(self.placed, patches, self.degree)
 
-    def choose(self, wishes: Wishes) -> Choice:
+    def landscape(self, limits: FairnessLimits, start: Floats, rays: int | None = None) -> Landscape:
+        """The energy of the surface over the members, as it is seen along rays laid for one of them."""
+        return Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, rays)
+
+    def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None) -> Choice:
         """The member that meets the wishes best, proved or guarded as they say.
 
+        An energy of the surface is followed from the member `start`, of no higher degree, where that is given.
         Raises `InfeasibleError`, naming an irreducible set of conflicting points where the
         conflict involves the user's, and `NotSolvedError` where the solvers failed.
         """
+        if self.energy.on_surface:
+            check_on_surface(wishes)
+            self._check_possible(MemberProgramme(self, wishes))
+            found = FairSearch(self, wishes, start).choice()
+            if found is not None:
+                return found
+            fallback = Fairing(self.placed, self.degree, self.patches, as_energy(None))
+            return replace(fallback.choose(wishes.changed(energy=fallback.energy)), by=fallback.energy)
         if wishes.prove:
             return self._proved(wishes)
         return self._guarded(wishes) if wishes.guard else self.under(wishes, Rows.none(self.basis.size))
@@ -112,14 +148,18 @@ class Fairing:
         """The optimum under the wishes and given guard rows, rounded."""
         programme = MemberProgramme(self, wishes)
         working = programme.rounded(programme.optimum(rows))
-        return Choice(self.surface(working), working, rows, margins)
+        return Choice(self.surface(working), working, self.energy_of(working), rows, margins)
+
+    def chosen(self, programme: MemberProgramme, state: State, margins: Margins | None) -> Choice:
+        """A member on the way down the landscape of an energy of the surface, rounded."""
+        working = programme.rounded(state.member)
+        energy = state.look.energy + self.energy_of(working)
+        return Choice(self.surface(working), working, energy, state.rows, margins)
 
     def _proved(self, wishes: Wishes) -> Choice:
         """The first member on the ladder of margins that is proved."""
         programme = MemberProgramme(self, wishes)
-        for rows in (Rows.none(self.basis.size), self.guard.initial(SLIMMEST)):  # what fails here fails on every rung
-            if not programme.possible(rows):
-                raise programme.conflict(rows)
+        self._check_possible(programme)
         failure: InfeasibleError | None = None
         for margins in LADDER:
             try:
@@ -131,11 +171,17 @@ class Fairing:
                 failure = error
         raise failure or InfeasibleError(f"no member of degree {self.degree} that was found passed the proofs")
 
+    def _check_possible(self, programme: MemberProgramme) -> None:
+        """Raise `InfeasibleError` for conditions that cannot be met with any margins."""
+        for rows in (Rows.none(self.basis.size), self.guard.initial(SLIMMEST)):  # what fails here fails on every rung
+            if not programme.possible(rows):
+                raise programme.conflict(rows)
+
     def _candidates(self, programme: MemberProgramme, margins: Margins) -> Iterator[Choice]:
         """Clean members at these margins, in the order in which to prove them."""
         for stage in Exchange(programme, self.guard, margins).stages():
             working = programme.rounded(stage.unknowns)
-            yield Choice(self.surface(working), working, stage.rows, margins)
+            yield Choice(self.surface(working), working, self.energy_of(working), stage.rows, margins)
 
     def _guarded(self, wishes: Wishes) -> Choice:
         """The optimum under the sampled guard rows alone, with the widest margins that can be.
@@ -149,3 +195,16 @@ class Fairing:
             except InfeasibleError as error:
                 failure = error
         raise failure or InfeasibleError(f"no member of degree {self.degree} was found")
+
+
+def check_on_surface(wishes: Wishes) -> None:
+    """Raise `ValueError` for wishes that an energy of the surface cannot serve."""
+    if not wishes.guard:
+        raise ValueError(
+            "an energy of the surface needs guard=True: without guard rows there may be no sheet to look at; "
+            "take a quadratic form, such as pas.ThinPlate()"
+        )
+    if isinstance(wishes.normalize, UnitCoefficients):
+        raise ValueError(
+            "normalize=pas.UnitCoefficients() needs an energy that is a quadratic form, such as pas.ThinPlate()"
+        )

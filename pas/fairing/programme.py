@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from math import floor, log2
 from typing import TYPE_CHECKING
@@ -62,6 +63,13 @@ class MemberProgramme:
             return self._optimum(rows) is not None
         return feasible(self._programme(self._equations(), self._points() + rows))
 
+    def holds(self, member: Floats) -> bool:
+        """Whether the user's points and the normalisation hold for a member already."""
+        points, equations = self._points(), self._equations()
+        slack = ROUNDING * self._radius
+        left = equations[:, :-1] @ member - equations[:, -1]
+        return bool((points.rows @ member >= points.at_least - slack).all() and (np.abs(left) <= slack).all())
+
     def conflict(self, rows: Rows) -> InfeasibleError:
         """An error naming an irreducible infeasible set of the user's points (deletion filter)."""
         degree, points = self.fairing.degree, list(self.wishes.hard())
@@ -82,6 +90,12 @@ class MemberProgramme:
             text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
         return InfeasibleError(text, conflict)
 
+    def step(self, hessian: Floats, linear: Floats, rows: Rows) -> Floats | None:
+        """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
+        programme = self._programme(self._equations(), self._points() + rows)
+        size = float(np.abs(hessian).max()) or 1.0
+        return self._solved(replace(programme, hessian=hessian / size, linear=linear / size))
+
     @property
     def quadratic(self) -> bool:
         """Whether a quadratic form is minimised, and not its quotient by a length."""
@@ -92,8 +106,13 @@ class MemberProgramme:
         return q if self.quadratic else q / float(self.fairing.guard.mean_alpha @ q)
 
     def objective(self, q: Floats) -> float:
-        """What is minimised: the energy and the squares at `near` points."""
+        """What is minimised: the form to begin with and the squares at `near` points."""
         return float(q @ self._hessian @ q) / 2
+
+    @cached_property
+    def quadratic_part(self) -> Floats:
+        """The part of the energy that is a quadratic form, and the squares at `near` points: (m, m)."""
+        return self.fairing.quadratic_part + self._near
 
     def slope(self, q: Floats) -> Rows:
         """The inequality that makes a member the optimum: not down the objective's slope there."""
@@ -228,11 +247,15 @@ class MemberProgramme:
 
     @cached_property
     def _hessian(self) -> Floats:
-        hessian = self.fairing.hessian
+        return self.fairing.hessian + self._near
+
+    @cached_property
+    def _near(self) -> Floats:
+        total = np.zeros((self.basis.size, self.basis.size))
         for weight, values in zip(self.wishes.near_weights, self._values("near"), strict=True):
             row = to_doubles(fmpq_mat([values]))
-            hessian = hessian + 2 * to_float(weight) * row.T @ row
-        return hessian
+            total += 2 * to_float(weight) * row.T @ row
+        return total
 
     def _points(self) -> Rows:
         rows = Rows.none(self.basis.size)

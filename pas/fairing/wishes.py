@@ -6,16 +6,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypedDict, Unpack
 
 from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
+from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, plain, rational, vector
 from pas.errors import meant
+from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
+from pas.surface.fairness import FairnessLimits
+from pas.surface.placed import PlacedContacts
 
 Points = tuple[Vector, ...]
 
@@ -89,20 +93,27 @@ class PointOptions(TypedDict, total=False):
     normalize: Normalization | None
 
 
-class Options(PointOptions, total=False):
+class Sliders(PointOptions, total=False):
+    """The options that can be moved on a blend that is there; see `Wishes`."""
+
+    tension: Any
+
+
+class Options(Sliders, total=False):
     """All options that shape a surface; see `Wishes`."""
 
     energy: Energy | None
+    limits: FairnessLimits | None
     prove: bool
     guard: bool
     basis: Sequence[Any] | None
 
 
-def check_point_options(options: Mapping[str, Any]) -> None:
-    """Raise `TypeError` for an option that is none of `PointOptions`."""
+def check_point_options(options: Mapping[str, Any], known: type = PointOptions) -> None:
+    """Raise `TypeError` for an option that is none of `PointOptions`, or of a class with more."""
     for name in options:
-        if name not in PointOptions.__annotations__:
-            raise TypeError(f"there is no option {name!r} here{meant(name, PointOptions.__annotations__)}")
+        if name not in known.__annotations__:
+            raise TypeError(f"there is no option {name!r} here{meant(name, known.__annotations__)}")
 
 
 @dataclass(frozen=True, init=False)
@@ -116,7 +127,11 @@ class Wishes:
     - `margin`: by default `DEFAULT_MARGIN` times the region's radius.
     - `handles`: B-coefficients (cell, multi-index) mapped to the values that they get exactly.
     - `normalize`: what fixes the scale of f (`pas.MeanAlpha()` by default).
-    - `energy`: what is made small (`pas.ThinPlate()` by default).
+    - `energy`: what is made small: by default `pas.CurvatureVariation()`, that of the surface, where there is
+      a centre to see it from and guard rows to keep one sheet, and else `pas.ThinPlate()`.
+    - `tension` (no field): that of the curvature variation, from 0 (full) over 23/5 (as usual) up (slim).
+    - `limits`: up to what the surface counts as fair (`pas.FairnessLimits.of_order` by default): what is beyond
+      them is pressed back, and the degree raised where none is given.
     - `prove`: whether the surface must pass every proof; `guard`: whether conditions at sample
       points ask for what the proofs do.
     - `basis`: members, each one polynomial a piece, to whose span a given degree is restricted.
@@ -132,7 +147,8 @@ class Wishes:
     handles: tuple[tuple[Handle, fmpq], ...] = ()
     margin: fmpq | None = None
     normalize: Normalization = field(default_factory=MeanAlpha)
-    energy: Energy = field(default_factory=lambda: as_energy(None))
+    energy: Energy | None = None
+    limits: FairnessLimits | None = None
     prove: bool = True
     guard: bool = True
     basis: tuple[Any, ...] | None = None
@@ -140,13 +156,15 @@ class Wishes:
     __repr__ = brief
 
     def __init__(self, **options: Unpack[Options]) -> None:
-        known = [f.name for f in fields(self)]
+        known = [*(f.name for f in fields(self)), "tension"]
         for name in options:
             if name not in known:
                 raise TypeError(f"there is no option {name!r}{meant(name, known)}")
         for f in fields(self):
             default = f.default if f.default_factory is MISSING else f.default_factory()
             object.__setattr__(self, f.name, options.get(f.name, default))
+        if options.get("tension") is not None:
+            object.__setattr__(self, "energy", tensed(self.energy, options["tension"]))
         self._settle()
 
     def _settle(self) -> None:
@@ -156,12 +174,14 @@ class Wishes:
         settled["handles"] = _handles(self.handles)
         settled["margin"] = None if self.margin is None else rational(self.margin, "margin")
         settled["normalize"] = MeanAlpha() if self.normalize is None else self.normalize
-        settled["energy"] = as_energy(self.energy)
+        settled["energy"] = None if self.energy is None else as_energy(self.energy)
         settled["basis"] = None if self.basis is None else tuple(self.basis)
         for name, value in settled.items():
             object.__setattr__(self, name, value)
         if self.margin is not None and self.margin < 0:
             raise ValueError("margin must not be negative")
+        if not isinstance(self.limits, FairnessLimits | None):
+            raise TypeError(f"limits must be pas.FairnessLimits(...) or None, not {shown(self.limits)}")
         if not isinstance(self.normalize, Normalization):
             raise TypeError(
                 "normalize must be pas.MeanAlpha(), pas.SumOfCoefficients(), pas.UnitCoefficients() or "
@@ -174,6 +194,15 @@ class Wishes:
         """The same wishes with some options changed."""
         own: Any = {f.name: getattr(self, f.name) for f in fields(self)}
         return Wishes(**(own | options))
+
+    def settled(self, placed: PlacedContacts) -> Wishes:
+        """The same wishes with the energy that is made small in a place where none is given."""
+        if self.energy is not None:
+            return self
+        seen = placed.partition.center is not None and placed.partition.cells and placed.joins
+        fitting = self.guard and not isinstance(self.normalize, UnitCoefficients)
+        confined = seen and fitting and all(join.confined for join in placed.joins)
+        return self.changed(energy=CurvatureVariation() if confined else as_energy(None))
 
     @property
     def near_weights(self) -> tuple[fmpq, ...]:
@@ -202,6 +231,19 @@ class Wishes:
             (cell, corners), value = self.handles[index]
             return f"handle {cell}, {corners} = {plain(value)}"
         return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
+
+
+def tensed(energy: Energy | None, tension: Any) -> Energy:
+    """The usual energy of the surface, or one given, with another tension.
+
+    Raises `ValueError` for an energy that has none, and for a tension that is negative.
+    """
+    if not isinstance(energy, CurvatureVariation | None):
+        raise ValueError(
+            f"tension is that of pas.CurvatureVariation(), and the energy {energy.kind!r} has none: "
+            "leave one of them away"
+        )
+    return replace(energy or CurvatureVariation(), tension=tension)
 
 
 def _points(value: Any, name: str) -> Points:

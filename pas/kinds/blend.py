@@ -17,7 +17,7 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, Row, Table, TableOf
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, TableOf
 from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes
@@ -27,6 +27,7 @@ from pas.render.piecewise import layers
 from pas.render.scene import Scene
 from pas.shape import Kind
 from pas.surface.certificate import Certificate
+from pas.surface.fairness import FairnessLimits
 from pas.verdicts import Verdicts
 
 SOLUTION = Table(
@@ -37,12 +38,14 @@ SOLUTION = Table(
         "energy": REAL,
         "attempts": List(Row((WHOLE, WHOLE, TEXT))),
         "seconds": TableOf(REAL),
-    }
+    },
+    {"attempt_seconds": List(REAL), "fairness": Maybe(OpenTable({}))},
 )
+LIMITS = Table({}, dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL))
 CONTENT = Table(
     {
         "surface": SURFACE,
-        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}),
+        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}, {"limits": Maybe(LIMITS)}),
         "solution": SOLUTION,
         "certificate": CERTIFICATE,
     },
@@ -53,7 +56,11 @@ CONTENT = Table(
 def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
     """Everything that defines a blend, proved first where that has not been done."""
     return {
-        "problem": {"constraints": constraints_record(blend.wishes), "energy": blend.wishes.energy.to_record()},
+        "problem": {
+            "constraints": constraints_record(blend.wishes),
+            "energy": blend.plate.to_record(),
+            "limits": None if blend.wishes.limits is None else vars(blend.wishes.limits),
+        },
         "surface": surface_record(blend.surface),
         "solution": {
             "dimension": blend.dimension,
@@ -62,6 +69,8 @@ def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
             "energy": blend.energy,
             "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
             "seconds": blend.timings,
+            "attempt_seconds": [a.seconds for a in blend.attempts],
+            "fairness": blend.fairness.to_record() if blend.fairness is not None else None,
         },
         "certificate": blend.certificate.to_record(),
     }
@@ -83,11 +92,27 @@ def read(content: dict[str, Any]) -> Blend:
         coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
         energy=float(solution["energy"]),
         timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
-        attempts=tuple(Attempt(*a) for a in solution["attempts"]),
-        wishes=Wishes(energy=read_energy(problem["energy"]), **read_constraints(problem["constraints"])),
+        attempts=tuple(
+            Attempt(n, m, outcome, spent)
+            for (n, m, outcome), spent in zip(solution["attempts"], spent_on(solution), strict=True)
+        ),
+        wishes=Wishes(
+            energy=read_energy(problem["energy"]),
+            limits=None if problem.get("limits") is None else FairnessLimits(**problem["limits"]),
+            **read_constraints(problem["constraints"]),
+        ),
         find_space=find_space,
         stored=Certificate.from_record(content["certificate"]),
     )
+
+
+def spent_on(solution: dict[str, Any]) -> list[float]:
+    """The seconds of the attempts, which older files do not have."""
+    attempts = solution["attempts"]
+    spent = solution.get("attempt_seconds", [0.0] * len(attempts))
+    if len(spent) != len(attempts):
+        raise ValueError(f"solution.attempt_seconds must have {len(attempts)} entries, one for each attempt")
+    return [float(s) for s in spent]
 
 
 def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:

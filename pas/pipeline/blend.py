@@ -6,10 +6,12 @@ it returns is the lowest at which this program found one.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
-from typing import Any, Unpack
+from dataclasses import replace
+from typing import Any, Literal, Unpack, cast
 
-from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree, shown
 from pas.blending.place import place
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
@@ -27,12 +29,18 @@ from pas.surface.placed import PlacedContacts
 DEGREES_TRIED = 4
 """Degrees with regular members that are tried before giving up; corners needed at most three."""
 
+DEGREES_FOR_FAIRNESS = 2
+"""Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
+
+MOST_UNKNOWNS = 160
+"""Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+
 
 @limited("finding a blend", "a lower order")
 def blend(
     contacts: Sequence[Any],
     order: int,
-    degree: int | None = None,
+    degree: int | Literal["lowest"] | None = None,
     partition: Partition | None = None,
     *,
     wishes: Wishes | None = None,
@@ -41,20 +49,22 @@ def blend(
     progress: Report | None = None,
     **options: Unpack[Options],
 ) -> Blend:
-    """Find, choose and prove the blend of three pipes or contacts.
+    """Find, choose and prove the blend of two or three pipes or contacts.
 
     `contacts` are pipes, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
-    `degree` it is raised until the proofs pass.
+    `degree` it is raised until the proofs pass, and by default further while the surface is not fair (see
+    `pas.FairnessLimits`): the fairest is returned.  With degree="lowest" the first that is proved is.
 
     What shapes the surface is in `wishes` (see `pas.Wishes`), or said by keywords, which go before
-    these: `energy`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `margin`,
-    `normalize`, `prove`, `guard`, `basis`.  The energy is minimised over the members
-    (`pas.ThinPlate()` by default).  Points are sequences of three exact numbers: `inside` ones
-    get f <= -margin, `outside` ones f >= margin (by default 10^-4 of the region's radius), the surface passes `through`
-    others exactly and `near` still others by least squares with weight `near_weight` (or one for
-    each).  `handles` maps B-coefficients (cell, multi-index) to values that they get exactly.
-    `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each one
-    polynomial a cell) restricts a given `degree` to the span of these members.
+    these: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
+    `margin`, `normalize`, `prove`, `guard`, `basis`.  The energy is minimised over the members: by default
+    `pas.CurvatureVariation()`, that of the surface, whose `tension` goes from 0 (full) over 23/5 (as usual) up
+    (slim); for a quadratic form such as `pas.ThinPlate()` the lowest degree is taken.  Points are sequences of
+    three exact numbers: `inside` ones get f <= -margin, `outside` ones f >= margin (by default 10^-4 of the
+    region's radius), the surface passes `through` others exactly and `near` still others by least squares with
+    weight `near_weight` (or one for each).  `handles` maps B-coefficients (cell, multi-index) to values that
+    they get exactly.  `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each
+    one polynomial a cell) restricts a given `degree` to the span of these members.
 
     With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
     the optimum under sampled conditions, or with `guard=False` under the points alone, and its
@@ -66,27 +76,73 @@ def blend(
     `TypeError` for wrong arguments.
     """
     wished = (wishes or Wishes()).changed(**options)
-    if wished.basis is not None and degree is None:
+    wanted = check_wanted_degree(degree)
+    given = None if wanted is None or wanted == "lowest" else wanted
+    if wished.basis is not None and given is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(on_stage)
     with stages.stage("partition"):
         placed = place(contacts, order, partition)
         check_wishes(wished, placed)
+        wished = wished.settled(placed)
     if order == 0 and len(placed.partition.pieces) > 1:
         raise ValueError(
             "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
         )
+    raised = degree is None and wished.energy is not None and wished.energy.on_surface
     attempts: list[Attempt] = []
     failure: InfeasibleError | NotProvedError | None = None
-    for space in _spaces(placed, degree, attempts, stages):
+    fairest: Blend | None = None
+    for space in _spaces(placed, given, attempts, stages):
+        if fairest is not None and space.dimension > MOST_UNKNOWNS:
+            attempts.append(Attempt(space.degree, space.dimension, f"not tried: more than {MOST_UNKNOWNS} unknowns"))
+            break
+        began = time.perf_counter()
         try:
-            return choose(space, wished, attempts, stages)
+            found = choose(space, wished, attempts, stages, None if fairest is None else fairest.surface)
         except (InfeasibleError, NotProvedError) as error:
-            attempts.append(Attempt(space.degree, space.dimension, str(error)))
+            attempts.append(Attempt(space.degree, space.dimension, str(error), time.perf_counter() - began))
             failure = error
-    if failure is None and degree is not None:
-        raise _too_low(attempts[-1], _lowest(placed, degree), order)
+            continue
+        if not raised:
+            return found
+        with stages.stage("measure", f" (degree {space.degree})"):
+            found = judged(found)
+            attempts.append(found.attempts[-1])
+            fairest = found if fairest is None or excess(found) < excess(fairest) else fairest
+        if not excess(found) or found.surface.degree >= _first_proved(attempts) + DEGREES_FOR_FAIRNESS:
+            break
+    if fairest is not None:
+        return replace(fairest, attempts=tuple(attempts))
+    if failure is None and given is not None:
+        raise _too_low(attempts[-1], _lowest(placed, given), order)
     raise _given_up(attempts, failure, order)
+
+
+def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
+    """A degree, "lowest" for the lowest that is proved, or None for that at which the surface is fair."""
+    if degree is None or degree == "lowest":
+        return cast(Literal["lowest"] | None, degree)
+    if isinstance(degree, str):
+        raise TypeError(f'degree must be a whole number, "lowest" or None, not {shown(degree)}')
+    return check_degree(degree)
+
+
+def judged(found: Blend) -> Blend:
+    """The same blend with what its last attempt came to in fairness."""
+    beyond = found.surface.fairness().beyond(found.limits)
+    last = found.attempts[-1]
+    words = f"{last.outcome}, not fair: {', '.join(beyond)}" if beyond else f"{last.outcome}, fair"
+    return replace(found, attempts=(*found.attempts[:-1], replace(last, outcome=words)))
+
+
+def excess(found: Blend) -> float:
+    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
+    return found.surface.fairness().excess(found.limits)
+
+
+def _first_proved(attempts: Sequence[Attempt]) -> int:
+    return next(a.degree for a in attempts if a.outcome.startswith(("proved", "fitted")))
 
 
 def _spaces(

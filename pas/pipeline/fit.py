@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Wishes
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.stages import Stages
+from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.pipeline.space import SolutionSpace
@@ -23,22 +25,34 @@ def fit(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
     check_wishes(wishes, space.placed)
-    return choose(space, wishes, [], stages)
+    return choose(space, wishes.settled(space.placed), [], stages)
 
 
-def choose(space: SolutionSpace, wishes: Wishes, attempts: Sequence[Attempt], stages: Stages) -> Blend:
-    """The same for wishes that are known not to contradict by themselves; `attempts` are those before this one."""
+def choose(
+    space: SolutionSpace,
+    wishes: Wishes,
+    attempts: Sequence[Attempt],
+    stages: Stages,
+    start: PiecewiseSurface | None = None,
+) -> Blend:
+    """The same for wishes that are settled and known not to contradict by themselves.
+
+    `attempts` are those before this one; `start` is a surface of a lower degree to begin with.
+    """
+    began = time.perf_counter()
     if wishes.basis is not None:
         space = space.restricted(wishes.basis)
+    assert wishes.energy is not None
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
     with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
-        choice = space.fairing(wishes.energy).choose(wishes)
-    history = (*attempts, Attempt(space.degree, space.dimension, "proved" if wishes.prove else "fitted"))
-    if not wishes.prove:
-        return Blend.of(space, choice, wishes, stages.seconds, history)
-    certificate = choice.surface.certificate
-    result = Blend.of(space, choice, wishes, stages.seconds, history)
-    if not certificate.proved:
+        choice = space.fairing(wishes.energy).choose(wishes, start)
+    certificate = choice.surface.certificate if wishes.prove else None
+    outcome = "fitted" if certificate is None else "proved"
+    if choice.by is not None:
+        outcome += f", by {choice.by.kind}: from the centre the surface could not be seen well enough to make it fair"
+    attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began)
+    result = Blend.of(space, choice, wishes, stages.seconds, (*attempts, attempt))
+    if certificate is not None and not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
     return result

@@ -8,11 +8,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
+from pas.algebra.inputs import whole
 from pas.algebra.rational import to_fraction
 from pas.blending.space import Member
-from pas.fairing.energy import Energy
+from pas.errors import GeometryError
+from pas.fairing.energy import Energy, as_energy
 from pas.fairing.fairing import Choice
-from pas.fairing.wishes import PointOptions, Wishes, check_point_options
+from pas.fairing.refit import MOST_STEPS, refitted
+from pas.fairing.wishes import Sliders, Wishes, check_point_options
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.pipeline.bodies import body
@@ -20,7 +23,9 @@ from pas.pipeline.summary import summary
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
+from pas.surface.fairness import Fairness, FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
+from pas.verdicts import Status
 
 if TYPE_CHECKING:
     from pas.pipeline.space import SolutionSpace
@@ -28,11 +33,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Attempt:
-    """One degree that was tried: the dimension of its space and what came of it."""
+    """One degree that was tried: the dimension of its space, what came of it, and the seconds it took."""
 
     degree: int
     dimension: int
     outcome: str
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +76,13 @@ class Blend(Shape):
         attempts: Sequence[Attempt],
     ) -> Blend:
         """The blend of a choice in a solution space."""
-        fairing = space.fairing(wishes.energy)
+        fairing = space.fairing(as_energy(wishes.energy))
         coefficients = (choice.working * fairing.basis.transform).entries()
         return cls(
             surface=choice.surface,
             dimension=space.dimension,
             coefficients=tuple(map(to_fraction, coefficients)),
-            energy=fairing.energy_of(choice.working),
+            energy=choice.energy,
             timings=timings,
             attempts=tuple(attempts),
             wishes=wishes,
@@ -98,24 +104,60 @@ class Blend(Shape):
     @property
     def plate(self) -> Energy:
         """The energy that was made small: that of the wishes."""
-        return self.wishes.energy
+        return as_energy(self.wishes.energy)
+
+    @cached_property
+    def fairness(self) -> Fairness | None:
+        """How fair the surface is, measured; None where that cannot be seen from a centre."""
+        try:
+            return self.surface.fairness()
+        except GeometryError:
+            return None
+
+    @property
+    def limits(self) -> FairnessLimits:
+        """Up to what it counts as fair: what was wished, or the usual ones of its order."""
+        return self.wishes.limits or FairnessLimits.of_order(self.surface.order)
+
+    @property
+    def standing(self) -> str:
+        """What is known of its proof, without working on it: "proved", "not proved yet", "refuted" or "undecided"."""
+        if not self.surface.looked_into:
+            return "not proved yet"
+        certificate = self.certificate
+        if certificate.proved:
+            return "proved"
+        return "refuted" if any(v.status is Status.REFUTED for v in certificate.verdicts) else "undecided"
 
     @property
     def certificate(self) -> Certificate:
         """The verdicts on the surface, proved in this process, when first asked for."""
         return self.surface.certificate
 
-    def refit(self, **options: Unpack[PointOptions]) -> Blend:
-        """The same problem with other points, weights or normalisation, without new proofs.
+    @limited("choosing another member", "fewer steps")
+    def refit(
+        self,
+        *,
+        steps: int | None = 1,
+        seconds: float | None = None,
+        progress: Report | None = None,
+        **options: Unpack[Sliders],
+    ) -> Blend:
+        """The same problem with other points, weights, tension or normalisation, without new proofs: for sliders.
 
-        Keeps the guard rows of this blend, so it takes milliseconds: made for sliders.  `options`
-        are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `margin`, `normalize`.
+        `options` are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `margin`, `normalize`,
+        `tension`.  An energy of the surface is followed for so many Gauss-Newton `steps` from this blend, on few
+        rays; with `steps=None` until it settles, on many.  A quadratic form is at its optimum at once.  `standing`
+        says of the result whether it is proved; asking for its `certificate` proves it.
+
+        Raises `InfeasibleError` for points that contradict, `ValueError` and `TypeError` for wrong arguments.
         """
-        if self.choice is None:
-            raise ValueError("a blend loaded from a file cannot be refitted; use blend.space.fit(...)")
-        check_point_options(options)
+        check_point_options(options, Sliders)
+        if steps is not None:
+            whole(steps, "steps", 1, MOST_STEPS, "or None to settle")
         wishes = self.wishes.changed(**options)
-        chosen = self.space.fairing(wishes.energy).under(wishes, self.choice.rows, self.choice.margins)
+        fairing = self.space.fairing(as_energy(wishes.energy))
+        chosen = refitted(fairing, self.surface, self.choice, wishes, steps)
         return Blend.of(self.space, chosen, wishes, {}, self.attempts)
 
     def solid(self, length: Any = None, names: Sequence[str] | None = None) -> Solid:
@@ -140,4 +182,4 @@ class Blend(Shape):
 
     def __repr__(self) -> str:
         s = self.surface
-        return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}>"
+        return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}, {self.standing}>"

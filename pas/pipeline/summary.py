@@ -20,8 +20,9 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
-        ("energy", f"{blend.energy:.6g}"),
+        ("energy", f"{blend.energy:.6g} ({blend.plate.kind})"),
     ]
+    rows += _fairness(blend)
     rows += (extra or {}).items()
     rows += [(f"seconds: {name}", f"{spent:.3f}") for name, spent in blend.timings.items()]
     width = max(len(name) for name, _ in rows)
@@ -37,5 +38,19 @@ def _between(surface: PiecewiseSurface) -> str:
 
 
 def _tried(blend: Blend) -> str:
-    failed = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts[:-1]]
-    return f"; tried before: {', '.join(failed)}" if failed else ""
+    others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
+    return f"; tried as well: {', '.join(others)}" if others else ""
+
+
+def _fairness(blend: Blend) -> list[tuple[str, str]]:
+    """What was measured, and why a degree was not enough."""
+    rows = [
+        (f"degree {a.degree}", f"dimension {a.dimension}: {a.outcome}, {a.seconds:.2f} s")
+        for a in blend.attempts
+        if a.seconds
+    ]
+    if blend.fairness is not None:
+        beyond = blend.fairness.beyond(blend.limits)
+        rows.append(("fairness", f"beyond its limits: {', '.join(beyond)}" if beyond else "within its limits"))
+        rows += [(f"  {name}", value) for name, value in blend.fairness.lines()]
+    return rows

@@ -50,10 +50,13 @@ class Directions:
     slices: tuple[tuple[int, slice], ...]
 
     @classmethod
-    def of(cls, local: Partition, columns: Sequence[Floats], degree: int, number: int) -> Directions:
+    def of(
+        cls, local: Partition, columns: Sequence[Floats], degree: int, number: int, deepest: int = DEEPEST
+    ) -> Directions:
         """About `number` rays or more for a surface of one sheet around the centre.
 
-        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`.
+        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`; `deepest` says
+        how often triangles on a contact curve are quartered.
         """
         triangles = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
@@ -61,7 +64,7 @@ class Directions:
             triangles, pieces = _quartered(triangles, pieces)
         found: list[tuple[Any, ...]] = []
         limit = 0.0
-        for level in range(EVEN, DEEPEST + 1):
+        for level in range(EVEN, deepest + 1):
             checkpoint("sending rays")
             centroids = triangles.mean(axis=1)
             distances, areas = _met(columns, degree, centroids, pieces)
@@ -71,7 +74,7 @@ class Directions:
             corners = triangles.reshape(-1, 3)
             beyond = (_values(columns, degree, corners, np.repeat(pieces, 3)) > 0).reshape(-1, 3)
             crossed = beyond.any(axis=1) & ~beyond.all(axis=1)
-            finer = ((areas > limit) | crossed) & (level < DEEPEST)
+            finer = ((areas > limit) | crossed) & (level < deepest)
             kept = ~finer & (distances > 0)
             units = centroids / np.linalg.norm(centroids, axis=1)[:, None]
             found.append((units[kept], angles[kept], distances[kept], pieces[kept]))
@@ -79,10 +82,20 @@ class Directions:
             if not len(triangles):
                 break
         units, angles, distances, numbers = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        order = np.argsort(numbers, kind="stable")
-        starts = np.searchsorted(numbers[order], np.arange(len(columns) + 1))
-        slices = tuple((p, slice(int(a), int(b))) for p, (a, b) in enumerate(pairwise(starts)) if b > a)
+        order, slices = _by_piece(numbers, len(columns))
         return cls(units[order], angles[order], distances[order], slices)
+
+    @classmethod
+    def along(
+        cls, local: Partition, columns: Sequence[Floats], degree: int, units: Floats
+    ) -> tuple[Directions, NDArray[np.intp]]:
+        """Rays of solid angle 0 along given unit vectors (N, 3), and the numbers of those that meet the surface."""
+        ends, pieces = _ends(local, units)
+        distances, _ = _met(columns, degree, ends, pieces)
+        kept = np.flatnonzero(distances > 0)
+        order, slices = _by_piece(pieces[kept], len(columns))
+        kept = kept[order]
+        return cls(units[kept], np.zeros(len(kept)), distances[kept], slices), kept
 
 
 def solid_angles(triangles: Floats) -> Floats:
@@ -93,6 +106,24 @@ def solid_angles(triangles: Floats) -> Floats:
     below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
     result: Floats = 2 * np.arctan2(above, below)
     return result
+
+
+def _by_piece(numbers: Pieces, count: int) -> tuple[NDArray[np.intp], tuple[tuple[int, slice], ...]]:
+    """An order in which the rays of a piece follow one another, and where those of each piece then are."""
+    order = np.argsort(numbers, kind="stable")
+    starts = np.searchsorted(numbers[order], np.arange(count + 1))
+    return order, tuple((p, slice(int(a), int(b))) for p, (a, b) in enumerate(pairwise(starts)) if b > a)
+
+
+def _ends(local: Partition, units: Floats) -> tuple[Floats, Pieces]:
+    """Where rays along unit vectors leave the region, and in which piece: the outer face each is most inside of."""
+    corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
+    inverse = np.linalg.inv(corners.transpose(0, 2, 1))
+    weights = np.einsum("fij,nj->nfi", inverse, units)
+    face = weights.min(axis=2).argmax(axis=1)
+    total = weights[np.arange(len(units)), face].sum(axis=1)
+    pieces = np.array([outer.piece for outer in local.outer_faces], dtype=np.intp)
+    return units / total[:, None], pieces[face]
 
 
 def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:

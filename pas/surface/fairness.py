@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.errors import GeometryError
@@ -47,6 +47,9 @@ BALL = 800
 
 CURVE = 96
 """Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
+
+SHARP, HOLLOW, BULGE, WRONG = 0.02, 0.5, 0.1, 0.05
+"""Units in which what is beyond the limits counts: of sharpness, hollowness, bulge and wrong-sign curvature."""
 
 Place = tuple[float, float, float]
 
@@ -78,6 +81,11 @@ class FairnessLimits:
     hollowness: float = 1.5
     bulge: float = 0.05
     wrong_sign: float = 0.2
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
+                raise ValueError(f"{name} must be a number that is not negative, not {shown(value)}")
 
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:
@@ -131,27 +139,37 @@ class Fairness:
 
     def beyond(self, limits: FairnessLimits) -> tuple[str, ...]:
         """Which measures are beyond limits: a few words each."""
-        checks = (
-            ("sharpness", self.sharpness, limits.sharpness),
-            ("hollowness", self.hollowness, limits.hollowness),
-            ("bulge", self.bulge, limits.bulge),
-            ("wrong-sign curvature", self.wrong_sign, limits.wrong_sign),
+        return tuple(
+            f"{name} {value:.3g} above {most:g}" for name, value, most, _ in self._checks(limits) if value > most
         )
-        return tuple(f"{name} {value:.3g} above {most:g}" for name, value, most in checks if value > most)
+
+    def excess(self, limits: FairnessLimits) -> float:
+        """How far beyond limits the measures are, in all, each over its unit; 0 within them."""
+        return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits) if not isnan(value))
+
+    def _checks(self, limits: FairnessLimits) -> tuple[tuple[str, float, float, float], ...]:
+        return (
+            ("sharpness", self.sharpness, limits.sharpness, SHARP),
+            ("hollowness", self.hollowness, limits.hollowness, HOLLOW),
+            ("bulge", self.bulge, limits.bulge, BULGE),
+            ("wrong-sign curvature", self.wrong_sign, limits.wrong_sign, WRONG),
+        )
+
+    def lines(self) -> list[tuple[str, str]]:
+        """The measures in words, each with its name."""
+        low, high = self.gradients
+        return [
+            ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}"),
+            ("hollowness", f"{self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}"),
+            ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
+            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self.inflections} times"),
+            ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
+            ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
+            ("measured", f"at {self.points} points"),
+        ]
 
     def __str__(self) -> str:
-        low, high = self.gradients
-        return "\n".join(
-            (
-                f"sharpness     {self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}",
-                f"hollowness    {self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}",
-                f"bulge         {self.bulge:.3f} of the largest radius beyond the hull of the contacts",
-                f"wrong sign    {self.wrong_sign:.3f} over the largest radius; sections turn {self.inflections} times",
-                f"variation     {self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}",
-                f"|grad f|      {low:.2f} to {high:.2f} of its median",
-                f"measured at {self.points} points",
-            )
-        )
+        return "\n".join(f"{name:<13} {value}" for name, value in self.lines())
 
 
 def _shown(place: Place) -> str:

@@ -232,7 +232,16 @@ class PiecewiseSurface(Shape):
         Measured on some thousand rays from the centre.  Raises `GeometryError` for a surface without a region, a
         centre inside it or a contact.
         """
+        return self._fairness
+
+    @cached_property
+    def _fairness(self) -> Fairness:
         return fairness(self)
+
+    @property
+    def looked_into(self) -> bool:
+        """Whether its certificate has been worked out."""
+        return "certificate" in vars(self)
 
     def contains(self, points: Any) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""

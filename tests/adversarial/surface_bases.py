@@ -82,7 +82,7 @@ def corner(number: int) -> Known:
         largest = a * b / sqrt(a * a + 4 * b * b) / 1.1
         radius = Fraction(max(1, floor(100 * random.uniform(0.2, 1.0) * largest)), 100)
         pipes.append(pas.Pipe(axis=axis, radius=radius, clip=heights[i]))
-    return proved(pas.blend(pipes, 1 + number % 2), "corner of " + "; ".join(map(str, pipes)))
+    return proved(pas.blend(pipes, 1 + number % 2, energy=pas.ThinPlate()), "corner of " + "; ".join(map(str, pipes)))
 
 
 @cache
@@ -94,7 +94,7 @@ def single(name: str) -> Known:
         tube = Polynomial(contacts[0][0])
         pairs = [Contact(*pair) for pair in contacts]
         return proved_surface(PiecewiseSurface.from_polynomials(cell, pairs, order, [tube]), name)
-    return proved(pas.blend(contacts, order, partition=cell), f"one {name}")
+    return proved(pas.blend(contacts, order, partition=cell, energy=pas.ThinPlate()), f"one {name}")
 
 
 @cache

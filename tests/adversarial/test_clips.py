@@ -198,7 +198,9 @@ def test_a_clip_that_passes_through_other_pieces_is_refused():
 def test_an_elbow_with_reducible_clips_is_proved_and_becomes_a_body():
     elbow = [("y^2 + z^2 - 1", "(x - 2)*(x + 5)"), ("x^2 + z^2 - 1", "(y - 2)*(z^2 + 1)")]
     region = pas.SingleCell((-2, -2, -2), (2, 2, 2))
-    plain = pas.blend([("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")], 1, partition=region)
+    plain = pas.blend(
+        [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")], 1, partition=region, energy=pas.ThinPlate()
+    )
     surface = pas.PiecewiseSurface.from_polynomials(
         region, [pas.Contact(*c) for c in elbow], 1, plain.surface.polynomials
     )
@@ -218,7 +220,7 @@ def test_an_elbow_with_reducible_clips_is_proved_and_becomes_a_body():
 
 def test_a_node_with_a_contact_on_every_side():
     six = [(f"{a}^2 + {b}^2 - 1", f"{c} {sign} 2") for a, b, c in ("yzx", "xzy", "xyz") for sign in "+-"]
-    blend = pas.blend(six, 1, 6, pas.SingleCell((-2, -2, -2), (2, 2, 2)))
+    blend = pas.blend(six, 1, 6, pas.SingleCell((-2, -2, -2), (2, 2, 2)), energy=pas.ThinPlate())
     assert blend.certificate.proved
     assert blend.surface.walls == ()
     assert blend.surface.mesh(0.1).euler_characteristic == 2 - 6

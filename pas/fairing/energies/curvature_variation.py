@@ -1,0 +1,68 @@
+"""Curvature variation of a surface, with a gauge and tension.
+
+    E = r^2 * integral |grad S|^2 dA  +  gauge / r^2 * integral ln^2 |grad f| dA  +  tension / l^2 * integral dA
+
+S is the shape operator, r the mean radius of the contact curves, l their mean distance from the centre, |grad f| is
+over its mean on the contact curves.  The first term is the full variation of curvature (Moreton and Sequin 1992 take
+two of its components).  A surface is the zero set of many functions: the gauge prefers the one like a
+distance.  Tension keeps balloons away, which have no variation of curvature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Exact, plain, rational, to_float
+from pas.fairing.energy import Energy
+from pas.fairing.surface_points import QUANTITIES, Sizes, SurfacePoints
+
+TIMES = np.sqrt([1.0, 3.0, 3.0, 1.0])
+"""The roots of how often each of C111, C112, C122, C222 stands in the symmetric tensor grad S."""
+
+TENSION = fmpq(23, 5)
+"""Measured: thin pipes on long clips keep their arcs, and equal pipes bulge least."""
+
+
+@dataclass(frozen=True)
+class CurvatureVariation(Energy):
+    """The variation of a surface's curvature, which is least where it bends evenly (Moreton and Sequin 1992).
+
+    `tension` (no unit, >= 0) is the weight of the surface's area: 0 is full, large is slim.  `gauge` (no unit, >= 0)
+    keeps |grad f| even on the surface.  Raises `ValueError` for negative numbers.
+    """
+
+    kind: ClassVar[str] = "curvature-variation"
+
+    tension: Exact = TENSION
+    gauge: Exact = fmpq(1)
+
+    def __post_init__(self) -> None:
+        for name in ("tension", "gauge"):
+            value = rational(getattr(self, name), name)
+            if value < 0:
+                raise ValueError(f"{name} must not be negative, not {plain(value)}")
+            object.__setattr__(self, name, value)
+
+    def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """What is squared and integrated over the surface, (N, 6)."""
+        tension, gauge = self._roots(sizes)
+        bent = sizes.radius * TIMES * points.variation
+        gauged = gauge * np.log(points.gradients)
+        return np.concatenate([bent, gauged[:, None], np.full((len(points), 1), tension)], axis=1)
+
+    def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
+        """The derivatives of the residuals (N, 6, 14)."""
+        slopes = np.zeros((len(points), 6, QUANTITIES))
+        for i in range(4):
+            slopes[:, i, 10 + i] = sizes.radius * TIMES[i]
+        slopes[:, 4, 6] = self._roots(sizes)[1] / points.gradients
+        return slopes
+
+    def _roots(self, sizes: Sizes) -> tuple[float, float]:
+        tension, gauge = to_float(rational(self.tension, "tension")), to_float(rational(self.gauge, "gauge"))
+        return float(np.sqrt(tension)) / sizes.clip, float(np.sqrt(gauge)) / sizes.radius

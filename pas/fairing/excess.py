@@ -1,0 +1,195 @@
+"""How far a surface is beyond the limits of fairness, as residuals that are 0 where it is within them.
+
+A minimum of curvature variation may bend a fillet more than the limits allow where that costs little, in the
+middle of a fillet or just before a contact.  The squares of what is beyond the limits (see
+`pas.FairnessLimits`) are added, so that the limits are soft: they give way where nothing else meets the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+from pas.fairing.basis import WorkingBasis
+from pas.fairing.sight import AREA, View
+from pas.fairing.surface_points import SurfacePoints
+from pas.surface.directions import Directions
+from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc, planes, spiral
+
+PRESS = 40.0
+"""The weight of squares of what is beyond the limits, each over its own unit."""
+
+MARGIN = 0.1
+"""By how much the soft limit of hollowness is inside the limit: between samples curvature is larger than at them.  What
+the other limits leave, beyond a pipe itself, is halved."""
+
+AROUND, ENDS, EVERY = 720, 6, 8
+"""Directions of a plane section, of which those at the ends are kept, where neighbours are foreshortened, and every
+eighth."""
+
+TURNED = 0.2
+"""Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
+
+BALL, RIM = 300, 32
+"""Points of the ball, and about those of each curve, of the hull."""
+
+
+@dataclass(frozen=True)
+class Excess:
+    """Residuals at some points of a view: `chosen` (K,), `values` (K,), and `slopes` (K, 15) by what is seen."""
+
+    chosen: NDArray[np.intp]
+    values: Floats
+    slopes: Floats
+
+
+class SurfaceExcess:
+    """What is beyond the limits at the points of the surface: curvature and bulge."""
+
+    def __init__(
+        self, rays: Directions, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats, radius: float
+    ) -> None:
+        self.limits, self.radius, self.center = limits, radius, center
+        self.curvature = max(n.curvature for n in neighbours)
+        self.arc = largest_arc(neighbours)
+        self.widest = max(n.radius for n in neighbours)
+        self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
+
+    def values(self, view: View) -> Iterator[Excess]:
+        """What is beyond each limit, where it is."""
+        shape, quantities = view.points.shape, np.zeros(AREA + 1)
+        sharp = (1 + (self.limits.sharpness - 1) / 2) * self.curvature
+        for column, sign in ((7, 1.0), (9, -1.0)):
+            slope = quantities.copy()
+            slope[column] = sign / (SHARP * self.curvature)
+            over = (sign * shape[:, column - 7] - sharp) / (SHARP * self.curvature)
+            yield from self._weighted(view, over, slope[None])
+        if self.arc < inf:
+            slope = quantities.copy()
+            slope[9] = -self.arc / HOLLOW
+            over = (-shape[:, 2] * self.arc - (self.limits.hollowness - MARGIN)) / HOLLOW
+            yield from self._weighted(view, over, slope[None])
+        slopes = np.zeros((len(shape), AREA + 1))
+        slopes[:, :3] = self.normals / (BULGE * self.widest)
+        far = ((view.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
+        yield from self._weighted(view, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes)
+
+    def _weighted(self, view: View, over: Floats, slopes: Floats) -> Iterator[Excess]:
+        chosen = np.flatnonzero(over > 0)
+        if not len(chosen):
+            return
+        root = np.sqrt(PRESS * view.areas[chosen]) / self.radius
+        values = root * over[chosen]
+        by = root[:, None] * (slopes[chosen] if len(slopes) > 1 else slopes)
+        by[:, AREA] += values / 2
+        yield Excess(chosen, values, by)
+
+
+class SectionExcess:
+    """Curvature of the wrong sign in plane sections through two neighbours' middles."""
+
+    def __init__(
+        self,
+        basis: WorkingBasis,
+        columns: Sequence[Floats],
+        neighbours: Sequence[Neighbour],
+        limits: FairnessLimits,
+    ) -> None:
+        self.limits = limits
+        self.widest = max(n.radius for n in neighbours)
+        angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
+        pairs = list(planes([n.mean for n in neighbours]))
+        units = np.concatenate(
+            [np.empty((0, 3)), *(np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * b for a, b in pairs)]
+        )
+        across = np.array([np.cross(a, b) for a, b in pairs]).reshape(-1, 3)
+        met = Directions.along(basis.partition, columns, basis.degree, units)[1]
+        kept = [_thinned(run) for run in runs(met, len(pairs))]
+        chosen = np.concatenate([np.empty(0, dtype=np.intp), *kept])
+        self.rays, order = Directions.along(basis.partition, columns, basis.degree, units[chosen])
+        self.across = across[chosen[order] // AROUND] if len(order) else np.empty((0, 3))
+        place = np.argsort(order)
+        starts = np.cumsum([0, *map(len, kept)])
+        self.runs = [place[a:b] for a, b in pairwise(starts)]
+        self.signs = np.zeros(len(order))
+
+    def settle_signs(self, view: View) -> None:
+        """See which way each part of a section turns: that depends on its ends alone, not on the member."""
+        normals = view.points.normals
+        for run in self.runs:
+            tangents = np.cross(self.across[run], normals[run])
+            turns = np.arctan2(
+                (np.cross(tangents[:-1], tangents[1:]) * self.across[run][:-1]).sum(axis=1),
+                (tangents[:-1] * tangents[1:]).sum(axis=1),
+            )
+            turned = float(turns.sum())
+            self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
+
+    def values(self, view: View) -> Iterator[Excess]:
+        """What is beyond the limit, where it is."""
+        curvature, slopes = section_curvatures(view.points, self.across)
+        over = (-self.signs * curvature * self.widest - self.limits.wrong_sign / 2) / WRONG
+        chosen = np.flatnonzero((over > 0) & (self.signs != 0))
+        if not len(chosen):
+            return
+        # a point stands for its arc times the width of the arc: its weight is taken from the start's distance
+        root = np.sqrt(PRESS * EVERY * 2 * np.pi / AROUND * self.rays.distances[chosen] / self.rays.distances.mean())
+        by = np.zeros((len(chosen), AREA + 1))
+        by[:, : slopes.shape[1]] = (-self.signs[chosen] * self.widest / WRONG * root)[:, None] * slopes[chosen]
+        yield Excess(chosen, root * over[chosen], by)
+
+
+def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, Floats]:
+    """Curvatures (N,) of plane sections with unit normals `across` (N, 3), and their derivatives (N, 14).
+
+    By Meusnier's theorem that of the surface in the section's direction, over the cosine between normal and plane.
+    """
+    inner = (points.normals * across).sum(axis=1)
+    cosine = np.sqrt(np.maximum(1 - inner * inner, 1e-12))
+    tangent = np.cross(across, points.normals) / cosine[:, None]
+    side = np.cross(points.normals, tangent)
+    u, v = (np.einsum("ni,nia->na", d, points.frame) for d in (tangent, side))
+    s11, s12, s22 = points.shape.T
+    along = s11 * u[:, 0] ** 2 + 2 * s12 * u[:, 0] * u[:, 1] + s22 * u[:, 1] ** 2
+    mixed = s11 * u[:, 0] * v[:, 0] + s12 * (u[:, 0] * v[:, 1] + u[:, 1] * v[:, 0]) + s22 * u[:, 1] * v[:, 1]
+    slopes = np.zeros((len(inner), 10))
+    turn = np.cross(side, across) / cosine[:, None]  # how the direction turns to its side with the normal
+    slopes[:, 3:6] = (2 * mixed / cosine)[:, None] * turn + (along * inner / cosine**3)[:, None] * across
+    slopes[:, 7:10] = np.stack([u[:, 0] ** 2, 2 * u[:, 0] * u[:, 1], u[:, 1] ** 2], axis=1) / cosine[:, None]
+    return along / cosine, slopes
+
+
+def runs(met: NDArray[np.intp], planes: int) -> list[NDArray[np.intp]]:
+    """The directions that meet the surface, plane after plane, as runs of neighbours in order round the plane."""
+    there = np.zeros((planes, AROUND), dtype=bool)
+    there.ravel()[met] = True
+    found = []
+    for plane, row in enumerate(there):
+        starts = np.flatnonzero(row & ~np.roll(row, 1))
+        for start in starts:
+            turned = np.roll(row, -start)
+            length = int(np.argmin(turned)) if not turned.all() else AROUND
+            found.append(plane * AROUND + (start + np.arange(length)) % AROUND)
+    return found
+
+
+def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
+    places = np.arange(len(run))
+    return run[(places < ENDS) | (places >= len(run) - ENDS) | (places % EVERY == 0)]
+
+
+def _hull(units: Floats, neighbours: Sequence[Neighbour], widest: float) -> tuple[Floats, Floats]:
+    """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball."""
+    from scipy.spatial import ConvexHull
+
+    curves = [n.curve[:: max(1, len(n.curve) // RIM)] for n in neighbours]
+    hull = ConvexHull(np.concatenate([widest * spiral(BALL), *curves]))
+    far = (units @ hull.equations[:, :3].T) / -hull.equations[:, 3]
+    facet = hull.equations[far.argmax(axis=1)]
+    return facet[:, :3], facet[:, 3]

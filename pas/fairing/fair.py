@@ -1,0 +1,111 @@
+"""The choice by an energy of the surface: from a clean member down its landscape to a proved one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pas.algebra.monomials import Floats, monomial_values
+from pas.errors import InfeasibleError
+from pas.fairing.exchange import Exchange, Search
+from pas.fairing.guard import LADDER, Margins, Rows
+from pas.fairing.landscape import Landscape
+from pas.fairing.programme import MemberProgramme
+from pas.fairing.quadrature import tetrahedra_rule
+from pas.fairing.settling import STEPS, Settling, State
+from pas.fairing.wishes import Wishes
+from pas.surface.fairness import FairnessLimits
+from pas.surface.piecewise import PiecewiseSurface
+
+if TYPE_CHECKING:
+    from pas.fairing.fairing import Choice, Fairing
+
+LATTICES = (32, 64)
+"""Subdivisions of the outer faces on whose rays members are to be clean; the finer where one is not proved."""
+
+
+class FairSearch:
+    """The search for the fair member of one space under the user's wishes."""
+
+    def __init__(self, fairing: Fairing, wishes: Wishes, start: PiecewiseSurface | None = None) -> None:
+        self.fairing, self.wishes = fairing, wishes
+        self.programme = MemberProgramme(fairing, wishes)
+        self.limits = wishes.limits or FairnessLimits.of_order(fairing.placed.order)
+        self.start = None if start is None else coordinates(fairing, start)
+
+    def choice(self) -> Choice | None:
+        """The fairest member found, proved where that is wished for; None where none can be seen from the centre.
+
+        Raises `InfeasibleError` where no margins can be met.
+        """
+        failure: InfeasibleError | None = None
+        for margins in LADDER:
+            try:
+                found = self._at(margins)
+            except InfeasibleError as error:
+                failure = error
+                continue
+            if found is not None:
+                return found
+        if failure is not None:
+            raise failure
+        return None
+
+    def _at(self, margins: Margins) -> Choice | None:
+        """The fairest member that keeps these margins."""
+        best: Choice | None = None
+        state: State | None = None
+        landscape: Landscape | None = None
+        for subdivisions in LATTICES:
+            search = Search(Exchange(self.programme, self.fairing.guard, margins), subdivisions)
+            if state is None or landscape is None:
+                landscape, state = self._begun(search)
+                if state is None or landscape is None:
+                    continue
+            states = [state, *Settling(search, landscape).steps(state, STEPS)]
+            for found, passed in self._choices(states, margins):
+                if best is None or found.energy <= best.energy:
+                    best, state = found, passed
+                break
+            if best is not None and state is states[-1]:
+                return best
+        return best
+
+    def _begun(self, search: Search) -> tuple[Landscape | None, State | None]:
+        """Where the way down begins: at the given start, or else at a clean member, the first that is seen."""
+        for member, rows in self._starts(search):
+            landscape = self.fairing.landscape(self.limits, member)
+            if landscape.first is not None:
+                return landscape, State(landscape.first, rows)
+        return None, None
+
+    def _starts(self, search: Search) -> Iterator[tuple[Floats, Rows]]:
+        if self.start is not None:
+            yield self.start, search.guard.initial(search.margins)
+        for stage in search.path():
+            yield stage.unknowns, stage.rows
+
+    def _choices(self, states: list[State], margins: Margins) -> Iterator[tuple[Choice, State]]:
+        """The members, the fairest first, that are proved or need not be."""
+        for state in reversed(states):
+            try:
+                found = self.fairing.chosen(self.programme, state, margins)
+            except InfeasibleError:
+                continue
+            if not self.wishes.prove or found.surface.certificate.proved:
+                yield found, state
+
+
+def coordinates(fairing: Fairing, surface: PiecewiseSurface) -> Floats:
+    """The working coefficients (m,) of the member nearest to a surface of no higher degree, normalised."""
+    rules = tetrahedra_rule(fairing.partition.local, 2 * fairing.degree)
+    left, right = [], []
+    for piece, (points, weights) in zip(fairing.partition.piece_of, rules, strict=True):
+        root = np.sqrt(weights)
+        column = surface.patches[int(piece)].dense(surface.degree)
+        left.append(fairing.basis.values(int(piece), points) * root[:, None])
+        right.append(column @ monomial_values(points, surface.degree) * root)
+    member = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
+    return np.asarray(member / float(fairing.guard.mean_alpha @ member))

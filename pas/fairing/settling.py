@@ -1,0 +1,110 @@
+"""From a clean member to the fair one: Gauss-Newton steps on the surface, each a quadratic programme.
+
+Each step minimises `|r + J dq|^2 + mu |dq|^2` (Levenberg 1944, Marquardt 1963) under the normalisation, the user's
+points and the guard rows; a member that is not clean on the fixed rays adds rows, as in `pas.fairing.exchange`,
+and the step is solved again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.fairing.exchange import Search
+from pas.fairing.guard import Rows
+from pas.fairing.landscape import Landscape, Look
+from pas.limits import checkpoint
+
+STEPS, TRIES, CUTS = 24, 16, 8
+"""Steps until it is given up; trials of one step, and how many of these may add rows."""
+
+DAMPING, LEAST_DAMPING, SLOWER, FASTER = 1e-4, 1e-9, 8.0, 6.0
+"""The first damping, the least, over the mean of the programme's diagonal, and how it grows and shrinks."""
+
+ENOUGH, NOISE = 3e-4, 1e-7
+"""A step that lowers the objective by a smaller share is the last one; by less than the other, it is none."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A member as it is seen, and the guard rows under which it was found."""
+
+    look: Look
+    rows: Rows
+
+    @property
+    def member(self) -> Floats:
+        """The working coefficients."""
+        return self.look.view.member
+
+
+class Settling:
+    """The way down a landscape under the conditions of a search."""
+
+    def __init__(self, search: Search, landscape: Landscape) -> None:
+        self.search, self.programme, self.landscape = search, search.programme, landscape
+
+    def steps(self, state: State, number: int = STEPS) -> Iterator[State]:
+        """Clean members of less and less energy, until one is as good as settled."""
+        damping = DAMPING
+        for _ in range(number):
+            checkpoint("making the surface fair")
+            new, damping = self._step(state, damping)
+            if new is None:
+                return
+            done = self._objective(new.look) > (1 - ENOUGH) * self._objective(state.look)
+            state = new
+            yield state
+            if done:
+                return
+            damping = max(damping / FASTER, LEAST_DAMPING)
+
+    def forced(self, state: State) -> State | None:
+        """A step to where the programme's conditions hold, whatever the energy there; None where none is seen."""
+        normal, slope = self._linearised(state)
+        damping = DAMPING
+        for _ in range(TRIES):
+            matrix = normal + damping * np.trace(normal) / len(normal) * np.eye(len(normal))
+            new = self.programme.step(matrix, slope - matrix @ state.member, state.rows)
+            if new is None:
+                return None
+            look = self.landscape.look(new, state.look)
+            if look is not None:
+                return State(look, state.rows)
+            damping *= SLOWER
+        return None
+
+    def _objective(self, look: Look) -> float:
+        q = look.view.member
+        return look.objective + float(q @ self.programme.quadratic_part @ q) / 2
+
+    def _linearised(self, state: State) -> tuple[Floats, Floats]:
+        """The matrix `J^T J` and the slope `J^T r` of half of the objective at a state."""
+        residuals, jacobian = self.landscape.linearised(state.look)
+        half = self.programme.quadratic_part / 2
+        return jacobian.T @ jacobian + half, jacobian.T @ residuals + half @ state.member
+
+    def _step(self, state: State, damping: float) -> tuple[State | None, float]:
+        normal, slope = self._linearised(state)
+        size = np.trace(normal) / len(normal)
+        rows, cuts = state.rows, 0
+        most = (1 - NOISE) * self._objective(state.look)
+        for _ in range(TRIES):
+            matrix = normal + damping * size * np.eye(len(normal))
+            new = self.programme.step(matrix, slope - matrix @ state.member, rows)
+            look = None if new is None else self.landscape.look(new, state.look)
+            if new is None or look is None or not self._objective(look) < most:
+                damping *= SLOWER
+                continue
+            edges, sheet = self.search.failures(new)
+            if not len(edges) + len(sheet):
+                return State(look, rows), damping
+            rows, cuts = rows + edges + sheet, cuts + 1
+            if cuts > 2:
+                damping *= SLOWER / 2
+            if cuts == CUTS:
+                break
+        return None, damping
