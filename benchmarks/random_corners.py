@@ -1,8 +1,8 @@
-"""How many random corners are proved: 100 drawn radii and clip distances at each order.
+"""How many random corners are proved and fair: 100 drawn radii and clip distances at each order.
 
 Clip distances are drawn from 1/2, 11/20, .., 2; radii from 20% to 100% of the largest rational
 with two decimals whose circle, enlarged by 10%, still fits its face.  Prints a line for each
-corner that is not proved, and the shares, degrees and seconds.
+corner that is not proved or not fair, and the shares, degrees and seconds.
 
     python benchmarks/random_corners.py [--orders 1 2 3] [--count 100] [--seed 2026]
 """
@@ -45,7 +45,7 @@ def main() -> None:
     for order in options.orders:
         generator = random.Random(options.seed)
         degrees: Counter[int] = Counter()
-        seconds = []
+        seconds, fair = [], 0
         for number in range(options.count):
             pipes = draw(generator)
             start = time.perf_counter()
@@ -56,10 +56,14 @@ def main() -> None:
             else:
                 assert blend.certificate.proved
                 degrees[blend.surface.degree] += 1
+                beyond = blend.fairness.beyond(blend.limits)
+                fair += not beyond
+                if beyond:
+                    print(f"k={order} #{number}: {'; '.join(map(str, pipes))}: {', '.join(beyond)}", flush=True)
             seconds.append(time.perf_counter() - start)
         shares = ", ".join(f"degree {n}: {c}" for n, c in sorted(degrees.items()))
         print(
-            f"k={order}: {degrees.total()} of {options.count} proved ({shares}); "
+            f"k={order}: {degrees.total()} of {options.count} proved ({shares}), {fair} fair; "
             f"seconds: median {median(seconds):.2f}, largest {max(seconds):.2f}",
             flush=True,
         )

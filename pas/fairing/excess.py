@@ -49,46 +49,66 @@ class Excess:
     slopes: Floats
 
 
-class SurfaceExcess:
-    """What is beyond the limits at the points of the surface: curvature and bulge."""
+@dataclass(frozen=True)
+class CurvatureExcess:
+    """Curvature beyond the limits at points of the surface."""
 
-    def __init__(
-        self, rays: Directions, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats, radius: float
-    ) -> None:
-        self.limits, self.radius, self.center = limits, radius, center
-        self.curvature = max(n.curvature for n in neighbours)
-        self.arc = largest_arc(neighbours)
+    limits: FairnessLimits
+    curvature: float
+    arc: float
+    radius: float
+
+    @classmethod
+    def of(cls, neighbours: Sequence[Neighbour], limits: FairnessLimits) -> CurvatureExcess:
+        """That beside given neighbours."""
+        radius = float(np.mean([n.radius for n in neighbours]))
+        return cls(limits, max(n.curvature for n in neighbours), largest_arc(neighbours), radius)
+
+    def over(self, shape: Floats) -> Iterator[tuple[Floats, int, float]]:
+        """By how many units each limit is passed (N,), with the quantity that passes it and the slope by that."""
+        sharp = (1 + (self.limits.sharpness - 1) / 2) * self.curvature
+        unit = SHARP * self.curvature
+        yield (shape[:, 0] - sharp) / unit, 7, 1 / unit
+        yield (-shape[:, 2] - sharp) / unit, 9, -1 / unit
+        if self.arc < inf:
+            hollow = self.limits.hollowness - MARGIN
+            yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
+
+    def values(self, view: View) -> Iterator[Excess]:
+        """What is beyond each limit, where it is."""
+        for over, quantity, by in self.over(view.points.shape):
+            slope = np.zeros((1, AREA + 1))
+            slope[0, quantity] = by
+            yield from weighted(view, over, slope, self.radius)
+
+
+class BulgeExcess:
+    """How far points are beyond the hull of the contacts."""
+
+    def __init__(self, rays: Directions, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
+        self.limits, self.center = limits, center
+        self.radius = float(np.mean([n.radius for n in neighbours]))
         self.widest = max(n.radius for n in neighbours)
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
     def values(self, view: View) -> Iterator[Excess]:
-        """What is beyond each limit, where it is."""
-        shape, quantities = view.points.shape, np.zeros(AREA + 1)
-        sharp = (1 + (self.limits.sharpness - 1) / 2) * self.curvature
-        for column, sign in ((7, 1.0), (9, -1.0)):
-            slope = quantities.copy()
-            slope[column] = sign / (SHARP * self.curvature)
-            over = (sign * shape[:, column - 7] - sharp) / (SHARP * self.curvature)
-            yield from self._weighted(view, over, slope[None])
-        if self.arc < inf:
-            slope = quantities.copy()
-            slope[9] = -self.arc / HOLLOW
-            over = (-shape[:, 2] * self.arc - (self.limits.hollowness - MARGIN)) / HOLLOW
-            yield from self._weighted(view, over, slope[None])
-        slopes = np.zeros((len(shape), AREA + 1))
+        """What is beyond the limit, where it is."""
+        slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((view.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
-        yield from self._weighted(view, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes)
+        yield from weighted(view, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
 
-    def _weighted(self, view: View, over: Floats, slopes: Floats) -> Iterator[Excess]:
-        chosen = np.flatnonzero(over > 0)
-        if not len(chosen):
-            return
-        root = np.sqrt(PRESS * view.areas[chosen]) / self.radius
-        values = root * over[chosen]
-        by = root[:, None] * (slopes[chosen] if len(slopes) > 1 else slopes)
-        by[:, AREA] += values / 2
-        yield Excess(chosen, values, by)
+
+def weighted(view: View, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
+    """Residuals where a limit is passed, by the areas that the points stand for; a single row of slopes serves all."""
+    chosen = np.flatnonzero(over > 0)
+    if not len(chosen):
+        return
+    root = np.sqrt(PRESS * view.areas[chosen]) / radius
+    values = root * over[chosen]
+    by = root[:, None] * (slopes[chosen] if len(slopes) > 1 else slopes)
+    by[:, AREA] += values / 2
+    yield Excess(chosen, values, by)
 
 
 class SectionExcess:

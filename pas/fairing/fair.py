@@ -26,6 +26,10 @@ LATTICES = (32, 64)
 """Subdivisions of the outer faces on whose rays members are to be clean; the finer where one is not proved."""
 
 
+CLOSER_LOOKS = 3
+"""Times that a surface is looked at between the rays, and settled again where its curvature is hidden there."""
+
+
 class FairSearch:
     """The search for the fair member of one space under the user's wishes."""
 
@@ -65,6 +69,13 @@ class FairSearch:
                 if state is None or landscape is None:
                     continue
             states = [state, *Settling(search, landscape).steps(state, STEPS)]
+            for _ in range(CLOSER_LOOKS):
+                closer = landscape.closer(states[-1].look)
+                if closer is None:
+                    break
+                landscape, look = closer
+                begun = State(look, states[-1].rows)
+                states += [begun, *Settling(search, landscape).steps(begun, STEPS)]
             for found, passed in self._choices(states, margins):
                 if best is None or found.energy <= best.energy:
                     best, state = found, passed

@@ -6,8 +6,10 @@ function of its coefficients.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -16,15 +18,22 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.energy import Energy
-from pas.fairing.excess import SectionExcess, SurfaceExcess
+from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
 from pas.fairing.sight import AREA, Sight, View
 from pas.fairing.surface_points import NAMES, Sizes, differences
 from pas.surface.directions import Directions
-from pas.surface.fairness import FairnessLimits, neighbour
+from pas.surface.fairness import FairnessLimits, Neighbour, neighbour
+from pas.surface.geometry import Geometry, jets
 from pas.surface.placed import PlacedContacts
 
 LEAST_RAYS, RAYS_PER_UNKNOWN, DEEPEST = 400, 3, 6
 """Rays, at the least; and how often triangles on the contact curves are quartered for them."""
+
+CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 8, 300
+"""Rays for a closer look, and how many of them, at the most, are followed from then on."""
+
+HIDDEN, CLOSE = 0.3, 1.0
+"""Units beyond a soft limit that make a closer look worth while, and those below one for rays to be followed."""
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
@@ -32,12 +41,30 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 
 @dataclass(frozen=True)
 class Look:
-    """A member as rays and those of plane sections meet it, its energy, and the objective: that with the excess."""
+    """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
+
+    `views` are what each term of these looks at.
+    """
 
     view: View
-    sections: View
+    views: tuple[View, ...]
     energy: float
     objective: float
+
+
+class Beyond(Protocol):
+    """What is beyond one of the limits."""
+
+    def values(self, view: View) -> Iterator[Excess]:
+        """Residuals where it is."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """What is beyond limits, along rays of its own or along those of the surface."""
+
+    sight: Sight
+    beyond: Beyond
 
 
 class Landscape:
@@ -53,30 +80,37 @@ class Landscape:
         start: Floats,
         rays: int | None = None,
     ) -> None:
-        self.energy = energy
-        center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
+        self.energy, self.basis, self.limits = energy, basis, limits
+        self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
         columns = [start @ coefficients for coefficients in basis.coefficients]
         number = rays or max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
         directions = Directions.of(basis.partition, columns, basis.degree, number, DEEPEST)
-        slope = abs(float(mean_alpha @ start))
+        self.slope = abs(float(mean_alpha @ start))
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
         self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
-        self.sight = Sight(basis, directions, center, slope)
-        self.excess = SurfaceExcess(directions, neighbours, limits, center, self.sizes.radius)
-        self.sections = SectionExcess(basis, columns, neighbours, limits)
-        self.across = Sight(basis, self.sections.rays, center, slope)
-        self.first = self._first(start)
+        self.sight = Sight(basis, directions, self.center, self.slope)
+        self.curvature = CurvatureExcess.of(neighbours, limits)
+        self.terms = [
+            Term(self.sight, self.curvature),
+            Term(self.sight, BulgeExcess(directions, neighbours, limits, self.center)),
+        ]
+        self.first = self._first(start, columns, neighbours)
 
-    def _first(self, start: Floats) -> Look | None:
+    def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> Look | None:
         """The start as it is seen; None where it cannot be seen along all rays."""
         view = self.sight.view(start, self.sight.rays.distances)
-        sections = self.across.view(start, self.sections.rays.distances)
-        if view is None or sections is None:
+        if view is None:
             return None
-        self.sections.settle_signs(sections)
+        sections = SectionExcess(self.basis, columns, neighbours, self.limits)
+        across = Sight(self.basis, sections.rays, self.center, self.slope)
+        seen = across.view(start, sections.rays.distances)
+        if seen is None:
+            return None
+        sections.settle_signs(seen)
+        self.terms.append(Term(across, sections))
         self._check(view)
-        return self._look(view, sections)
+        return self._look(view, [view, view, seen])
 
     def of(self, energy: Energy) -> Landscape:
         """The same rays for another energy."""
@@ -89,14 +123,23 @@ class Landscape:
     def look(self, member: Floats, near: Look) -> Look | None:
         """Another member, found from one near by; None where it cannot be seen along all rays."""
         view = self.sight.view(member, near.view.distances)
-        sections = None if view is None else self.across.view(member, near.sections.distances)
-        return None if view is None or sections is None else self._look(view, sections)
+        if view is None:
+            return None
+        views = []
+        for term, before in zip(self.terms, near.views, strict=True):
+            seen = view if term.sight is self.sight else term.sight.view(member, before.distances)
+            if seen is None:
+                return None
+            views.append(seen)
+        return self._look(view, views)
 
-    def _look(self, view: View, sections: View) -> Look:
+    def _look(self, view: View, views: Sequence[View]) -> Look:
         r = self.energy.residuals(view.points, self.sizes)
         energy = float(view.areas @ (r * r).sum(axis=1))
-        beyond = [e.values for e in (*self.excess.values(view), *self.sections.values(sections))]
-        return Look(view, sections, energy, energy + sum(float(v @ v) for v in beyond))
+        squares = [
+            float(e.values @ e.values) for t, v in zip(self.terms, views, strict=True) for e in t.beyond.values(v)
+        ]
+        return Look(view, tuple(views), energy, energy + sum(squares))
 
     def linearised(self, look: Look) -> tuple[Floats, Floats]:
         """Residuals (R,), whose squares add up to the objective, and their derivatives by the member (R, m)."""
@@ -108,15 +151,36 @@ class Landscape:
         slopes[:, :, AREA] = root * r / 2
         change = self.sight.change(view)
         blocks, values = [change.jacobian(slopes)], [(root * r).ravel()]
-        for excess in self.excess.values(view):
-            blocks.append(change.jacobian(excess.slopes[:, None], excess.chosen))
-            values.append(excess.values)
-        wrong = list(self.sections.values(look.sections))
-        if wrong:
-            change = self.across.change(look.sections)
-            blocks += [change.jacobian(excess.slopes[:, None], excess.chosen) for excess in wrong]
-            values += [excess.values for excess in wrong]
+        for term, seen in zip(self.terms, look.views, strict=True):
+            excesses = list(term.beyond.values(seen))
+            if not excesses:
+                continue
+            own = change if term.sight is self.sight else term.sight.change(seen)
+            blocks += [own.jacobian(excess.slopes[:, None], excess.chosen) for excess in excesses]
+            values += [excess.values for excess in excesses]
         return np.concatenate(values), np.concatenate(blocks)
+
+    def closer(self, look: Look) -> tuple[Landscape, Look] | None:
+        """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
+        member = look.view.member
+        columns = [member @ coefficients for coefficients in self.basis.coefficients]
+        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS, CLOSE_DEEPEST)
+        local = rays.directions * rays.distances[:, None]
+        found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
+        principal = Geometry(found).principal / self.basis.scale
+        shape = np.stack([principal[:, 0], np.zeros(len(principal)), principal[:, 1]], axis=1)
+        over = np.max([values for values, _, _ in self.curvature.over(shape)], axis=0)
+        hidden = np.sort(np.argsort(-over, kind="stable")[: min(MOST_CLOSE, int((over > -CLOSE).sum()))])
+        if not len(hidden) or over.max() <= HIDDEN:
+            return None
+        share = len(rays.directions) / len(self.sight.rays.directions)  # each counts like a ray of the first ones
+        sight = Sight(self.basis, rays.some(hidden, share), self.center, self.slope)
+        seen = sight.view(member, sight.rays.distances)
+        if seen is None:
+            return None
+        other = copy(self)
+        other.terms = [*self.terms, Term(sight, self.curvature)]
+        return other, other._look(look.view, [*look.views, seen])
 
     def _check(self, view: View) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""

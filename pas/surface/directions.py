@@ -85,6 +85,12 @@ class Directions:
         order, slices = _by_piece(numbers, len(columns))
         return cls(units[order], angles[order], distances[order], slices)
 
+    def some(self, chosen: NDArray[np.intp], times: float = 1.0) -> Directions:
+        """Some of the rays, by rising numbers, each with so many times its solid angle."""
+        ends = [(p, *np.searchsorted(chosen, (here.start, here.stop)).tolist()) for p, here in self.slices]
+        slices = tuple((p, slice(a, b)) for p, a, b in ends if b > a)
+        return Directions(self.directions[chosen], times * self.solid_angles[chosen], self.distances[chosen], slices)
+
     @classmethod
     def along(
         cls, local: Partition, columns: Sequence[Floats], degree: int, units: Floats
