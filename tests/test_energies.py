@@ -24,6 +24,8 @@ SAMPLES = {
     "combination": [pas.ThinPlate() + 2 * pas.Membrane(BOX), "1/3" * pas.Membrane()],
 }
 ALL = [energy for energies in SAMPLES.values() for energy in energies]
+SAMPLES["curvature-variation"] = [pas.CurvatureVariation(), pas.CurvatureVariation("7/3", 2)]
+"""Those of the surface have tests of their own."""
 WORDS = [f"{energy.kind} {number}" for number, energy in enumerate(ALL)]
 FAR = [
     pas.Pipe((5, 0, 0), 3, 2, (100, 0, 0)),
@@ -79,9 +81,9 @@ def test_nothing_chosen_by_another_energy_has_less(space, energy):
         assert measured(space.fit(energy=other, **options)) >= best.energy * (1 - 1e-6) - 1e-12
 
 
-@pytest.mark.parametrize("energy", ALL, ids=WORDS)
+@pytest.mark.parametrize("energy", [*ALL, SAMPLES["curvature-variation"][1], pas.CurvatureVariation() + ALL[0] / 7])
 def test_files_and_toml(space, energy, tmp_path):
-    blend = space.fit(energy=energy, prove=False, guard=False)
+    blend = space.fit(energy=energy, prove=False, guard=energy.on_surface)
     again = pas.load(blend.save(tmp_path / "a.pas.json"))
     assert again.wishes.energy == energy
     assert hash(again.wishes.energy) == hash(energy)

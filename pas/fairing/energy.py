@@ -107,10 +107,10 @@ class Energy:
         return cls(**record)
 
     def __add__(self, other: Energy) -> Combination:
-        return Combination((*_terms(self), *_terms(other))) if isinstance(other, Energy) else NotImplemented
+        return Combination((*terms_of(self), *terms_of(other))) if isinstance(other, Energy) else NotImplemented
 
     def __mul__(self, times: Any) -> Combination:
-        return Combination(tuple((rational(times, "the multiple") * own, energy) for own, energy in _terms(self)))
+        return Combination(tuple((rational(times, "the multiple") * own, energy) for own, energy in terms_of(self)))
 
     __rmul__ = __mul__
 
@@ -215,8 +215,12 @@ def as_energy(energy: Any) -> Energy:
         return ENERGIES[QUADRATIC]()
     if not isinstance(energy, Energy):
         raise TypeError(f"energy must be a pas.Energy such as pas.ThinPlate(), or None, not {shown(energy)}")
+    for _, own in terms_of(energy):
+        if type(own).hessian is Energy.hessian and not own.on_surface:
+            raise TypeError(f"the energy {own.kind!r} must define hessian(basis), residuals(points, sizes), or both")
     return energy
 
 
-def _terms(energy: Energy) -> tuple[tuple[fmpq, Energy], ...]:
+def terms_of(energy: Energy) -> tuple[tuple[fmpq, Energy], ...]:
+    """The energies of which one is a sum of multiples, with these: itself where it is no sum."""
     return energy.terms if isinstance(energy, Combination) else ((fmpq(1), energy),)

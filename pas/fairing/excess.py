@@ -20,7 +20,7 @@ from pas.fairing.basis import WorkingBasis
 from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
-from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc, planes, spiral
+from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc, planes
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -35,9 +35,6 @@ eighth."""
 
 TURNED = 0.2
 """Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
-
-BALL, RIM = 300, 32
-"""Points of the ball, and about those of each curve, of the hull."""
 
 
 @dataclass(frozen=True)
@@ -200,16 +197,16 @@ def runs(met: NDArray[np.intp], planes: int) -> list[NDArray[np.intp]]:
 
 
 def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
-    places = np.arange(len(run))
-    return run[(places < ENDS) | (places >= len(run) - ENDS) | (places % EVERY == 0)]
+    places = np.minimum(np.arange(len(run)), np.arange(len(run))[::-1])  # from the nearer end: symmetric
+    return run[(places < ENDS) | (places % EVERY == 0)]
 
 
 def _hull(units: Floats, neighbours: Sequence[Neighbour], widest: float) -> tuple[Floats, Floats]:
     """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball."""
     from scipy.spatial import ConvexHull
 
-    curves = [n.curve[:: max(1, len(n.curve) // RIM)] for n in neighbours]
-    hull = ConvexHull(np.concatenate([widest * spiral(BALL), *curves]))
+    # the rays have the symmetries of the partition, and so has the hull
+    hull = ConvexHull(np.concatenate([widest * units, *(n.curve for n in neighbours)]))
     far = (units @ hull.equations[:, :3].T) / -hull.equations[:, 3]
     facet = hull.equations[far.argmax(axis=1)]
     return facet[:, :3], facet[:, 3]

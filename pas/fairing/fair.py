@@ -11,7 +11,6 @@ from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER, Margins, Rows
-from pas.fairing.landscape import Landscape
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.quadrature import tetrahedra_rule
 from pas.fairing.settling import STEPS, Settling, State
@@ -61,36 +60,32 @@ class FairSearch:
         """The fairest member that keeps these margins."""
         best: Choice | None = None
         state: State | None = None
-        landscape: Landscape | None = None
         for subdivisions in LATTICES:
             search = Search(Exchange(self.programme, self.fairing.guard, margins), subdivisions)
-            if state is None or landscape is None:
-                landscape, state = self._begun(search)
-                if state is None or landscape is None:
-                    continue
-            states = [state, *Settling(search, landscape).steps(state, STEPS)]
+            state = state or self._begun(search)
+            if state is None:
+                continue
+            states = [state, *Settling(search).steps(state, STEPS)]
             for _ in range(CLOSER_LOOKS):
-                closer = landscape.closer(states[-1].look)
+                closer = states[-1].landscape.closer(states[-1].look)
                 if closer is None:
                     break
-                landscape, look = closer
-                begun = State(look, states[-1].rows)
-                states += [begun, *Settling(search, landscape).steps(begun, STEPS)]
-            for found, passed in self._choices(states, margins):
-                if best is None or found.energy <= best.energy:
-                    best, state = found, passed
-                break
-            if best is not None and state is states[-1]:
+                states.append(State(*closer, states[-1].rows))
+                states += Settling(search).steps(states[-1], STEPS)
+            found = next(self._choices(states, margins), None)
+            if found is not None and (best is None or found[0].energy <= best.energy):
+                best, state = found
+            if found is not None and found[1] is states[-1]:
                 return best
         return best
 
-    def _begun(self, search: Search) -> tuple[Landscape | None, State | None]:
+    def _begun(self, search: Search) -> State | None:
         """Where the way down begins: at the given start, or else at a clean member, the first that is seen."""
         for member, rows in self._starts(search):
             landscape = self.fairing.landscape(self.limits, member)
             if landscape.first is not None:
-                return landscape, State(landscape.first, rows)
-        return None, None
+                return State(landscape, landscape.first, rows)
+        return None
 
     def _starts(self, search: Search) -> Iterator[tuple[Floats, Rows]]:
         if self.start is not None:

@@ -13,14 +13,13 @@ from typing import Protocol
 
 import numpy as np
 
-from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.energy import Energy
+from pas.fairing.energy import Energy, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
 from pas.fairing.sight import AREA, Sight, View
-from pas.fairing.surface_points import NAMES, Sizes, differences
+from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness import FairnessLimits, Neighbour, neighbour
 from pas.surface.geometry import Geometry, jets
@@ -32,8 +31,9 @@ LEAST_RAYS, RAYS_PER_UNKNOWN, DEEPEST = 400, 3, 6
 CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 8, 300
 """Rays for a closer look, and how many of them, at the most, are followed from then on."""
 
-HIDDEN, CLOSE = 0.3, 1.0
-"""Units beyond a soft limit that make a closer look worth while, and those below one for rays to be followed."""
+HIDDEN, CLOSE, TIE = 0.3, 1.0, 1e-6
+"""Units beyond a soft limit that make a closer look worth while, those below one for rays to be followed, and those by
+which rays differ that are not each other's mirror images: of such, all are followed or none."""
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
@@ -170,7 +170,8 @@ class Landscape:
         principal = Geometry(found).principal / self.basis.scale
         shape = np.stack([principal[:, 0], np.zeros(len(principal)), principal[:, 1]], axis=1)
         over = np.max([values for values, _, _ in self.curvature.over(shape)], axis=0)
-        hidden = np.sort(np.argsort(-over, kind="stable")[: min(MOST_CLOSE, int((over > -CLOSE).sum()))])
+        least = max(-CLOSE, float(np.sort(over)[-MOST_CLOSE]) + TIE if len(over) > MOST_CLOSE else -CLOSE)
+        hidden = np.flatnonzero(over > least)
         if not len(hidden) or over.max() <= HIDDEN:
             return None
         share = len(rays.directions) / len(self.sight.rays.directions)  # each counts like a ray of the first ones
@@ -185,25 +186,32 @@ class Landscape:
     def _check(self, view: View) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""
         points = view.points[:: max(1, len(view.points) // CHECKED)]
-        kind, r = self.energy.kind, np.asarray(self.energy.residuals(points, self.sizes))
-        if r.ndim != 2 or len(r) != len(points) or not np.isfinite(r).all():
-            wrong = f"shape {r.shape}" if r.ndim != 2 or len(r) != len(points) else "values that are not finite"
-            raise ValueError(
-                f"the residuals of the energy {kind!r} must be finite, of shape (N, R) for N points: {wrong} "
-                f"for {len(points)}"
-            )
-        slopes = np.asarray(self.energy.slopes(points, self.sizes))
-        if slopes.shape != (*r.shape, AREA) or not np.isfinite(slopes).all():
-            wrong = f"shape {slopes.shape}" if slopes.shape != (*r.shape, AREA) else "values that are not finite"
-            raise ValueError(f"the slopes of the energy {kind!r} must be finite, of shape {(*r.shape, AREA)}: {wrong}")
-        found = differences(lambda moved: self.energy.residuals(moved, self.sizes), points)
-        off = np.abs(slopes - found) > WRONG * (np.abs(found).max(axis=(0, 2), initial=0.0)[:, None] + np.abs(found))
-        share = off.mean(axis=0)
-        if share.max(initial=0.0) > SHARE:
-            number, column = np.unravel_index(share.argmax(), share.shape)
-            at = int(off[:, number, column].argmax())
-            raise ValueError(
-                f"the slopes of the energy {kind!r} disagree with its residuals: that of residual {number} by "
-                f"quantity {column} ({NAMES[column]}) is {shown(float(slopes[at, number, column]))} at a point where "
-                f"differences give {shown(float(found[at, number, column]))}; leave slopes away to have differences"
-            )
+        for _, energy in terms_of(self.energy):
+            if energy.on_surface:
+                check_residuals(energy, points, self.sizes)
+
+
+def check_residuals(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:
+    """Raise `ValueError` for residuals or slopes that have not their shapes, are not finite or do not agree."""
+    kind, r = energy.kind, np.asarray(energy.residuals(points, sizes))
+    if r.ndim != 2 or len(r) != len(points) or not np.isfinite(r).all():
+        wrong = f"shape {r.shape}" if r.ndim != 2 or len(r) != len(points) else "values that are not finite"
+        raise ValueError(
+            f"the residuals of the energy {kind!r} must be finite, of shape (N, R) for N points: {wrong} "
+            f"for {len(points)}"
+        )
+    slopes = np.asarray(energy.slopes(points, sizes))
+    if slopes.shape != (*r.shape, AREA) or not np.isfinite(slopes).all():
+        wrong = f"shape {slopes.shape}" if slopes.shape != (*r.shape, AREA) else "values that are not finite"
+        raise ValueError(f"the slopes of the energy {kind!r} must be finite, of shape {(*r.shape, AREA)}: {wrong}")
+    found = differences(lambda moved: energy.residuals(moved, sizes), points)
+    off = np.abs(slopes - found) > WRONG * (np.abs(found).max(axis=(0, 2), initial=0.0)[:, None] + np.abs(found))
+    share = off.mean(axis=0)
+    if share.max(initial=0.0) > SHARE:
+        number, column = np.unravel_index(share.argmax(), share.shape)
+        at = int(off[:, number, column].argmax())
+        raise ValueError(
+            f"the slopes of the energy {kind!r} disagree with its residuals: that of residual {number} by "
+            f"quantity {column} ({NAMES[column]}) is {float(slopes[at, number, column]):.6g} at a point where "
+            f"differences give {float(found[at, number, column]):.6g}; leave slopes away to have differences"
+        )

@@ -53,7 +53,7 @@ def refitted(
     if look is None:
         raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")
     search = Search(Exchange(programme, fairing.guard, margins or SLIM), LIVE_LATTICE if live else LATTICE)
-    settling, state = Settling(search, landscape), State(look, rows)
+    settling, state = Settling(search), State(landscape, look, rows)
     if not programme.holds(member):
         moved = settling.forced(state)
         if moved is None:

@@ -30,8 +30,9 @@ ENOUGH, NOISE = 3e-4, 1e-7
 
 @dataclass(frozen=True)
 class State:
-    """A member as it is seen, and the guard rows under which it was found."""
+    """A member as it is seen in a landscape, and the guard rows under which it was found."""
 
+    landscape: Landscape
     look: Look
     rows: Rows
 
@@ -42,10 +43,10 @@ class State:
 
 
 class Settling:
-    """The way down a landscape under the conditions of a search."""
+    """The way down landscapes under the conditions of a search."""
 
-    def __init__(self, search: Search, landscape: Landscape) -> None:
-        self.search, self.programme, self.landscape = search, search.programme, landscape
+    def __init__(self, search: Search) -> None:
+        self.search, self.programme = search, search.programme
 
     def steps(self, state: State, number: int = STEPS) -> Iterator[State]:
         """Clean members of less and less energy, until one is as good as settled."""
@@ -71,9 +72,9 @@ class Settling:
             new = self.programme.step(matrix, slope - matrix @ state.member, state.rows)
             if new is None:
                 return None
-            look = self.landscape.look(new, state.look)
+            look = state.landscape.look(new, state.look)
             if look is not None:
-                return State(look, state.rows)
+                return State(state.landscape, look, state.rows)
             damping *= SLOWER
         return None
 
@@ -83,7 +84,7 @@ class Settling:
 
     def _linearised(self, state: State) -> tuple[Floats, Floats]:
         """The matrix `J^T J` and the slope `J^T r` of half of the objective at a state."""
-        residuals, jacobian = self.landscape.linearised(state.look)
+        residuals, jacobian = state.landscape.linearised(state.look)
         half = self.programme.quadratic_part / 2
         return jacobian.T @ jacobian + half, jacobian.T @ residuals + half @ state.member
 
@@ -95,13 +96,13 @@ class Settling:
         for _ in range(TRIES):
             matrix = normal + damping * size * np.eye(len(normal))
             new = self.programme.step(matrix, slope - matrix @ state.member, rows)
-            look = None if new is None else self.landscape.look(new, state.look)
+            look = None if new is None else state.landscape.look(new, state.look)
             if new is None or look is None or not self._objective(look) < most:
                 damping *= SLOWER
                 continue
             edges, sheet = self.search.failures(new)
             if not len(edges) + len(sheet):
-                return State(look, rows), damping
+                return State(state.landscape, look, rows), damping
             rows, cuts = rows + edges + sheet, cuts + 1
             if cuts > 2:
                 damping *= SLOWER / 2

@@ -25,6 +25,9 @@ class SurfacePoints:
     `shape` (N, 3): S11, S12, S22 of the shape operator, positive where the surface bends like a ball around
     its inside, in the `frame` (N, 3, 2) of principal directions, the larger curvature first, so that S12 is 0 and
     S11, S22 are the principal curvatures; `variation` (N, 4): C111, C112, C122, C222 of its covariant derivative.
+
+    The sum of squares of what an energy makes of them must not change with a turn of the frame, as that of
+    C111, sqrt(3) C112, sqrt(3) C122, C222 does not.
     """
 
     points: Floats

@@ -1,0 +1,305 @@
+"""Fair surfaces: the energy of the surface and its derivatives, limits, degrees, sliders, and what they come to."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from conftest import AXES, EQUAL, ROOT, UNEQUAL, fair, pipes
+
+import pas
+from pas.fairing.exchange import Exchange, Search
+from pas.fairing.guard import LADDER
+from pas.fairing.programme import MemberProgramme
+from pas.fairing.surface_points import QUANTITIES, differences
+
+ELBOW = ("1/3", "1/3")
+LIMITS = pas.FairnessLimits.of_order(2)
+STRICT = pas.FairnessLimits(0.9, 0.8, 0.0, 0.0)
+"""What nothing keeps to, so that every term of what is beyond them is at work."""
+
+
+@pytest.fixture(scope="module")
+def space():
+    return pas.solutions(pipes(UNEQUAL), 2, 5)
+
+
+def landscape_of(space, energy, limits=STRICT, rays=None):
+    """The landscape from the first clean member of a space, and that member."""
+    fairing = space.fairing(energy)
+    search = Search(Exchange(MemberProgramme(fairing, pas.Wishes()), fairing.guard, LADDER[0]), 16)
+    stage, _, _ = search.settled()
+    return fairing.landscape(limits, stage.unknowns, rays), stage.unknowns
+
+
+@dataclass(frozen=True)
+class Mixed(pas.Energy):
+    """An energy that sees all there is to see."""
+
+    kind: ClassVar[str] = "mixed"
+
+    def residuals(self, points, sizes):
+        guided = points.points @ [1.0, 2.0, 3.0] + points.normals @ [0.5, -1.0, 2.0]
+        bent = points.mean_curvatures * sizes.radius + points.gauss_curvatures
+        varied = points.variation**2 @ [1.0, 3.0, 3.0, 1.0] * sizes.clip
+        return np.stack([guided, bent, varied, np.log(points.gradients)], axis=1)
+
+
+@pytest.mark.parametrize("energy", [pas.CurvatureVariation(), pas.CurvatureVariation(0, 3) + Mixed() / 5], ids=str)
+def test_the_derivatives_of_the_objective(space, energy):
+    """Along directions, against differences of the objective itself; every limit is passed somewhere."""
+    landscape, member = landscape_of(space, energy)
+    look = landscape.first
+    closer = landscape.closer(look)
+    assert closer is not None
+    landscape, look = closer
+    found = [sum(len(e.chosen) for e in t.beyond.values(v)) for t, v in zip(landscape.terms, look.views, strict=True)]
+    assert len(found) == 4 and min(found) > 0  # curvature, bulge, sections, and where the closer look was
+    residuals, jacobian = landscape.linearised(look)
+    assert residuals @ residuals == pytest.approx(look.objective, rel=1e-12)
+    gradient = 2 * jacobian.T @ residuals
+    generator = np.random.default_rng(1)
+    for _ in range(3):
+        direction = generator.normal(size=len(member))
+        step = 1e-6 / np.linalg.norm(direction)
+        values = [landscape.look(member + sign * step * direction, look).objective for sign in (1, -1)]
+        assert (values[0] - values[1]) / (2 * step) == pytest.approx(gradient @ direction, rel=2e-5)
+
+
+def test_own_slopes_are_those_of_differences(space):
+    landscape, _ = landscape_of(space, pas.CurvatureVariation())
+    points, sizes = landscape.first.view.points, landscape.sizes
+    energy = pas.CurvatureVariation("3/2", 4)
+    own = energy.slopes(points, sizes)
+    found = differences(lambda moved: energy.residuals(moved, sizes), points)
+    assert own.shape == found.shape == (len(points), 6, QUANTITIES)
+    assert np.abs(own - found).max() <= 1e-6 * np.abs(own).max()
+
+
+def test_what_is_seen_of_a_cylinder():
+    """A pipe continued by itself: its radius, no variation, the area of the tube, |grad f| = 1."""
+    contacts = [("y^2 + z^2 - 1", "x - 2"), ("y^2 + z^2 - 1", "-x - 2")]
+    space = pas.solutions(contacts, 1, 2, pas.SingleCell((-2, -2, -2), (2, 2, 2)))
+    landscape, _ = landscape_of(space, pas.CurvatureVariation(tension=1), pas.FairnessLimits())
+    points = landscape.first.view.points
+    assert np.allclose(points.shape, [1, 0, 0], atol=1e-9) and np.abs(points.variation).max() < 1e-8
+    assert np.allclose(points.gradients, 1) and np.allclose(np.linalg.norm(points.points[:, 1:], axis=1), 1)
+    assert landscape.first.view.areas.sum() == pytest.approx(8 * np.pi, rel=0.02)
+    assert landscape.sizes.radius == pytest.approx(1, rel=1e-3)
+    assert landscape.first.energy == pytest.approx(2 * np.pi, rel=0.02)  # tension over the square of the distance 2
+
+
+CASES = {"unequal GC^1": (UNEQUAL, 1), "unequal GC^2": (UNEQUAL, 2), "equal GC^1": (EQUAL, 1), "equal GC^2": (EQUAL, 2)}
+CASES |= {"elbow GC^1": (ELBOW, 1), "elbow GC^2": (ELBOW, 2), "thinner elbow GC^2": (("1/3", "1/4"), 2)}
+SLOW = {"unequal GC^3": (UNEQUAL, 3), "equal GC^3": (EQUAL, 3)}
+
+
+@pytest.mark.parametrize("name", [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
+def test_corners_and_elbows_are_fair_and_proved(name):
+    blend = fair(*(CASES | SLOW)[name])
+    assert blend.certificate.proved and blend.standing == "proved"
+    assert isinstance(blend.plate, pas.CurvatureVariation)
+    limits = pas.FairnessLimits.of_order(blend.surface.order)
+    assert blend.limits == limits
+    assert blend.fairness.within(limits), blend.fairness.beyond(limits)
+    assert blend.attempts[-1].outcome == "proved, fair" and blend.attempts[-1].degree == blend.surface.degree
+    finer = pas.surface.fairness.fairness(blend.surface, 12000)  # nothing hides between the points that were measured
+    assert finer.sharpness < limits.sharpness + 0.01 and finer.hollowness < limits.hollowness + 0.02
+
+
+def test_the_summary_says_which_degrees_and_why():
+    text = str(fair(UNEQUAL, 2))
+    for words in ("degree 5", "proved, not fair: hollowness", "degree 6", "proved, fair", "within its limits"):
+        assert words in text
+    assert "curvature-variation" in text and "measured" in text
+
+
+def test_the_lowest_degree_and_other_limits():
+    lowest = pas.blend(pipes(EQUAL), 1, "lowest")
+    assert lowest.surface.degree == 3 < fair(EQUAL, 1).surface.degree
+    assert lowest.attempts[-1].outcome == "proved"
+    lax = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(2, 3, 1, 1))
+    assert lax.surface.degree == 3 and lax.attempts[-1].outcome == "proved, fair"
+    with pytest.raises(TypeError, match=r"limits must be pas\.FairnessLimits"):
+        pas.blend(pipes(EQUAL), 1, limits=1.5)
+    with pytest.raises(ValueError, match="hollowness must be a number that is not negative, not -1"):
+        pas.FairnessLimits(hollowness=-1)
+
+
+def test_a_surface_that_cannot_be_fair_is_the_fairest_found():
+    blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=0.5))
+    assert blend.certificate.proved
+    tried = [a for a in blend.attempts if a.outcome.startswith("proved")]
+    assert len(tried) == 3 and all("hollowness" in a.outcome for a in tried)
+    assert "beyond its limits: hollowness" in str(blend)
+
+
+def test_symmetric_data_give_symmetric_surfaces():
+    """Of the equal corner: the three axes in turn, and two of them exchanged."""
+    surface = fair(EQUAL, 2).surface
+    points = np.random.default_rng(3).uniform(-0.5, 0.9, (200, 3))
+    points = points[np.isfinite(surface(points)) & np.isfinite(surface(points[:, [1, 2, 0]]))]
+    values = surface(points)
+    for turn in ([1, 2, 0], [1, 0, 2]):
+        moved = surface(points[:, turn])
+        both = np.isfinite(moved) & np.isfinite(values)
+        assert both.sum() > 20 and np.abs(moved - values)[both].max() < 1e-8
+
+
+def test_tension_goes_from_full_to_slim():
+    areas = [pas.blend(pipes(UNEQUAL), 1, 4, tension=t).fairness.area for t in (1, "23/5", 20)]
+    assert areas[0] > areas[1] > areas[2]
+    assert pas.Wishes(tension=2) == pas.Wishes(energy=pas.CurvatureVariation(2))
+    assert pas.Wishes(energy=pas.CurvatureVariation(1, 3), tension=2).energy == pas.CurvatureVariation(2, 3)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: pas.CurvatureVariation(tension=-1), "tension must not be negative, not -1"),
+        (lambda: pas.CurvatureVariation(gauge="-1/2"), "gauge must not be negative, not -1/2"),
+        (lambda: pas.blend(pipes(), 1, tension=-1), "tension must not be negative"),
+        (lambda: pas.blend(pipes(), 1, tension="firm"), "tension"),
+        (lambda: pas.Wishes(energy=pas.ThinPlate(), tension=1), "tension is that of .* 'thin-plate' has none"),
+        (lambda: pas.CurvatureVariation() / 0, "cannot be divided by 0"),
+        (lambda: pas.solutions(pipes(), 1, 4).fit(energy=pas.CurvatureVariation(), prove=False, guard=False), "guard="),
+        (
+            lambda: pas.solutions(pipes(), 1, 4).fit(
+                energy=pas.CurvatureVariation(), normalize=pas.UnitCoefficients(), prove=False
+            ),
+            "UnitCoefficients",
+        ),
+    ],
+)
+def test_what_cannot_be_is_said(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+def own(residuals=None, slopes=None):
+    """An energy with given methods."""
+    methods = {"kind": "own"}
+    if residuals is not None:
+        methods["residuals"] = lambda self, points, sizes: residuals(points)
+    if slopes is not None:
+        methods["slopes"] = lambda self, points, sizes: slopes(points)
+    return type("Own", (pas.Energy,), methods)()
+
+
+@pytest.mark.parametrize(
+    ("energy", "words"),
+    [
+        (own(lambda p: np.ones(len(p))), r"residuals of the energy 'own' must be finite, of shape \(N, R\)"),
+        (own(lambda p: np.full((len(p), 1), np.nan)), "values that are not finite"),
+        (own(lambda p: np.ones((len(p), 1)), lambda p: np.zeros((len(p), 2, 14))), "slopes of the energy 'own'"),
+        (own(lambda p: p.shape[:, :1] ** 2, lambda p: np.zeros((len(p), 1, 14))), r"quantity 7 \(shape\) is 0"),
+    ],
+)
+def test_wrong_energies_of_the_surface_are_refused(space, energy, words):
+    with pytest.raises(ValueError, match=words):
+        space.fit(energy=pas.CurvatureVariation() + energy)
+
+
+def test_an_energy_of_nothing_is_refused(space):
+    with pytest.raises(TypeError, match=r"'own' must define hessian\(basis\), residuals\(points, sizes\), or both"):
+        space.fit(energy=own())
+
+
+def test_points_act_with_the_energy():
+    """Inside, outside, through, near and handles in the same programme; the surface stays fair where they are mild."""
+    plain = fair(UNEQUAL, 1)
+    direction = np.ones(3) / np.sqrt(3)
+    distance = plain.surface.intersect_rays(np.zeros(3), -direction[None])[0]
+    deeper, higher = (-(distance + d) * direction for d in (0.02, -0.02))
+    space = plain.space
+    moved = space.fit(through=[tuple(map(str, np.round(deeper, 4)))])
+    assert moved.certificate.proved and moved.surface(np.round(deeper, 4)) == pytest.approx(0, abs=1e-12)
+    inside = space.fit(inside=[tuple(map(str, np.round(deeper, 4)))])
+    assert inside.certificate.proved and inside.surface(np.round(deeper, 4)) < 0
+    outside = space.fit(outside=[tuple(map(str, np.round(higher, 4)))])
+    assert outside.certificate.proved and outside.surface(np.round(higher, 4)) > 0
+    near = [
+        abs(float(space.fit(near=[tuple(map(str, np.round(deeper, 4)))], near_weight=w).surface(deeper)))
+        for w in (1, 10**5)
+    ]
+    assert near[1] < near[0] < abs(float(plain.surface(deeper)))
+    handle = (0, (4, 0, 0, 0))
+    fixed = space.fit(handles={handle: "3/2"})
+    assert fixed.certificate.proved and float(fixed.surface([1, 1, 1])) == pytest.approx(1.5, abs=1e-9)
+
+
+def test_refit_takes_steps_and_says_what_is_known():
+    blend = fair(UNEQUAL, 2)
+    slim = blend.refit(tension=9)
+    assert slim.standing == "not proved yet" and slim.wishes.energy == pas.CurvatureVariation(9)
+    assert "not proved yet" in repr(slim)
+    for _ in range(4):
+        slim = slim.refit()
+    settled = blend.refit(tension=9, steps=None)
+    assert slim.fairness.area < blend.fairness.area
+    assert slim.fairness.area == pytest.approx(settled.fairness.area, rel=3e-3)
+    assert settled.certificate.proved and settled.standing == "proved"
+    point = ("-3/10", "-3/10", "-3/10")
+    assert blend.refit(through=[point]).surface([-0.3] * 3) == pytest.approx(0, abs=1e-12)
+    with pytest.raises(ValueError, match="steps must be a whole number from 1"):
+        blend.refit(steps=0)
+    with pytest.raises(TypeError, match="there is no option 'prove' here"):
+        blend.refit(prove=False)
+    with pytest.raises(pas.InfeasibleError, match=r"inside .* cannot be met"):
+        blend.refit(inside=[("1", "1", "1")])
+
+
+def test_a_loaded_blend_keeps_all_and_can_be_refitted(tmp_path):
+    blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=1.7))
+    again = pas.load(blend.save(tmp_path / "a.pas.json"))
+    assert again.wishes.energy == blend.wishes.energy and again.limits == blend.limits
+    assert again.attempts == blend.attempts and again.fairness == blend.fairness
+    refitted, fresh = again.refit(tension=8), blend.refit(tension=8)
+    assert refitted.energy == pytest.approx(fresh.energy, rel=1e-3)
+
+
+def test_the_usual_energy_where_nothing_can_be_seen():
+    """Without guard rows, a region or a centre the thin plate is the usual one."""
+    space = pas.solutions(pipes(EQUAL), 1, 3)
+    assert isinstance(space.fit(prove=False, guard=False).plate, pas.ThinPlate)
+    assert isinstance(space.fit(prove=False).plate, pas.CurvatureVariation)
+
+
+CHILD = """
+import pas
+corner = [pas.Pipe(axis, radius, 1) for axis, radius in zip({axes}, {radii})]
+blend = pas.blend(corner, {order})
+degree = blend.surface.degree
+print(degree, blend.certificate.proved, *(repr(float(v)) for p in blend.surface.patches for v in p.dense(degree)))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("radii", "order"), [(UNEQUAL, 1), (UNEQUAL, 2), (EQUAL, 2), (ELBOW, 2)])
+def test_the_same_surface_on_every_machine(radii, order):
+    found = []
+    for kernel in ("Haswell", "SkylakeX", "Prescott", "Zen", "Haswell"):
+        text = CHILD.format(axes=AXES[: len(radii)], radii=radii, order=order)
+        environment = os.environ | {"OPENBLAS_CORETYPE": kernel, "OPENBLAS_NUM_THREADS": str(1 + len(found) % 2)}
+        run = subprocess.run(
+            [sys.executable, "-c", text], env=environment, cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        degree, proved, *values = run.stdout.split()
+        found.append((degree, proved, np.array(values, dtype=float)))
+    for degree, proved, values in found[1:]:
+        assert (degree, proved) == found[0][:2] and proved == "True"
+        assert np.abs(values - found[0][2]).max() <= 1e-3 * np.abs(found[0][2]).max()
+
+
+def test_two_runs_are_the_same_to_the_bit():
+    first, second = (pas.blend(pipes(UNEQUAL), 1).surface.patches for _ in range(2))
+    assert first == second
+
+
+def test_limits_can_be_changed_one_by_one():
+    assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
