@@ -13,16 +13,19 @@ import pas
 
 CORNERS = ROOT / "examples/corners"
 ENERGIES = {
-    "equal_gc1": (3, 3, 38.66),
-    "equal_gc2": (4, 3, 85.58),
-    "equal_gc3": (6, 12, 71.44),
+    "elbow_gc1": (4, 41, 23.02),
+    "elbow_gc2": (5, 38, 24.99),
+    "elbow_slim": (5, 37, 45.78),
+    "equal_gc1": (4, 26, 34.20),
+    "equal_gc2": (5, 18, 45.24),
+    "equal_gc3": (6, 12, 55.40),
     "published_a": (3, 3, 24.365),
     "published_b": (3, 3, 465.28),
     "published_c": (3, 3, 11.328),
     "published_proved": (3, 3, 23.20),
-    "three_pipes": (6, 59, 14.70),
-    "unequal_gc1": (4, 25, 20.63),
-    "unequal_gc2": (5, 10, 102.34),
+    "three_pipes": (6, 59, 45.79),
+    "unequal_gc1": (4, 25, 35.87),
+    "unequal_gc2": (6, 59, 45.79),
 }
 """Degree, dimension and energy of each problem file."""
 
@@ -37,8 +40,10 @@ def test_corner(name):
     blend = module["solve"](CORNERS / f"{name}.toml")
     degree, dimension, energy = ENERGIES[name]
     assert (blend.surface.degree, blend.dimension) == (degree, dimension)
-    assert blend.energy == pytest.approx(energy, rel=1e-3)
     published = name in ("published_a", "published_b", "published_c")
+    assert blend.energy == pytest.approx(energy, rel=1e-3 if name.startswith("published") else 1e-2)
+    if not name.startswith("published"):
+        assert blend.fairness.within(blend.limits), blend.fairness.beyond(blend.limits)
     assert blend.certificate.proved is not published
     if published:
         assert blend.certificate.one_sheet.status is pas.Status.REFUTED
@@ -53,7 +58,7 @@ def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
     assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted(
         [*ENERGIES, "three_pipes_zebra", "three_pipes_body"]
     )
-    assert capsys.readouterr().out.count("all proved") == 7
+    assert capsys.readouterr().out.count("all proved") == 10
 
 
 def test_the_readme_does_what_it_says(tmp_path, monkeypatch, capsys):
