@@ -23,11 +23,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.limits import Report, limited
+from pas.parametric.domain import DomainLike
+from pas.shape import Shape
+
+if TYPE_CHECKING:
+    from pas.exchange.volume import VolumeMesh
+
+Writable: TypeAlias = "Shape | VolumeMesh | Sequence[Shape]"
+"""What can be written, each in the formats that hold such."""
 
 CLOSED = {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"}
 """Formats for closed bodies only, and what to do for a surface."""
@@ -35,11 +43,11 @@ CLOSED = {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"}
 
 @limited("writing a file", "a coarser tolerance")
 def write(
-    thing: Any,
+    thing: Writable,
     path: str | Path,
     *,
     tolerance: float | None = None,
-    domain: Any = None,
+    domain: DomainLike = None,
     unit: str = "millimeter",
     sew: float | None = None,
     seconds: float | None = None,
@@ -65,7 +73,7 @@ def check_suffix(path: str | Path) -> str:
     return target(path, tuple(FORMATS), "a shape")
 
 
-def _written(thing: Any, path: str | Path, **options: Any) -> Path:
+def _written(thing: Writable, path: str | Path, **options: Any) -> Path:
     place = Path(path)
     format_ = FORMATS[place.suffix.lower()]
     request = Request(place.stem, **options)
@@ -78,11 +86,11 @@ def _written(thing: Any, path: str | Path, **options: Any) -> Path:
 
 @limited("writing a mesh", "a coarser tolerance")
 def write_mesh(
-    shape: Any,
+    shape: Shape | Sequence[Shape],
     path: str | Path,
     *,
-    tolerance: Any = None,
-    domain: Any = None,
+    tolerance: float | None = None,
+    domain: DomainLike = None,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
@@ -98,7 +106,7 @@ def check_mesh_suffix(path: str | Path) -> str:
 
 @limited("writing a solid", "a coarser tolerance")
 def write_solid(
-    shape: Any,
+    shape: Shape | Sequence[Shape],
     path: str | Path,
     *,
     tolerance: float | None = None,
@@ -113,10 +121,10 @@ def write_solid(
 
 @limited("writing a STEP file", "fewer patches")
 def write_step(
-    patches: Any | Sequence[Any],
+    patches: Shape | Sequence[Shape],
     path: str | Path,
     *,
-    domain: Any = None,
+    domain: DomainLike = None,
     sew: float | None = None,
     unit: str = "millimeter",
     seconds: float | None = None,
@@ -136,7 +144,7 @@ def write_step(
     return _written(patches, path, domain=domain, sew=sew, unit=unit)
 
 
-def write_cells(surface: Any, path: str | Path) -> Path:
+def write_cells(surface: Shape, path: str | Path) -> Path:
     """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
 
     The arrays are those of `pas.exchange.cell_grid.cell_grid`.  Raises what `write` raises.
@@ -145,7 +153,7 @@ def write_cells(surface: Any, path: str | Path) -> Path:
     return _written(surface, path)
 
 
-def write_volume(mesh: Any, path: str | Path) -> Path:
+def write_volume(mesh: VolumeMesh, path: str | Path) -> Path:
     """`write` for tetrahedra with their boundary; returns the path."""
     target(path, (".vtu", ".msh"), "tetrahedra")
     return _written(mesh, path)

@@ -27,6 +27,7 @@ from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
+from pas.parametric.domain import DomainLike
 from pas.parametric.evaluation import hermite_values
 from pas.parametric.interpolation import exact_hermite
 from pas.parametric.meshing import mesh_surface
@@ -79,7 +80,12 @@ class ParametricBlend(Shape):
 
     @limited("proving a blend", "less effort or a smaller domain")
     def prove(
-        self, domain: Any = None, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        domain: DomainLike = None,
+        effort: int = 20_000,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> ParametricCertificate:
         """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
 
@@ -96,7 +102,12 @@ class ParametricBlend(Shape):
 
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
-        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        domain: DomainLike = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
