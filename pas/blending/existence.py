@@ -129,6 +129,8 @@ def existence(
 ) -> Existence:
     """The conditions under which a polynomial of degree <= `degree` meets all contacts with GC^`order`.
 
+    Elimination splits the parameters into cases (Sit 1992).
+
     `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the
     `parameters`, which are sympy symbols (positive, negative, nonnegative, nonzero or real) or
     names (real).

@@ -145,7 +145,7 @@ def volume_mesh(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> VolumeMesh:
-    """Fill a solid, a closed mesh or each part of an assembly with tetrahedra.
+    """Fill a solid, a closed mesh or each part of an assembly with tetrahedra (fTetWild: Hu et al. 2020).
 
     `edge_length` (the model's units) is aimed at where the surface does not ask for less, by default a
     twentieth of the diagonal of the part's box; `VolumeSettings(coarsen=True)` gives larger tetrahedra.

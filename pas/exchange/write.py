@@ -57,8 +57,9 @@ def write(
 
     The suffix says how (see `pas.exchange.formats.FORMATS`): triangles are those of the shape's `mesh(tolerance)`, a
     parametric surface's over `domain`; .step has the exact patches of surfaces and blends that have them, joined
-    where they are within the distance `sew`; .vtu the cells of a piecewise surface, .vtu and .msh the tetrahedra
-    of a volume mesh, or such as fill a solid.  `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
+    where they are within the distance `sew` (the model's units, as of `tolerance`); .vtu the cells of a piecewise
+    surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
+    `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
 
     Raises `ValueError` for another suffix or unit, a folder that does not exist and options that say nothing of such
     files, `TypeError` for what no such file holds, `MissingLibraryError` where a package for the format is absent,
@@ -94,7 +95,10 @@ def write_mesh(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of surfaces and meshes; returns the path."""
+    """`write` for triangles of surfaces and meshes within `tolerance` (the model's units); returns the path.
+
+    Raises what that raises.
+    """
     check_mesh_suffix(path)
     return _written(shape, path, tolerance=tolerance, domain=domain)
 
@@ -114,7 +118,10 @@ def write_solid(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes; returns the path, and raises what that raises."""
+    """`write` for triangles of solids, assemblies and their meshes within `tolerance` (the model's units).
+
+    Returns the path, and raises what that raises.
+    """
     target(path, suffixes_of("triangles"), "a solid")
     return _written(shape, path, tolerance=tolerance, unit=unit)
 
@@ -134,7 +141,7 @@ def write_step(
 
     A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
     `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
-    within that distance are joined to shells, and a shell that is closed becomes a solid.
+    within that distance (the model's units) are joined to shells, and a shell that is closed becomes a solid.
 
     Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
     exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch

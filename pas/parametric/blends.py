@@ -121,7 +121,7 @@ class ParametricBlend(Shape):
 def hermite_blend(
     data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None
 ) -> ParametricBlend:
-    """The Hermite blend: polynomial in h of degree at most n(k+1) - 1.
+    """The Hermite blend: polynomial in h of degree at most n(k+1) - 1 (Perez-Diaz and Sendra 2003, algorithm 1).
 
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
     only be evaluated.  Raises `TypeError` or `ValueError` for other data or a negative order.
@@ -145,6 +145,8 @@ def weighted_blend(
     progress: Report | None = None,
 ) -> ParametricBlend:
     """The blend sum f_i P_i; `balance`, `normalized` and `exponent` are those of `Weights`.
+
+    Source: Hartmann (2001) for two surfaces, Perez-Diaz and Sendra (2003, algorithm 2) for more.
 
     Raises `GeometryError` where a surface is not defined at the value of another (then the order of
     contact is lost there) or a weight has a pole between the values, `ValueError` for a bad balance.

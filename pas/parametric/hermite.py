@@ -24,7 +24,7 @@ from pas.parametric.series import univariate
 def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
     """The polynomials L[i][j] in h, i = 0..n-1, j = 0..order.
 
-    The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order.
+    The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order (Spitzbart 1960).
     Raises `ValueError` for equal values or a negative order.
     """
     at, k = distinct(values), check_order(order)
@@ -40,7 +40,7 @@ def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFu
 def hermite_determinant(values: Sequence[Exact], order: int) -> Fraction:
     """The determinant of the interpolation problem, in rows d^j/dh^j at values[i] (i outer, j inner).
 
-    `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so the problem has one solution.
+    `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so there is one solution (Spitzbart 1960).
 
     Raises `ValueError` for equal values or an order out of range.
     """

@@ -80,7 +80,7 @@ def as_contact(item: ContactLike, name: str = "contact") -> Contact:
 
 
 def contact_ideal(contact: ContactLike, order: int) -> Ideal:
-    """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order`.
+    """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order` (Warren 1989).
 
     `contact` is a `Contact`, a `Pipe` or a pair (surface, clip).
 
