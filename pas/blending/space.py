@@ -19,10 +19,8 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.fairing.functionals import Functional, value_at
-from pas.partition.cells import Partition
-from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
-from pas.surface.placed import PlacedContacts
+from pas.surface.placed import InPlace, PlacedContacts
 
 Member = tuple[Polynomial, ...]
 """A piecewise polynomial: one polynomial for each piece."""
@@ -34,7 +32,7 @@ LATEX_MEMBERS = 4
 """Members that a notebook shows."""
 
 
-class Space:
+class Space(InPlace):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `placed` are the problem's contacts in place; `patches[p]` (dimension, C(n+3, 3)) holds the exact
@@ -55,21 +53,6 @@ class Space:
     ) -> None:
         self.placed, self.degree, self.patches, self.given_basis = placed, degree, tuple(patches), given_basis
         self.degrees_tried = dict(degrees_tried or {degree: self.dimension})
-
-    @property
-    def partition(self) -> Partition:
-        """The region and its pieces."""
-        return self.placed.partition
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that all members meet, in the user's coordinates."""
-        return self.placed.contacts
-
-    @property
-    def order(self) -> int:
-        """The k of GC^k."""
-        return self.placed.order
 
     @property
     def dimension(self) -> int:

@@ -25,7 +25,7 @@ from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
-from pas.surface.placed import PlacedContacts
+from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
 
@@ -50,7 +50,7 @@ class Cell:
         return {(a, b, c, d): to_fraction(v) for (a, b, c, d), v in zip(indices, values, strict=True)}
 
 
-class PiecewiseSurface(Shape):
+class PiecewiseSurface(InPlace, Shape):
     """The zero set of a piecewise polynomial, C^`order` across faces, meeting its contacts.
 
     `patches` are the polynomials in the partition's local coordinates, one for each piece.
@@ -95,21 +95,6 @@ class PiecewiseSurface(Shape):
         surface = cls(placed.partition, placed.contacts, placed.order, patches, degree)
         surface.placed = placed
         return surface
-
-    @property
-    def partition(self) -> Partition:
-        """The region and its pieces."""
-        return self.placed.partition
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that the surface is to meet, in the user's coordinates."""
-        return self.placed.contacts
-
-    @property
-    def order(self) -> int:
-        """The k of GC^k at the contacts and C^k between pieces."""
-        return self.placed.order
 
     @property
     def local(self) -> Partition:
