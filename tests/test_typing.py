@@ -53,6 +53,7 @@ MAY_BE_ANY = {
     "Blend.solid": UNSAID,
     "Box.__init__": UNSAID,
     "Energy.__mul__": UNSAID,
+    "Energy.__truediv__": UNSAID,
     "Mesh.__and__": UNSAID,
     "Mesh.__or__": UNSAID,
     "Mesh.__sub__": UNSAID,
