@@ -58,10 +58,10 @@ def row(make: tuple[Callable[[], pas.Boundary], Callable[[], pas.Boundary]], rep
     """slider, anew, naive, certificate, safe."""
     blend = pas.generatrix_blend(make[0](), make[1](), SHAPE)
     values = iter(np.linspace(0.4, 0.6, 10 * repeat))
-    blend.mesh(SIZE)
-    slider = milliseconds(lambda: blend.with_shape(l1=next(values), lambda2=0.1).mesh(SIZE), repeat)
+    blend.mesh(size=SIZE)
+    slider = milliseconds(lambda: blend.with_shape(l1=next(values), lambda2=0.1).mesh(size=SIZE), repeat)
     few = max(repeat // 5, 1)
-    anew = milliseconds(lambda: pas.generatrix_blend(make[0](), make[1](), SHAPE).mesh(SIZE), few)
+    anew = milliseconds(lambda: pas.generatrix_blend(make[0](), make[1](), SHAPE).mesh(size=SIZE), few)
     s, t = (np.linspace(0, 1, n) for n in SIZE)
     places = np.stack(np.meshgrid(s, t, indexing="ij"), axis=-1)
     naive = milliseconds(lambda: (blend.surface(places), blend.surface.normals(places)), few)

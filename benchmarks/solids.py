@@ -79,7 +79,7 @@ for name, (make, tolerance) in CASES.items():
         begin = time.perf_counter()
         mesh = shape.mesh(tolerance)
         spent.append(time.perf_counter() - begin)
-    angle = mesh.triangle_mesh.smallest_angles.min()
+    angle = mesh.smallest_angles.min()
     print(f"{name:<20}{tolerance:>10g}{len(mesh.triangles):>11}{angle:>7.1f}{median(spent):>9.2f}")
 with tempfile.TemporaryDirectory() as folder:
     for name, seconds in pictures(teapot(), Path(folder)).items():

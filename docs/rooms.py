@@ -33,7 +33,7 @@ def room_of(path: Path) -> str:
 def imports(path: Path) -> set[str]:
     """The rooms that a module imports from."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("pas."):
             found.add(node.module.split(".")[1])
         elif isinstance(node, ast.Import):
@@ -49,7 +49,7 @@ def edges() -> tuple[Counter[tuple[str, str]], Counter[str]]:
         if path.parent == PACKAGE and path.name in ("__init__.py", "__main__.py", "_version.py"):
             continue
         room = room_of(path)
-        lines[room] += len(path.read_text().splitlines())
+        lines[room] += len(path.read_text(encoding="utf-8").splitlines())
         used.update((room, other) for other in imports(path))
     return used, lines
 

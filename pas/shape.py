@@ -38,7 +38,7 @@ class Shape(ABC):
         """What is proved of it, worked out when first asked for, and kept."""
 
     @abstractmethod
-    def mesh(self, tolerance: Any = None) -> Any:
+    def mesh(self, tolerance: float | None = None) -> Any:
         """Its `pas.Mesh`, within `tolerance` (the model's units) of the surface; None: as fine as is usual."""
 
     @abstractmethod

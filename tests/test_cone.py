@@ -52,3 +52,21 @@ def test_cones_and_pipes_blend(order):
     corner = pas.SixTetrahedra((0, 0, 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
     blend = pas.blend(contacts, order, partition=corner)
     assert blend.certificate.proved
+
+
+def test_cones_make_a_corner_like_pipes():
+    """Without a partition: the corner is where the axes meet, not the cones' tips."""
+    cones = [
+        pas.Cone(axis=(2, 0, 0), radius="1/3", clip="1/2", slope="1/10", point=(5, 1, 0)),
+        pas.Cone(axis=(0, 1, 0), radius="1/3", clip=1, slope="-1/20", point=(5, 1, 0)),
+        pas.Pipe(axis=(0, 0, 1), radius="1/3", clip=1, point=(5, 1, 0)),
+    ]
+    blend = pas.blend(cones, 1)
+    assert blend.surface.partition.vertices == pas.SixTetrahedra((5, 1, 0)).vertices
+    assert blend.certificate.proved
+    wide = pas.Cone(axis=(0, 1, 0), radius="4/5", clip=1, slope=0, point=(5, 1, 0))
+    with pytest.raises(pas.GeometryError, match="its circle of radius 4/5 does not fit"):
+        pas.blend([cones[0], wide, cones[2]], 1)
+    off = pas.Cone(axis=(0, 1, 0), radius="1/3", clip=1, slope="1/9", point=(5, 1, "1/8"))
+    with pytest.raises(pas.GeometryError, match=r"axes of pipes 1 and 2 miss each other by 0\.125"):
+        pas.blend([cones[0], off, cones[2]], 1)

@@ -23,6 +23,19 @@ CHECKS = {"ArithmeticError", "AssertionError"}
 SHAPE = re.compile(r"\((\.\.\.|[\w*]+)(, [\w*]+)*,?\)")
 """How a shape is written: (..., 3), (N, 3), (T,)."""
 
+LENGTHS = {
+    *("radius", "end_radius", "major", "minor", "pitch", "a", "b", "c", "tolerance", "edge_length", "thickness"),
+    *("length", "distance", "sew", "lid_height"),
+}
+ANGLES = {"angle", "angles"}
+"""Names of parameters that are lengths and angles."""
+
+SOURCE = re.compile(r"\b[A-Z][\w'-]*[a-z](?: et al\.)?,? \(?(?:1[6-9]|20)\d\d\b")
+"""An author and a year: Levin 1976, Spitzbart (1960)."""
+
+METHODS = {"pas.contact_ideal", "pas.existence", "pas.fit_patch"}
+"""Functions whose method has a source that the head of their file does not name."""
+
 
 def exported() -> Iterator[tuple[str, Callable]]:
     for room, prefix in ((pas, "pas"), (solid, "solid")):
@@ -92,3 +105,34 @@ def test_parameters_are_typed_and_not_as_anything(name):
     for parameter, hint in inspect.get_annotations(FUNCTIONS[name]).items():
         if parameter != "return" and not VERBS.fullmatch(name):
             assert hint not in ("Any", typing.Any), f"{name}: {parameter} may be Any; say what it takes"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_lengths_and_angles_have_units(name):
+    """Where a length or an angle goes in by name, the docstring says what it is counted in."""
+    function = FUNCTIONS[name]
+    text, parameters = inspect.getdoc(function) or "", set(inspect.signature(function).parameters)
+    lengths, angles = parameters & LENGTHS, parameters & ANGLES
+    assert not lengths or "model's unit" in text, f"{name}: the units of {', '.join(sorted(lengths))}"
+    assert not angles or re.search(r"\bradians?\b|\bdegrees?\b", text), f"{name}: the units of {', '.join(angles)}"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_methods_have_sources(name):
+    """Where a method is somebody's, the docstring of the function says whose, as the head of its file does."""
+    function = FUNCTIONS[name]
+    head = inspect.getdoc(inspect.getmodule(function)) or ""
+    if SOURCE.search(head) or name in METHODS:
+        assert SOURCE.search(inspect.getdoc(function) or ""), f"{name}: {SOURCE.findall(head)}"
+
+
+def test_sources_are_told_from_other_numbers():
+    cited = (
+        "Levin 1976",
+        "Spitzbart (1960)",
+        "Perez-Diaz and Sendra (2003, theorem 9)",
+        "O'Shea 2015",
+        "Hu et al. 2020",
+    )
+    assert all(SOURCE.search(text) for text in cited)
+    assert not any(SOURCE.search(text) for text in ("at most 2000 triangles", "GC^2", "in 1976 steps", "Raises 10"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import runpy
 import sys
+from functools import cache
 
 import pytest
 from conftest import ROOT
@@ -30,14 +31,22 @@ ENERGIES = {
 """Degree, dimension and energy of each problem file."""
 
 
+SCRIPT = runpy.run_path(str(CORNERS / "corners.py"))
+
+
+@cache
+def solved(path):
+    """The blend of a corner file, once for all tests of this process."""
+    return SCRIPT["solve"](path)
+
+
 def test_every_problem_file_has_a_figure_here():
     assert sorted(ENERGIES) == sorted(p.stem for p in CORNERS.glob("*.toml"))
 
 
 @pytest.mark.parametrize("name", sorted(ENERGIES))
 def test_corner(name):
-    module = runpy.run_path(str(CORNERS / "corners.py"))
-    blend = module["solve"](CORNERS / f"{name}.toml")
+    blend = solved(CORNERS / f"{name}.toml")
     degree, dimension, energy = ENERGIES[name]
     assert (blend.surface.degree, blend.dimension) == (degree, dimension)
     published = name in ("published_a", "published_b", "published_c")
@@ -54,7 +63,8 @@ def test_corner(name):
 @pytest.mark.slow
 def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["corners.py", "-o", str(tmp_path)])
-    runpy.run_path(str(CORNERS / "corners.py"), run_name="__main__")
+    monkeypatch.setitem(SCRIPT["main"].__globals__, "solve", solved)
+    SCRIPT["main"]()
     assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted(
         [*ENERGIES, "three_pipes_zebra", "three_pipes_body"]
     )

@@ -12,8 +12,13 @@ from conftest import ROOT, UNEQUAL, pipes
 
 import pas
 from pas.blending.solving import METHODS
+from pas.exchange.formats import FORMATS
+from pas.exchange.problem import PROBLEMS
+from pas.fairing.energy import ENERGIES
 from pas.partition.kinds import PARTITIONS, read_partition
 from pas.partition.six_tetrahedra import VERTEX_SIGNS
+from pas.shape import KINDS
+from pas.surface.contact import CONTACTS
 
 FOLDER = ROOT / "examples/extensions"
 PARTITION_SAMPLES = {
@@ -23,13 +28,14 @@ PARTITION_SAMPLES = {
         pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, "1/3"), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
     ],
 }
+REGISTRIES = (CONTACTS, ENERGIES, FORMATS, KINDS, METHODS, PARTITIONS, PROBLEMS)
 EVERY = [partition for partitions in PARTITION_SAMPLES.values() for partition in partitions]
 
 
 @pytest.fixture(scope="module")
 def extension():
-    """A function that loads a file once."""
-    loaded = {}
+    """A function that loads a file once; what the files register is forgotten after these tests."""
+    loaded, before = {}, [(registry, dict(registry._entries)) for registry in REGISTRIES]
 
     def load(name):
         if name not in loaded:
@@ -39,7 +45,9 @@ def extension():
             spec.loader.exec_module(loaded[name])
         return loaded[name]
 
-    return load
+    yield load
+    for registry, entries in before:
+        registry._entries = entries
 
 
 def test_every_file_is_in_the_table():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import nbformat
 import pytest
 from conftest import ROOT
@@ -26,9 +28,10 @@ def test_the_first_blend(tmp_path, monkeypatch):
     NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     text = "".join(output.get("text", "") for output in outputs)
-    assert "order               GC^2 at the contacts" in text
-    assert "energy 102.34 and 103.07; proved: True" in text
-    assert "volume 1.943" in text
+    assert re.search(r"^order +GC\^2 at the contacts", text, re.MULTILINE)  # columns are as wide as they need be
+    energies = re.search(r"^energy (\S+) and (\S+); proved: True$", text, re.MULTILINE)
+    assert energies and [float(e) for e in energies.groups()] == pytest.approx([45.75, 45.92], rel=2e-3)
+    assert "volume 1.516" in text
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
     assert sum("text/latex" in output.get("data", {}) for output in outputs) == 1
     assert {p.name for p in tmp_path.iterdir()} == {

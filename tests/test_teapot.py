@@ -118,11 +118,11 @@ def test_teapots_are_closed_joined_and_of_the_known_volume(style):
 
 
 DIGESTS = {
-    "paper": ({"style": "paper"}, 12, "bc653756426470b7"),
+    "paper": ({"style": "paper"}, 12, "27d209b0e598e9bc"),
     "better": ({}, 23, "1a982d365efbef20"),
     "leaning": ({"spout_tilt": "1/10", "lid_height": "3/2"}, 23, "5ebe57122b37c3e7"),
     "larger": ({"handle_size": "11/10"}, 23, "ea18135bc5a8bb08"),
-    "paper, other": ({"style": "paper", "spout_tilt": "-1/10", "handle_size": "21/20"}, 12, "c8212507aae88f10"),
+    "paper, other": ({"style": "paper", "spout_tilt": "-1/10", "handle_size": "21/20"}, 12, "206854b0fd03c1c4"),
 }
 """Wishes, number of faces, and the first digits of the SHA-256 of all polynomials, as the constants gave them."""
 

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import comb
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.expressions import Formula, Names, NotRationalError, read_formula
 from pas.algebra.jets import Jet, composed, variables
 from pas.algebra.monomials import Floats
-from pas.algebra.rational_function import RationalFunction
+from pas.algebra.rational_function import FunctionLike, RationalFunction
 
 Values = Callable[[Any, Any], tuple[Any, ...]]
 """Three coordinates at two arrays (or jets) of parameters that broadcast."""
+
+ComponentLike: TypeAlias = "FunctionLike | Callable[..., ArrayLike]"
+"""What is taken for one coordinate: an expression, or a callable of arrays."""
+
+Derivatives: TypeAlias = Mapping[tuple[int, int], Callable[[Floats, Floats], Sequence[ArrayLike]]]
+"""Three coordinates of d^(i+j) P / dt^i dh^j at two arrays of parameters, by (i, j)."""
 
 PROBE = (np.array([0.3125, 0.4375]), np.array([0.28125, 0.40625]))
 """Parameters at which a callable is tried for whether it takes arrays and Taylor series."""
@@ -45,7 +52,7 @@ def component(expression: Any, names: Names, name: str) -> Component:
         raise type(error)(f"{name}: {error}") from None
 
 
-def from_derivatives(values: Values, given: Mapping[tuple[int, int], Callable[[Any, Any], Any]]) -> Values:
+def from_derivatives(values: Values, given: Derivatives) -> Values:
     """Evaluation on Taylor series by the derivatives that the user gave, and by no others."""
 
     def coordinate(axis: int, t: Any, h: Any) -> Any:

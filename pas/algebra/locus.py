@@ -122,6 +122,18 @@ class Locus:
         outside_zero = all(not self.where_nonzero(q) for q in other.equations if not self.reduce(q).is_zero())
         return outside_zero and all(self.excludes(q) or not self.where_zero(q) for q in other.inequations)
 
+    def outside(self, other: Locus) -> list[Locus]:
+        """The part of this locus that is not in the other, as disjoint loci."""
+        found: list[Locus] = []
+        inside = [self]
+        for q in other.equations:
+            found += [part for piece in inside for part in piece.where_nonzero(q)]
+            inside = [part for piece in inside for part in piece.where_zero(q)]
+        for q in other.inequations:
+            found += [part for piece in inside for part in piece.where_zero(q)]
+            inside = [part for piece in inside for part in piece.where_nonzero(q)]
+        return found
+
     def tidied(self) -> Locus:
         """The same locus without inequations that follow from the rest."""
         kept = list(self.inequations)

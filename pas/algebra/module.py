@@ -75,7 +75,7 @@ class Submodule:
     (True, False)
     """
 
-    def __init__(self, *generators: Sequence[Any]) -> None:
+    def __init__(self, *generators: Sequence[PolynomialLike]) -> None:
         self.generators = tuple(tuple(map(Polynomial.from_raw, v)) for v in _vectors(generators, "generators"))
 
     @property
@@ -87,7 +87,7 @@ class Submodule:
         """The reduced Groebner basis, monic, by descending leading terms; () for the zero module."""
         return tuple(self._monic(g) for g in self._basis)
 
-    def normal_form(self, element: Sequence[Any]) -> Syzygy:
+    def normal_form(self, element: Sequence[PolynomialLike]) -> Syzygy:
         """The remainder of a tuple modulo the Groebner basis: zero iff it is a member."""
         vector = self._element(element)
         # flint's remainder is one up to a constant factor: a 1 at a last position tells it
@@ -95,7 +95,7 @@ class Submodule:
         *remainder, tag = self._layout.read(_remainder(tagged, self._basis))
         return tuple(Polynomial.from_raw(p * (1 / tag.leading_coefficient())) for p in remainder)
 
-    def contains(self, element: Sequence[Any]) -> bool:
+    def contains(self, element: Sequence[PolynomialLike]) -> bool:
         """Whether a tuple is a member."""
         vector = self._element(element)
         return bool(_remainder(self._layout.write((*vector, RING.constant(0))), self._basis).is_zero())
@@ -138,7 +138,7 @@ class Submodule:
         reduced = fmpz_mpoly_vec(basis.elements, RINGS).autoreduction() if basis.elements else ()
         return tuple(sorted(reduced, key=_descending, reverse=True))
 
-    def _element(self, element: Sequence[Any]) -> Vector:
+    def _element(self, element: Sequence[PolynomialLike]) -> Vector:
         (vector,) = _vectors([element], "tuple")
         if len(vector) != self.width:
             raise ValueError(f"the tuple must have {self.width} polynomials, not {len(vector)}")

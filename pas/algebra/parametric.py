@@ -62,6 +62,38 @@ def independent(vectors: Sequence[Mapping[int, fmpq_mpoly]], locus: Locus) -> li
     return chosen
 
 
+def merged(solutions: list[ParametricNullspace]) -> list[ParametricNullspace]:
+    """Cases widened over an inequation where the case beyond it has the same solutions.
+
+    Each step takes an inequation away and adds none, so it ends.
+    """
+    found = list(solutions)
+    while True:
+        wider = next((w for case in found if (w := _widened(case, found)) is not None), None)
+        if wider is None:
+            return sorted(found, key=lambda s: (len(s.locus.equations), len(s.basis)))
+        found = wider
+
+
+def _widened(case: ParametricNullspace, cases: list[ParametricNullspace]) -> list[ParametricNullspace] | None:
+    """All cases with one inequation of `case` dropped, and others cut down to what is left of them."""
+    alike = [c for c in cases if c is not case and len(c.basis) == len(case.basis)]
+    for q in case.locus.inequations:
+        rest = tuple(p for p in case.locus.inequations if p is not q)
+        whole = Locus(case.locus.parameters, case.locus.equations, rest)
+        parts = whole.where_zero(q)
+        touched = [c for c in alike if any(part.within(c.locus) for part in parts)]
+        covered = all(any(part.within(c.locus) for c in touched) for part in parts)
+        if not covered or any(len(independent(case.basis, part)) < len(case.basis) for part in parts):
+            continue
+        cut = [(c, c.locus.outside(whole)) for c in touched]
+        if all(len(left) <= 1 and all(len(p.inequations) <= len(c.locus.inequations) for p in left) for c, left in cut):
+            others = [c for c in cases if c is not case and all(c is not t for t in touched)]
+            smaller = [ParametricNullspace(p, c.basis) for c, left in cut for p in left]
+            return [*others, ParametricNullspace(whole, case.basis), *smaller]
+    return None
+
+
 def _eliminate(rows: list[Row], solved: list[tuple[int, Row]], case: Locus) -> fmpq_mpoly | None:
     """Eliminate in place; the factor to split on where no safe pivot is left, None at the end."""
     while rows:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, lcm
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -23,6 +23,9 @@ from pas.algebra.latex import latex
 from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
+
+if TYPE_CHECKING:
+    import sympy
 
 VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
@@ -100,7 +103,7 @@ class Polynomial:
         """The exact value at one rational point."""
         return to_fraction(self.raw(*(rational(entry, "coordinate") for entry in point)))
 
-    def __call__(self, points: ArrayLike) -> Any:
+    def __call__(self, points: ArrayLike) -> Floats:
         """Values at `points` (..., 3), as floats of shape (...)."""
         return self._evaluate(points, self._columns[:, :1])[..., 0]
 
@@ -146,7 +149,7 @@ class Polynomial:
         sign = 1 if values[0] > 0 else -1
         return Polynomial.from_raw(self.raw * fmpq(sign * denominator, divisor))
 
-    def to_sympy(self) -> Any:
+    def to_sympy(self) -> sympy.Expr:
         """The same polynomial as a sympy expression in the symbols x, y, z."""
         import sympy
 
@@ -198,7 +201,7 @@ class Polynomial:
     def __hash__(self) -> int:
         return hash(frozenset(self.coefficients().items()))
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return _rebuilt, (self.coefficients(),)
 
     def __str__(self) -> str:

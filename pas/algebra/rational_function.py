@@ -9,12 +9,13 @@ numerator and denominator, with infinities and nan where the denominator vanishe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
@@ -24,6 +25,9 @@ from pas.algebra.latex import latex
 from pas.algebra.locus import primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
 from pas.algebra.written import Step
+
+if TYPE_CHECKING:
+    import sympy
 
 PARAMETERS: Names = ("t", "h")
 RING = fmpq_mpoly_ctx.get(PARAMETERS, Ordering.degrevlex)
@@ -117,7 +121,7 @@ class RationalFunction:
         parts = [homogenised(p.to_dict(), [*top], over, highest) for p in (self.numerator, self.denominator)]
         return RationalFunction.quotient(parts[0], parts[1], first.names)
 
-    def at(self, t: Any, h: Any) -> Fraction:
+    def at(self, t: Exact, h: Exact) -> Fraction:
         """The exact value at a rational point; raises `ValueError` at a pole."""
         where = rational(t, self.names[0]), rational(h, self.names[1])
         below = self.denominator(*where)
@@ -127,15 +131,15 @@ class RationalFunction:
             )
         return to_fraction(self.numerator(*where) / below)
 
-    def __call__(self, t: Any, h: Any) -> Any:
-        """Values at arrays (or jets) of parameters that broadcast."""
+    def __call__(self, t: ArrayLike, h: ArrayLike) -> Any:
+        """Values at arrays of parameters that broadcast: an array; at jets (`pas.algebra.jets`) a jet."""
         return self._bundle.quotients(t, h)[0]
 
     @cached_property
     def _bundle(self) -> Bundle:
         return Bundle.of_pairs([(self.numerator, self.denominator)])
 
-    def to_sympy(self) -> Any:
+    def to_sympy(self) -> sympy.Expr:
         """The same function as a sympy expression in the symbols of its parameters."""
         import sympy
 
@@ -190,7 +194,7 @@ class RationalFunction:
     def __hash__(self) -> int:
         return hash((str(self.numerator), str(self.denominator)))
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return _rebuilt, (_plain_terms(self.numerator), _plain_terms(self.denominator), self.names)
 
     def __str__(self) -> str:
@@ -213,7 +217,9 @@ class RationalFunction:
         above, below = (str(ring.from_dict(p.to_dict())) for p in (self.numerator, self.denominator))
         return above, below
 
-    def _with(self, other: FunctionLike, operation: Any) -> RationalFunction:
+    def _with(
+        self, other: FunctionLike, operation: Callable[[RationalFunction, RationalFunction], RationalFunction]
+    ) -> RationalFunction:
         if not isinstance(other, RationalFunction):
             try:
                 other = RationalFunction(other, self.names)

@@ -1,15 +1,15 @@
 """From two or three pipes (or contacts) to the six-tetrahedra corner, or one sentence why not.
 
-Served are contacts whose clip planes are mutually perpendicular and whose surfaces have a common centre (where
-all gradients vanish: the common point of the pipes' axes), in any position, orientation and scale.
-Two of them make an elbow: the third leg, which carries nothing, is as long as the longer of theirs.
+Served are contacts whose clip planes are mutually perpendicular and whose surfaces have a common centre (the
+common point of the axes of pipes and cones; of others, where all gradients vanish), in any position, orientation
+and scale.  Two of them make an elbow: the third leg, which carries nothing, is as long as the longer of theirs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, zip_longest
 from math import sqrt
 
 from flint import fmpq, fmpq_mat
@@ -17,9 +17,9 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.rational import Vector, cross, dot, plain, rational, to_float
 from pas.errors import GeometryError
 from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.surface.circular import Circular
 from pas.surface.contact import Contact
 from pas.surface.joins import Join
-from pas.surface.pipe import Pipe
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
 """What to do about contacts that make no corner."""
@@ -29,10 +29,10 @@ LARGEST_DENOMINATOR = 1000
 """Of the share by which the third leg of an elbow is made as long as the others, where that is no fraction."""
 
 
-def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Pipe | None] = ()) -> SixTetrahedra:
+def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None] = ()) -> SixTetrahedra:
     """The six-tetrahedra corner whose clip planes are those of two or three contacts.
 
-    `pipes` gives the pipes that the contacts came from, for better error messages.
+    `pipes` gives the pipes and cones that the contacts came from, where they did: their axes are known.
     """
     if len(contacts) not in (2, 3):
         raise GeometryError(f"the six-tetrahedra corner joins two or three pipes, not {len(contacts)}; {OTHERS}")
@@ -83,10 +83,13 @@ def _normal(number: int, contact: Contact) -> Vector:
     return x, y, z
 
 
-def _center(contacts: Sequence[Contact], pipes: Sequence[Pipe | None]) -> Vector:
-    """The point at which the gradients of all surfaces vanish."""
+def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Vector:
+    """The point on all axes, or for surfaces without one, at which the gradients vanish."""
     rows = []
-    for number, contact in enumerate(contacts, start=1):
+    for number, (contact, pipe) in enumerate(zip_longest(contacts, pipes), start=1):
+        if pipe is not None:
+            rows += _on_axis(pipe)
+            continue
         if contact.surface.degree != 2:
             raise GeometryError(
                 f"surface {number} is of degree {contact.surface.degree}, so the corner's centre is not "
@@ -104,7 +107,15 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Pipe | None]) -> Vector
     return reduced[0, 3], reduced[1, 3], reduced[2, 3]
 
 
-def _apart(pipes: Sequence[Pipe | None]) -> str:
+def _on_axis(pipe: Circular) -> list[list[fmpq]]:
+    """Three equations, `axis x (p - point) = 0`, as rows of four."""
+    a, b, c = pipe.axis
+    zero = fmpq(0)
+    crossed = cross(pipe.axis, pipe.point)
+    return [[*row, right] for row, right in zip([[zero, -c, b], [c, zero, -a], [-b, a, zero]], crossed, strict=True)]
+
+
+def _apart(pipes: Sequence[Circular | None]) -> str:
     """Which two axes miss one another, and by how much, or that there is no common centre."""
     for (i, a), (j, b) in combinations([(i, p) for i, p in enumerate(pipes, start=1) if p], 2):
         common = cross(a.axis, b.axis)
@@ -120,7 +131,7 @@ def _apart(pipes: Sequence[Pipe | None]) -> str:
     return "the surfaces have no common centre; give the partition, such as pas.SixTetrahedra(center, legs)"
 
 
-def check_circle(number: int, pipe: Pipe, join: Join) -> None:
+def check_circle(number: int, pipe: Circular, join: Join) -> None:
     """That a pipe's circle fits the clip face, or by how much it does not."""
     foot = _foot(pipe, join)
     largest = min(_distance(foot, a, b) for a, b in join.rim())
@@ -133,7 +144,7 @@ def check_circle(number: int, pipe: Pipe, join: Join) -> None:
         )
 
 
-def _foot(pipe: Pipe, join: Join) -> Vector:
+def _foot(pipe: Circular, join: Join) -> Vector:
     clip = join.contact.clip
     slope = sum((clip.diff(i).raw(0, 0, 0) * a for i, a in enumerate(pipe.axis)), fmpq(0))
     t = -clip.raw(*pipe.point) / slope

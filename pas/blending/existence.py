@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
@@ -24,13 +24,19 @@ from pas.algebra.brief import brief
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
 from pas.algebra.monomials import exponents
-from pas.algebra.parametric import ParametricNullspace, independent, parametric_nullspaces
+from pas.algebra.parametric import ParametricNullspace, independent, merged, parametric_nullspaces
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.polynomial import VARIABLES
-from pas.algebra.rational import rational
+from pas.algebra.rational import Exact, Symbolic, rational
 from pas.algebra.remainders import Remainders, Terms, membership_rows, power
 from pas.errors import GeometryError
 from pas.limits import Report, limited
+
+if TYPE_CHECKING:
+    import sympy
+
+SymbolLike: TypeAlias = "str | sympy.Symbol"
+"""What is taken for a parameter: a name or a symbol."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +46,10 @@ class ExistenceCase:
     `basis` holds `dimension` independent solutions there, sympy expressions in x, y, z and the parameters.
     """
 
-    conditions: tuple[Any, ...]
-    inequations: tuple[Any, ...]
+    conditions: tuple[sympy.Expr, ...]
+    inequations: tuple[sympy.Expr, ...]
     dimension: int
-    basis: tuple[Any, ...]
+    basis: tuple[sympy.Expr, ...]
     __repr__ = brief
 
     def __str__(self) -> str:
@@ -67,7 +73,7 @@ class Existence:
 
     order: int
     degree: int
-    parameters: tuple[Any, ...]
+    parameters: tuple[sympy.Symbol, ...]
     cases: tuple[ExistenceCase, ...]
     __repr__ = brief
 
@@ -76,7 +82,7 @@ class Existence:
         """The cases in which there is a solution."""
         return tuple(case for case in self.cases if case.dimension)
 
-    def at(self, values: Mapping[Any, Any]) -> ExistenceCase:
+    def at(self, values: Mapping[str | sympy.Symbol, Exact]) -> ExistenceCase:
         """The case that holds for given exact values of all parameters (by symbol or name).
 
         Raises `ValueError` for missing parameters or values that the assumptions exclude.
@@ -113,15 +119,17 @@ class Existence:
 
 @limited("solving with parameters", "a lower degree")
 def existence(
-    contacts: Sequence[Any],
+    contacts: Sequence[tuple[str | Symbolic, str | Symbolic]],
     order: int,
     degree: int,
-    parameters: Sequence[Any],
+    parameters: SymbolLike | Sequence[SymbolLike],
     *,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Existence:
     """The conditions under which a polynomial of degree <= `degree` meets all contacts with GC^`order`.
+
+    Elimination splits the parameters into cases (Sit 1992).
 
     `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the
     `parameters`, which are sympy symbols (positive, negative, nonnegative, nonzero or real) or
@@ -152,10 +160,10 @@ def existence(
     for solution in found:
         _check(solution, rows)
     ideals = [(_whole(f, symbols), _whole(h, symbols) ** (order + 1)) for f, h in pairs]
-    return Existence(order, degree, symbols, tuple(_case(s, degree, symbols, ideals) for s in _merged(found)))
+    return Existence(order, degree, symbols, tuple(_case(s, degree, symbols, ideals) for s in merged(found)))
 
 
-def _symbols(parameters: Sequence[Any]) -> tuple[Any, ...]:
+def _symbols(parameters: SymbolLike | Sequence[SymbolLike]) -> tuple[sympy.Symbol, ...]:
     import sympy
 
     given = (parameters,) if isinstance(parameters, str | sympy.Symbol) else parameters
@@ -219,51 +227,6 @@ def _check(solution: ParametricNullspace, rows: Sequence[Mapping[int, fmpq_mpoly
                 raise ArithmeticError("a solution with parameters fails its own conditions")
     if len(independent(solution.basis, solution.locus)) < len(solution.basis):
         raise ArithmeticError("solutions with parameters are not shown to be independent")
-
-
-def _merged(solutions: list[ParametricNullspace]) -> list[ParametricNullspace]:
-    """Cases widened over an inequation where the case beyond it has the same solutions.
-
-    Each step takes an inequation away and adds none, so it ends.
-    """
-    merged = list(solutions)
-    while True:
-        wider = next((w for case in merged if (w := _widened(case, merged)) is not None), None)
-        if wider is None:
-            return sorted(merged, key=lambda s: (len(s.locus.equations), len(s.basis)))
-        merged = wider
-
-
-def _widened(case: ParametricNullspace, cases: list[ParametricNullspace]) -> list[ParametricNullspace] | None:
-    """All cases with one inequation of `case` dropped, and others cut down to what is left of them."""
-    alike = [c for c in cases if c is not case and len(c.basis) == len(case.basis)]
-    for q in case.locus.inequations:
-        rest = tuple(p for p in case.locus.inequations if p is not q)
-        whole = Locus(case.locus.parameters, case.locus.equations, rest)
-        parts = whole.where_zero(q)
-        touched = [c for c in alike if any(part.within(c.locus) for part in parts)]
-        covered = all(any(part.within(c.locus) for c in touched) for part in parts)
-        if not covered or any(len(independent(case.basis, part)) < len(case.basis) for part in parts):
-            continue
-        cut = [(c, _difference(c.locus, whole)) for c in touched]
-        if all(len(left) <= 1 and all(len(p.inequations) <= len(c.locus.inequations) for p in left) for c, left in cut):
-            others = [c for c in cases if c is not case and all(c is not t for t in touched)]
-            smaller = [ParametricNullspace(p, c.basis) for c, left in cut for p in left]
-            return [*others, ParametricNullspace(whole, case.basis), *smaller]
-    return None
-
-
-def _difference(locus: Locus, other: Locus) -> list[Locus]:
-    """The part of a locus outside another, as disjoint loci."""
-    outside: list[Locus] = []
-    inside = [locus]
-    for q in other.equations:
-        outside += [part for piece in inside for part in piece.where_nonzero(q)]
-        inside = [part for piece in inside for part in piece.where_zero(q)]
-    for q in other.inequations:
-        outside += [part for piece in inside for part in piece.where_zero(q)]
-        inside = [part for piece in inside for part in piece.where_nonzero(q)]
-    return outside
 
 
 def _case(

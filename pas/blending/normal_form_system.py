@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
@@ -30,7 +29,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.limits import Report, checkpoint, limited
-from pas.surface.contact import Contact, as_contact
+from pas.surface.contact import Contact, ContactLike, as_contact
 
 Form = Mapping[int, fmpq]
 """A linear form in the coefficients of g: {position in `exponents(degree)`: number}."""
@@ -91,7 +90,12 @@ class NormalFormSystem:
 
 @limited("solving for all surfaces", "a lower degree")
 def normal_form_system(
-    contacts: Sequence[Any], order: int, degree: int, *, seconds: float | None = None, progress: Report | None = None
+    contacts: Sequence[ContactLike],
+    order: int,
+    degree: int,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
 ) -> NormalFormSystem:
     """The linear system of the normal form conditions of G^`order` on one g of degree <= `degree`.
 

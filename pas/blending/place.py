@@ -16,10 +16,10 @@ from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
+from pas.surface.circular import Circular
 from pas.surface.contact import Contact, as_contact
 from pas.surface.contact_proofs import check_join, clip_sided
 from pas.surface.joins import Join, joins
-from pas.surface.pipe import Pipe
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 
@@ -39,7 +39,7 @@ def place(items: Sequence[Any], order: int, partition: Partition | None = None) 
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
     items = list(items)
     contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
-    pipes = [item if isinstance(item, Pipe) else None for item in items]
+    pipes = [item if isinstance(item, Circular) else None for item in items]
     if partition is not None and not isinstance(partition, Partition):
         raise TypeError(
             f"partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), "

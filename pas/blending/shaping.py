@@ -17,12 +17,13 @@ from fractions import Fraction
 from typing import Any, Unpack
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import arb, fmpq, fmpq_mat
 from scipy.linalg import svd
 
 from pas.algebra.brief import brief
-from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.algebra.rational import rational, to_float, to_fraction
+from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.rational import rational, to_float, to_fraction, vector
+from pas.blending.refining import refined
 from pas.blending.space import Space
 from pas.errors import InfeasibleError, NoSolutionError
 from pas.fairing.basis import orthonormal, to_doubles
@@ -169,11 +170,47 @@ def least_squares(
     # singular values, not eigenvalues: small quotients keep their digits
     _, singular, right = svd(np.linalg.solve(triangular.T, scaled.T).T, full_matrices=True)
     last = np.linalg.solve(triangular, right[-1])
-    coefficients = last @ to_doubles(change)
+    smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
+    sharp = _refined(space, points, given, change, last, by_gradient=by_gradient)
+    found, quotient = (last @ to_doubles(change), smallest**2) if sharp is None else sharp
+    coefficients = np.asarray(found)
     significant = np.flatnonzero(np.abs(coefficients) > 1e-9 * np.abs(coefficients).max())
     coefficients = coefficients / coefficients[significant[-1]]
-    smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
-    return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, smallest**2)
+    return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, quotient)
+
+
+def _refined(
+    space: Space, points: Sequence[Any], weights: list[fmpq], change: fmpq_mat, start: Floats, *, by_gradient: bool
+) -> tuple[list[float], float] | None:
+    """The same without the rounding of doubles, and the quotient; None where the least one is not the only one."""
+    scales = [arb(w) for w in weights]
+    if by_gradient:
+        below, doubled = _gradients(space, points), [w for w in scales for _ in range(3)]
+    else:
+        rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
+        below, doubled = fmpq_mat(rows).transpose(), [arb(1)] * len(rows[0])
+    above, under = (change * m.transpose() for m in (space.values(points), below))
+    return refined(start, above, under, (scales, doubled), change)
+
+
+def _gradients(space: Space, points: Sequence[Any]) -> fmpq_mat:
+    """The exact gradients of the members at points, a row for each coordinate: (3 m, dimension)."""
+    rows = []
+    for i, point in enumerate(points):
+        piece, local = space.partition.place(vector(point, f"points[{i}]"), f"points[{i}]")
+        powers = [[c**e for e in range(space.degree + 1)] for c in local]
+        for axis in range(3):
+            column = [_slope(powers, e, axis) / space.partition.frame.scale for e in exponents(space.degree)]
+            rows += (space.patches[piece] * fmpq_mat(len(column), 1, column)).entries()
+    return fmpq_mat(3 * len(points), space.dimension, rows)
+
+
+def _slope(powers: list[list[fmpq]], exponent: Sequence[int], axis: int) -> fmpq:
+    """The derivative of a monomial along an axis, at a point with these powers of its coordinates."""
+    if not exponent[axis]:
+        return fmpq(0)
+    lowered = [e - (i == axis) for i, e in enumerate(exponent)]
+    return exponent[axis] * powers[0][lowered[0]] * powers[1][lowered[1]] * powers[2][lowered[2]]
 
 
 def _gradient_rows(space: Space, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:

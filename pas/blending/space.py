@@ -10,28 +10,29 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.latex import latex
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import rational, to_fraction, vector
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.fairing.functionals import Functional, value_at
-from pas.partition.cells import Partition
-from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
-from pas.surface.placed import PlacedContacts
+from pas.surface.placed import InPlace, PlacedContacts
 
 Member = tuple[Polynomial, ...]
 """A piecewise polynomial: one polynomial for each piece."""
+
+MemberLike: TypeAlias = "PolynomialLike | Sequence[PolynomialLike]"
+"""What is taken for one; a polynomial alone where there is one piece."""
 
 LATEX_MEMBERS = 4
 """Members that a notebook shows."""
 
 
-class Space:
+class Space(InPlace):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `placed` are the problem's contacts in place; `patches[p]` (dimension, C(n+3, 3)) holds the exact
@@ -54,21 +55,6 @@ class Space:
         self.degrees_tried = dict(degrees_tried or {degree: self.dimension})
 
     @property
-    def partition(self) -> Partition:
-        """The region and its pieces."""
-        return self.placed.partition
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that all members meet, in the user's coordinates."""
-        return self.placed.contacts
-
-    @property
-    def order(self) -> int:
-        """The k of GC^k."""
-        return self.placed.order
-
-    @property
     def dimension(self) -> int:
         """How many members are linearly independent."""
         return int(self.patches[0].nrows())
@@ -79,7 +65,7 @@ class Space:
         frame = self.partition.frame
         return tuple(tuple(map(frame.globalise, self._local_member(i))) for i in range(self.dimension))
 
-    def member(self, coefficients: Sequence[Any]) -> PiecewiseSurface:
+    def member(self, coefficients: Sequence[Exact]) -> PiecewiseSurface:
         """The surface `sum a_j basis_j`, exact; `coefficients` are `dimension` exact numbers."""
         if len(coefficients) != self.dimension:
             raise ValueError(f"coefficients must be {self.dimension} numbers, not {len(coefficients)}")
@@ -87,7 +73,7 @@ class Space:
         patches = [Polynomial.from_row((row * m).entries(), self.degree) for m in self.patches]
         return PiecewiseSurface.in_place(self.placed, patches, self.degree)
 
-    def coordinates(self, polynomials: Any) -> tuple[Fraction, ...]:
+    def coordinates(self, polynomials: MemberLike) -> tuple[Fraction, ...]:
         """The coefficients of a piecewise polynomial (one for each piece, user's coordinates).
 
         Raises `ValueError` where it is not a member of the space.
@@ -108,14 +94,14 @@ class Space:
             return False
         return all(member in other for member in self.basis)
 
-    def change_basis(self, members: Sequence[Sequence[Any]]) -> Self:
+    def change_basis(self, members: Sequence[Sequence[Exact]]) -> Self:
         """The same space, or a subspace, with the given members (coefficient rows) as its basis."""
         rows = [[rational(a, f"members[{i}]") for a in row] for i, row in enumerate(members)]
         if any(len(row) != self.dimension for row in rows):
             raise ValueError(f"members must be rows of {self.dimension} coefficients")
         return self.subspace(fmpq_mat(len(rows), self.dimension, [v for row in rows for v in row]))
 
-    def restricted(self, members: Sequence[Any]) -> Self:
+    def restricted(self, members: Sequence[MemberLike]) -> Self:
         """The span of members given as polynomials, one for each piece, with these as its basis."""
         return self.subspace(self._coordinate_rows(members))
 
@@ -127,13 +113,13 @@ class Space:
         plain = Space(self.placed, self.degree, patches)
         return type(self)(self.placed, self.degree, patches, plain.basis)
 
-    def through(self, points: Sequence[Any]) -> Self:
+    def through(self, points: Sequence[VectorLike]) -> Self:
         """The members that vanish at points (three exact numbers each; floats count as written)."""
         values = self.values(points)
         rows = [{j: v for j, v in enumerate(row) if v != 0} for row in values.tolist()]
         return self.subspace(nullspace(rows, self.dimension))
 
-    def values(self, points: Sequence[Any]) -> fmpq_mat:
+    def values(self, points: Sequence[VectorLike]) -> fmpq_mat:
         """Exact values of the basis members at points (three exact numbers each): (points, dimension)."""
         places = [
             value_at(self.partition, vector(p, f"points[{i}]"), self.degree, f"points[{i}]")
@@ -179,12 +165,12 @@ class Space:
         chosen = fmpq_mat(rank, rank, [row[j] for row in rows for j in pivots])
         return pivots, chosen.inv()
 
-    def _coordinate_rows(self, members: Sequence[Any]) -> fmpq_mat:
+    def _coordinate_rows(self, members: Sequence[MemberLike]) -> fmpq_mat:
         """Coefficient rows of members given as polynomials, checked."""
         frame = self.partition.frame
         targets: list[list[fmpq]] = []
         for member in members:
-            pieces = (member,) if isinstance(member, str | Polynomial) or not hasattr(member, "__len__") else member
+            pieces = member if isinstance(member, Sequence) and not isinstance(member, str) else (member,)
             if len(pieces) != len(self.patches):
                 raise ValueError(f"a member needs {len(self.patches)} polynomials, one for each piece")
             given = [Polynomial(p) for p in pieces]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -90,6 +90,19 @@ def face_names(parts: Sequence[Piece]) -> list[str]:
     """The names of all parts' faces, `part: face` where there are several parts."""
     single = len(parts) == 1
     return [name if single else f"{p.name}: {name}" for p in parts for name in p.mesh.names]
+
+
+def all_different(names: Iterable[str], between: str) -> list[str]:
+    """The names, those that have been before with a number, `between` before it; "unnamed" for empty ones."""
+    result: list[str] = []
+    for name in names:
+        base = word = name or "unnamed"
+        number = 1
+        while word in result:
+            number += 1
+            word = f"{base}{between}{number}"
+        result.append(word)
+    return result
 
 
 def repeated_colors(parts: Sequence[Piece], count: Callable[[Mesh], int]) -> Any:

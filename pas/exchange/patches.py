@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pas.exchange.formats.format import Content, Request
+from pas.parametric.domain import DomainLike
 from pas.parametric.patches import RationalPatch
 from pas.shape import kind_of
 
@@ -38,7 +39,7 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
     return found
 
 
-def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
+def _patches(item: Any, number: int, domain: DomainLike) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
         raise TypeError(

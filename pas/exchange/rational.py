@@ -27,7 +27,7 @@ QUARTER_TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 def ball_patches(center: VectorLike, radius: Exact) -> list[RationalPatch]:
-    """The sphere: eight biquadratic octants; the poles are on the z axis.
+    """The sphere: eight biquadratic octants; the poles are on the z axis.  Lengths are in the model's units.
 
     Raises `ValueError` for a radius that is not positive.
     """
@@ -41,7 +41,7 @@ def cone_patches(
 ) -> list[RationalPatch]:
     """The cone (or cylinder) around a segment: four quarters, of degree 2 around and 1 along it.
 
-    With `ends` also the quarters of its flat ends.
+    With `ends` also the quarters of its flat ends.  Lengths are in the model's units.
 
     Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
@@ -62,7 +62,7 @@ def cone_patches(
 
 
 def cylinder_patches(start: VectorLike, end: VectorLike, radius: Exact, *, ends: bool = True) -> list[RationalPatch]:
-    """The cylinder around a segment; see `cone_patches`.
+    """The cylinder around a segment; see `cone_patches`.  Lengths are in the model's units.
 
     Raises `ValueError` as that does.
     """
@@ -70,7 +70,7 @@ def cylinder_patches(start: VectorLike, end: VectorLike, radius: Exact, *, ends:
 
 
 def torus_patches(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact) -> list[RationalPatch]:
-    """The ring torus: sixteen biquadratic patches.
+    """The ring torus: sixteen biquadratic patches.  Lengths are in the model's units.
 
     Raises `ValueError` unless 0 < minor < major, and for a zero axis.
     """

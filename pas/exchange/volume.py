@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
+
+if TYPE_CHECKING:
+    import pyvista
 
 VOLUME_TOLERANCE = 0.02
 """By which the volume of the tetrahedra may be off, relative."""
@@ -103,7 +106,7 @@ class VolumeMesh:
         sums = np.bincount(self.regions, self.volumes, minlength=len(self.region_names))
         return dict(zip(self.region_names, sums.tolist(), strict=True))
 
-    def to_pyvista(self) -> Any:
+    def to_pyvista(self) -> pyvista.UnstructuredGrid:
         """A `pyvista.UnstructuredGrid` of the tetrahedra and after them the boundary triangles.
 
         `region` is -1 for triangles, `face` is -1 for tetrahedra.  The names are bytes, a line each (UTF-8),
@@ -142,7 +145,7 @@ def volume_mesh(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> VolumeMesh:
-    """Fill a solid, a closed mesh or each part of an assembly with tetrahedra.
+    """Fill a solid, a closed mesh or each part of an assembly with tetrahedra (fTetWild: Hu et al. 2020).
 
     `edge_length` (the model's units) is aimed at where the surface does not ask for less, by default a
     twentieth of the diagonal of the part's box; `VolumeSettings(coarsen=True)` gives larger tetrahedra.

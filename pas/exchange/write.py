@@ -23,11 +23,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.limits import Report, limited
+from pas.parametric.domain import DomainLike
+from pas.shape import Shape
+
+if TYPE_CHECKING:
+    from pas.exchange.volume import VolumeMesh
+
+Writable: TypeAlias = "Shape | VolumeMesh | Sequence[Shape]"
+"""What can be written, each in the formats that hold such."""
 
 CLOSED = {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"}
 """Formats for closed bodies only, and what to do for a surface."""
@@ -35,11 +43,11 @@ CLOSED = {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"}
 
 @limited("writing a file", "a coarser tolerance")
 def write(
-    thing: Any,
+    thing: Writable,
     path: str | Path,
     *,
     tolerance: float | None = None,
-    domain: Any = None,
+    domain: DomainLike = None,
     unit: str = "millimeter",
     sew: float | None = None,
     seconds: float | None = None,
@@ -49,8 +57,9 @@ def write(
 
     The suffix says how (see `pas.exchange.formats.FORMATS`): triangles are those of the shape's `mesh(tolerance)`, a
     parametric surface's over `domain`; .step has the exact patches of surfaces and blends that have them, joined
-    where they are within the distance `sew`; .vtu the cells of a piecewise surface, .vtu and .msh the tetrahedra
-    of a volume mesh, or such as fill a solid.  `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
+    where they are within the distance `sew` (the model's units, as of `tolerance`); .vtu the cells of a piecewise
+    surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
+    `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
 
     Raises `ValueError` for another suffix or unit, a folder that does not exist and options that say nothing of such
     files, `TypeError` for what no such file holds, `MissingLibraryError` where a package for the format is absent,
@@ -65,7 +74,7 @@ def check_suffix(path: str | Path) -> str:
     return target(path, tuple(FORMATS), "a shape")
 
 
-def _written(thing: Any, path: str | Path, **options: Any) -> Path:
+def _written(thing: Writable, path: str | Path, **options: Any) -> Path:
     place = Path(path)
     format_ = FORMATS[place.suffix.lower()]
     request = Request(place.stem, **options)
@@ -78,15 +87,18 @@ def _written(thing: Any, path: str | Path, **options: Any) -> Path:
 
 @limited("writing a mesh", "a coarser tolerance")
 def write_mesh(
-    shape: Any,
+    shape: Shape | Sequence[Shape],
     path: str | Path,
     *,
-    tolerance: Any = None,
-    domain: Any = None,
+    tolerance: float | None = None,
+    domain: DomainLike = None,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of surfaces and meshes; returns the path."""
+    """`write` for triangles of surfaces and meshes within `tolerance` (the model's units); returns the path.
+
+    Raises what that raises.
+    """
     check_mesh_suffix(path)
     return _written(shape, path, tolerance=tolerance, domain=domain)
 
@@ -98,7 +110,7 @@ def check_mesh_suffix(path: str | Path) -> str:
 
 @limited("writing a solid", "a coarser tolerance")
 def write_solid(
-    shape: Any,
+    shape: Shape | Sequence[Shape],
     path: str | Path,
     *,
     tolerance: float | None = None,
@@ -106,17 +118,20 @@ def write_solid(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes; returns the path, and raises what that raises."""
+    """`write` for triangles of solids, assemblies and their meshes within `tolerance` (the model's units).
+
+    Returns the path, and raises what that raises.
+    """
     target(path, suffixes_of("triangles"), "a solid")
     return _written(shape, path, tolerance=tolerance, unit=unit)
 
 
 @limited("writing a STEP file", "fewer patches")
 def write_step(
-    patches: Any | Sequence[Any],
+    patches: Shape | Sequence[Shape],
     path: str | Path,
     *,
-    domain: Any = None,
+    domain: DomainLike = None,
     sew: float | None = None,
     unit: str = "millimeter",
     seconds: float | None = None,
@@ -126,7 +141,7 @@ def write_step(
 
     A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
     `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
-    within that distance are joined to shells, and a shell that is closed becomes a solid.
+    within that distance (the model's units) are joined to shells, and a shell that is closed becomes a solid.
 
     Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
     exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch
@@ -136,7 +151,7 @@ def write_step(
     return _written(patches, path, domain=domain, sew=sew, unit=unit)
 
 
-def write_cells(surface: Any, path: str | Path) -> Path:
+def write_cells(surface: Shape, path: str | Path) -> Path:
     """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
 
     The arrays are those of `pas.exchange.cell_grid.cell_grid`.  Raises what `write` raises.
@@ -145,7 +160,7 @@ def write_cells(surface: Any, path: str | Path) -> Path:
     return _written(surface, path)
 
 
-def write_volume(mesh: Any, path: str | Path) -> Path:
+def write_volume(mesh: VolumeMesh, path: str | Path) -> Path:
     """`write` for tetrahedra with their boundary; returns the path."""
     target(path, (".vtu", ".msh"), "tetrahedra")
     return _written(mesh, path)

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.callables import plain
@@ -31,8 +32,8 @@ from pas.generatrix.checks import closes, refuse_both
 from pas.generatrix.exact_blend import exact_components, why_inexact
 from pas.generatrix.frames import Frames, bernstein_at, connectivity
 from pas.generatrix.lengths import with_lengths
-from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.space import NAMES, space_curve, value_at
+from pas.generatrix.shape import GeneratrixShape, ShapeLike
+from pas.generatrix.space import NAMES, CurveLike, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -101,7 +102,7 @@ class GeneratrixBlend(Shape):
         """The degree of the generatrices."""
         return self.frames.degree
 
-    def control_points(self, s: Any) -> Floats:
+    def control_points(self, s: ArrayLike) -> Floats:
         """The control points of the generatrices at `s` (...): (..., 4, 3), with a middle curve (..., 5, 3)."""
         array = np.asarray(s, dtype=float)
         _require_unit("s", array)
@@ -154,7 +155,7 @@ class GeneratrixBlend(Shape):
         triangles = connectivity((n, m), self.closed, self.frames.inward)
         return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
 
-    def with_shape(self, **changes: Any) -> GeneratrixBlend:
+    def with_shape(self, **changes: ShapeLike | CurveLike | None) -> GeneratrixBlend:
         """The same blend with some of l1, l2, lambda1, lambda2, middle replaced; cheap unless middle is.
 
         Raises `ValueError` as `GeneratrixShape` does.
@@ -233,7 +234,7 @@ class GeneratrixBlend(Shape):
             return tuple(np.moveaxis(at(0, 0), -1, 0))
         return tuple(composed(lambda i, j, axis=axis: at(i, j)[..., axis], s, t) for axis in range(3))  # type: ignore[misc]
 
-    def _derivative(self, s: Any, t: Any, first: int, second: int) -> Floats:
+    def _derivative(self, s: ArrayLike, t: ArrayLike, first: int, second: int) -> Floats:
         """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""
         u, v = np.asarray(s, dtype=float), np.asarray(t, dtype=float)
         controls = np.moveaxis(self._controls(u.ravel(), first), 0, -2).reshape(*u.shape, -1, 3)

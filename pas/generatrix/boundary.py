@@ -15,18 +15,20 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Exact
 from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
 from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
 from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
 from pas.generatrix.quadric import within_reach
-from pas.generatrix.space import NAMES, read_path, value_at
+from pas.generatrix.space import NAMES, CurveLike, read_path, value_at
 from pas.parametric.curves import SurfaceCurve
 from pas.parametric.series import composed
 from pas.parametric.surface import ParametricSurface
@@ -94,10 +96,10 @@ class Boundary:
     @classmethod
     def along(
         cls,
-        curve: Any,
-        normal: Any = None,
-        tangent: Any = None,
-        interval: Sequence[Any] = (0, 1),
+        curve: CurveLike,
+        normal: CurveLike | None = None,
+        tangent: CurveLike | None = None,
+        interval: Sequence[Exact] = (0, 1),
         closed: bool | None = None,
         name: str = "the boundary",
         side: int | None = None,
@@ -107,9 +109,9 @@ class Boundary:
         Each of the three is a triple of expressions in s, or one callable from (n,) to (n, 3); `interval` is that
         of s.  `closed` None: as it is found to be.
         """
-        if (normal is None) == (tangent is None):
-            raise ValueError(f"{name}: give exactly one of normal and tangent")
         given = normal if tangent is None else tangent
+        if given is None or (normal is not None and tangent is not None):
+            raise ValueError(f"{name}: give exactly one of normal and tangent")
         path, vectors = read_path(curve, interval, name), read_path(given, interval, f"{name}, its vectors")
         exact = None
         if path.is_exact and vectors.is_exact:
@@ -119,9 +121,9 @@ class Boundary:
     @classmethod
     def on_implicit(
         cls,
-        polynomial: Any,
-        curve: Any,
-        interval: Sequence[Any] = (0, 1),
+        polynomial: PolynomialLike,
+        curve: CurveLike,
+        interval: Sequence[Exact] = (0, 1),
         closed: bool | None = None,
         name: str | None = None,
         side: int | None = None,
@@ -147,7 +149,7 @@ class Boundary:
     def on_parametric(
         cls,
         curve: SurfaceCurve,
-        interval: Sequence[Any] = (0, 1),
+        interval: Sequence[Exact] = (0, 1),
         closed: bool | None = None,
         name: str = "the boundary on a parametric surface",
         side: int | None = None,
@@ -187,8 +189,8 @@ class Boundary:
     @classmethod
     def from_points(
         cls,
-        points: Any,
-        normals: Any,
+        points: ArrayLike,
+        normals: ArrayLike,
         closed: bool = False,
         name: str = "the sampled boundary",
         side: int | None = None,
@@ -203,30 +205,30 @@ class Boundary:
         curve, velocity, direction = splined(points, normals, closed, name)
         return cls(curve, velocity, direction, True, closed, name, None, side)
 
-    def own(self, s: Any) -> Floats:
+    def own(self, s: ArrayLike) -> Floats:
         """The curve's own parameters at the blend's `s` (...)."""
         values = np.asarray(s, dtype=float)
         moved = self.phase - values if self.backwards else self.phase + values
         return moved % 1.0 if self.closed else np.clip(moved, 0.0, 1.0)
 
-    def __call__(self, s: Any) -> Floats:
+    def __call__(self, s: ArrayLike) -> Floats:
         """Points at `s` (...): (..., 3)."""
         return self._shaped(self.curve, s)
 
-    def derivative(self, s: Any) -> Floats:
+    def derivative(self, s: ArrayLike) -> Floats:
         """C'(s) at `s` (...): (..., 3)."""
         return self._shaped(self.velocity, s) * (-1.0 if self.backwards else 1.0)
 
-    def field(self, s: Any) -> Floats:
+    def field(self, s: ArrayLike) -> Floats:
         """N(s) or V(s) as given, at `s` (...): (..., 3)."""
         return self._shaped(self.direction, s)
 
-    def normals(self, s: Any) -> Floats:
+    def normals(self, s: ArrayLike) -> Floats:
         """Unit normals of the surface at `s` (...): (..., 3)."""
         given = self.field(s)
         return unit(given if self.has_normal else np.cross(given, self._shaped(self.velocity, s)))
 
-    def across(self, s: Any) -> Floats:
+    def across(self, s: ArrayLike) -> Floats:
         """Tangent vectors across the curve, N x C' or V, at `s` (...): (..., 3); not unit vectors.
 
         They do not turn over with the direction of the curve.
@@ -264,7 +266,7 @@ class Boundary:
             source=None if self.source is None else {**self.source, "by_length": True},
         )
 
-    def _shaped(self, function: Curve, s: Any) -> Floats:
+    def _shaped(self, function: Curve, s: ArrayLike) -> Floats:
         own = self.own(s)
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
 

@@ -13,15 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Exact
 from pas.errors import GeometryError
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.exact import on_unit_interval
@@ -101,7 +102,7 @@ class QuadricBranch:
         """Whether the branch is a closed curve in space (none of it at infinity)."""
         return not self.poles
 
-    def __call__(self, s: Any) -> Floats:
+    def __call__(self, s: ArrayLike) -> Floats:
         """Points at `s` (...): (..., 3); infinite or nan at poles."""
         array = np.asarray(s, dtype=float)
         return np.asarray(self.local(array.ravel()) + self.pair.offset).reshape(*array.shape, 3)
@@ -117,7 +118,7 @@ class QuadricBranch:
         assert self.rulings is not None
         return self.rulings.points(angle, root)
 
-    def derivative(self, s: Any) -> Floats:
+    def derivative(self, s: ArrayLike) -> Floats:
         """C'(s) at `s` (...): (..., 3): along the product of the gradients, its length by differences."""
         array = np.asarray(s, dtype=float)
         flat = array.ravel()
@@ -133,7 +134,7 @@ class QuadricBranch:
         return np.asarray(speed * along).reshape(*array.shape, 3)
 
     def on(
-        self, number: int, interval: Sequence[Any] | None = None, name: str | None = None, side: int | None = None
+        self, number: int, interval: Sequence[Exact] | None = None, name: str | None = None, side: int | None = None
     ) -> Boundary:
         """The branch as a boundary on quadric `number` (0 or 1) of the two.
 
@@ -201,7 +202,7 @@ class QuadricBranch:
         return f"a {kind} branch of {first.polynomial} = 0 and {second.polynomial} = 0"
 
 
-def trigonometric(coefficients: Any, angle: Floats) -> Floats:
+def trigonometric(coefficients: np.ndarray, angle: Floats) -> Floats:
     """The real value of sum_k c_k e^(i(k - n/2)a), n the greatest k."""
     n = len(coefficients) - 1
     value = np.polynomial.polynomial.polyval(np.exp(1j * angle), coefficients)

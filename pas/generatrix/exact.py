@@ -6,19 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isqrt
-from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import rational, to_float
+from pas.algebra.rational import Exact, rational, to_float
 from pas.algebra.rational_function import GENERATORS, RationalFunction, total
 from pas.errors import GeometryError
 from pas.parametric.components import Components
 from pas.parametric.roots import roots_between
 
 
-def on_unit_interval(interval: Sequence[Any], name: str) -> tuple[tuple[float, float], RationalFunction]:
+def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float, float], RationalFunction]:
     """The ends of an interval of s, and the map low + (high - low) s; raises `ValueError` for a bad one."""
     if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
         raise ValueError(f"the interval of {name} must be two numbers (low, high), not {shown(interval)}")

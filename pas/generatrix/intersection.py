@@ -43,8 +43,10 @@ def quadric_intersection(
 ) -> tuple[QuadricBranch, ...]:
     """All branches of the intersection of two quadrics, given by polynomials of degree two in any position.
 
-    Closed branches first.  Raises `GeometryError` where they do not meet, meet in single points only, have a
-    straight line or a surface in common, or where branches touch or cross (and where).
+    Closed branches first; they follow the lines of a ruled quadric of the pencil (Levin 1976).
+
+    Raises `GeometryError` where they do not meet, meet in single points only, have a straight line or a surface in
+    common, or where branches touch or cross (and where).
     """
     given = Quadric(first, "first"), Quadric(second, "second")
     for quadric, name in zip(given, ("first", "second"), strict=True):

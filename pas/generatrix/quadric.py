@@ -20,7 +20,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, rational, to_float, to_fraction
 
 Inertia = tuple[int, int]
@@ -82,7 +82,7 @@ class Quadric:
 
     __repr__ = brief
 
-    def __init__(self, expression: Any, name: str = "the quadric") -> None:
+    def __init__(self, expression: PolynomialLike | Quadric, name: str = "the quadric") -> None:
         if isinstance(expression, Quadric):
             expression = expression.polynomial
         polynomial = Polynomial(expression)
@@ -138,7 +138,7 @@ def inertia(matrix: fmpq_mat) -> Inertia:
     return positive, int(matrix.rank()) - positive
 
 
-def read_plane(plane: Any, name: str = "the plane") -> tuple[Vector, fmpq]:
+def read_plane(plane: PolynomialLike, name: str = "the plane") -> tuple[Vector, fmpq]:
     """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1".
 
     The greatest entry of the normal is within `REACH`.

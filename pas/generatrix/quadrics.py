@@ -153,6 +153,8 @@ def blend_through_sphere(
 ) -> SphereBlend:
     """Blend n >= 2 surfaces, each from its closed boundary to a circle on the sphere in the middle.
 
+    `center` and `radius` are those of the sphere, in the model's units.
+
     The circles stand towards the boundaries' middles.  Their half-angles (radians) are `angles`, or chosen: as wide
     as the boundary, at most 0.8 of half the angle to the next and 60 degrees.
 

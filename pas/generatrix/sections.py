@@ -109,6 +109,8 @@ def plane_section(
 ) -> Boundary:
     """The conic in which a plane cuts a quadric, as a boundary of a blend.
 
+    Which conic it is is decided exactly (Salmon 1862).
+
     `quadric` and `plane` are polynomials (or strings) of degree two and one.  An open conic needs `interval`,
     that of u (module docstring; for a parabola the length along the tangent at its vertex), and a hyperbola the
     `branch`, 1 or -1.  `side` is that of `Boundary`.

@@ -9,17 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_poly
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import WIDEST, short, shown
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.generatrix.exact import zeros_in_unit_interval
+from pas.generatrix.space import CurveLike
 from pas.parametric.series import univariate
 
 MANY = 24
@@ -47,12 +49,12 @@ class ShapeFunction:
             raise ValueError(f"shape values must not be above 1e{WIDEST}, which cannot be evaluated in floating point")
 
     @classmethod
-    def constant(cls, value: Any) -> ShapeFunction:
+    def constant(cls, value: Exact) -> ShapeFunction:
         """The same value everywhere."""
         return cls((to_fraction(rational(value, "the shape value")),))
 
     @classmethod
-    def through(cls, pairs: Sequence[Sequence[Any]]) -> ShapeFunction:
+    def through(cls, pairs: Sequence[Sequence[Exact]]) -> ShapeFunction:
         """The polynomial of least degree through data pairs (s, value), s distinct in [0, 1]."""
         read = [tuple(rational(x, f"pairs[{i}]") for x in pair) for i, pair in enumerate(pairs)]
         if not read or any(len(pair) != 2 for pair in read):
@@ -72,7 +74,7 @@ class ShapeFunction:
         return cls(tuple(to_fraction(c) for c in result.coeffs()) or (Fraction(0),))
 
     @classmethod
-    def cosine(cls, low: Any, high: Any, start: Any = 0) -> ShapeFunction:
+    def cosine(cls, low: Exact, high: Exact, start: Exact = 0) -> ShapeFunction:
         """For closed curves: `low` at s = `start`, `high` half a turn on, and periodic."""
         parts = zip((low, high, start), ("low", "high", "start"), strict=True)
         a, b, c = (to_float(rational(value, name)) for value, name in parts)
@@ -84,7 +86,7 @@ class ShapeFunction:
             return ShapeFunction(wave=(factor * self.wave[0], factor * self.wave[1], self.wave[2]))
         return ShapeFunction(tuple(c * Fraction(factor) for c in self.coefficients))
 
-    def __call__(self, s: Any, order: int = 0) -> Floats:
+    def __call__(self, s: ArrayLike, order: int = 0) -> Floats:
         """Values at `s`, or derivatives of an order."""
         array = np.asarray(s, dtype=float)
         if self.wave is not None:
@@ -147,6 +149,10 @@ class ShapeFunction:
             raise ValueError(f"{what} is {told}{place}; {remedy}")
 
 
+ShapeLike: TypeAlias = ShapeFunction | Exact
+"""What is taken for a shape function."""
+
+
 @dataclass(frozen=True, init=False)
 class GeneratrixShape:
     """What shapes a blend: lengths `l1`, `l2` of the control legs, slants `lambda1`, `lambda2`, a `middle` curve.
@@ -161,11 +167,18 @@ class GeneratrixShape:
     l2: ShapeFunction | None
     lambda1: ShapeFunction
     lambda2: ShapeFunction
-    middle: Any
+    middle: CurveLike | None
 
     __repr__ = brief
 
-    def __init__(self, l1: Any = None, l2: Any = None, lambda1: Any = 0, lambda2: Any = 0, middle: Any = None) -> None:
+    def __init__(
+        self,
+        l1: ShapeLike | None = None,
+        l2: ShapeLike | None = None,
+        lambda1: ShapeLike = 0,
+        lambda2: ShapeLike = 0,
+        middle: CurveLike | None = None,
+    ) -> None:
         for name, value in (("l1", l1), ("l2", l2)):
             made = None if value is None else _function(value)
             if made is not None:
@@ -188,7 +201,7 @@ class GeneratrixShape:
         """Both slants."""
         return self.lambda1, self.lambda2
 
-    def changed(self, **changes: Any) -> GeneratrixShape:
+    def changed(self, **changes: ShapeLike | CurveLike | None) -> GeneratrixShape:
         """The same with some of the five replaced."""
         names = ("l1", "l2", "lambda1", "lambda2", "middle")
         strange = sorted(set(changes) - set(names))
@@ -207,5 +220,5 @@ class GeneratrixShape:
                 )
 
 
-def _function(value: Any) -> ShapeFunction:
+def _function(value: ShapeLike) -> ShapeFunction:
     return value if isinstance(value, ShapeFunction) else ShapeFunction.constant(value)

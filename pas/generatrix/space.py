@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from pas.algebra.callables import component
+from pas.algebra.callables import ComponentLike, component
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
+from pas.algebra.rational import Exact
 from pas.algebra.rational_function import RationalFunction
 from pas.generatrix.exact import on_unit_interval
 from pas.parametric.surface import ParametricSurface
 
 NAMES: Names = ("s", "t")
 
+CurveLike: TypeAlias = "ParametricSurface | Sequence[ComponentLike] | Callable[[Floats], ArrayLike]"
+"""What is taken for vectors along a curve: three expressions in s, or a callable from (n,) to (n, 3)."""
 
-def space_curve(expression: Any, name: str) -> ParametricSurface:
+
+def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
     if isinstance(expression, ParametricSurface):
         return expression
@@ -35,7 +40,7 @@ def space_curve(expression: Any, name: str) -> ParametricSurface:
     return ParametricSurface(parts[0], parts[1], parts[2], NAMES)
 
 
-def read_path(curve: Any, interval: Sequence[Any], name: str) -> ParametricSurface:
+def read_path(curve: CurveLike, interval: Sequence[Exact], name: str) -> ParametricSurface:
     """A curve as a surface in (s, t), t without influence, over 0 <= s <= 1."""
     (low, high), line = on_unit_interval(interval, name)
     path = space_curve(curve, name)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.lengths import lengths as vector_lengths
 from pas.algebra.lengths import unit
@@ -17,7 +17,7 @@ LENGTHS = 1024
 """Pieces of a curve whose lengths are summed."""
 
 
-def splined(points: Any, normals: Any, closed: bool, name: str) -> tuple[Callable[[Floats], Floats], ...]:
+def splined(points: ArrayLike, normals: ArrayLike, closed: bool, name: str) -> tuple[Callable[[Floats], Floats], ...]:
     """C, C' and N as functions of s in [0, 1]: periodic or natural cubic splines over the chords' lengths.
 
     The interpolated normals are made perpendicular to C', which changes them between the samples, and at a
@@ -29,12 +29,13 @@ def splined(points: Any, normals: Any, closed: bool, name: str) -> tuple[Callabl
     p, n = (_array(a, what, name) for a, what in ((points, "points"), (normals, "normals")))
     if len(p) != len(n):
         raise ValueError(f"{name} has {len(p)} points but {len(n)} normals; give one for each")
+    number = len(p)
     if closed:
         p, n = np.concatenate([p, p[:1]]), np.concatenate([n, n[:1]])
     chords = vector_lengths(np.diff(p, axis=0))
     if not chords.min() > 1e-12 * chords.max():
         where = int(chords.argmin())
-        raise GeometryError(f"{name}: points {where} and {(where + 1) % len(points)} coincide; leave one out")
+        raise GeometryError(f"{name}: points {where} and {(where + 1) % number} coincide; leave one out")
     sizes = vector_lengths(n)
     if not sizes.min() > 0:
         raise GeometryError(f"{name}: normal {int(sizes.argmin())} is zero")
@@ -71,7 +72,7 @@ def by_length(speed: Callable[[Floats], Floats], closed: bool) -> tuple[Callable
     return lambda s: s + inverse(s), lambda s: 1.0 + slope(s)
 
 
-def _array(values: Any, what: str, name: str) -> Floats:
+def _array(values: ArrayLike, what: str, name: str) -> Floats:
     array = np.asarray(values, dtype=float)
     if array.ndim != 2 or array.shape[1] != 3 or len(array) < FEWEST:
         raise ValueError(f"{what} of {name} must have shape (n, 3) with n >= {FEWEST}, not {array.shape}")

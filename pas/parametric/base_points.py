@@ -32,7 +32,7 @@ class BasePoint:
 
 
 def base_points(surface: ParametricSurface) -> tuple[BasePoint, ...]:
-    """The base points of an exact surface in its domain, by component.
+    """The base points of an exact surface in its domain, by component (resultants: Cox, Little and O'Shea 2015).
 
     Near one the surface has no limit, whatever a blend does.  Raises `ValueError` for a surface that is not exact.
     """

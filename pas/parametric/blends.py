@@ -27,6 +27,7 @@ from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
+from pas.parametric.domain import DomainLike
 from pas.parametric.evaluation import hermite_values
 from pas.parametric.interpolation import exact_hermite
 from pas.parametric.meshing import mesh_surface
@@ -79,7 +80,12 @@ class ParametricBlend(Shape):
 
     @limited("proving a blend", "less effort or a smaller domain")
     def prove(
-        self, domain: Any = None, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        domain: DomainLike = None,
+        effort: int = 20_000,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> ParametricCertificate:
         """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
 
@@ -96,7 +102,12 @@ class ParametricBlend(Shape):
 
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
-        self, tolerance: Any = None, domain: Any = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        domain: DomainLike = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain)
@@ -110,7 +121,7 @@ class ParametricBlend(Shape):
 def hermite_blend(
     data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None
 ) -> ParametricBlend:
-    """The Hermite blend: polynomial in h of degree at most n(k+1) - 1.
+    """The Hermite blend: polynomial in h of degree at most n(k+1) - 1 (Perez-Diaz and Sendra 2003, algorithm 1).
 
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
     only be evaluated.  Raises `TypeError` or `ValueError` for other data or a negative order.
@@ -134,6 +145,8 @@ def weighted_blend(
     progress: Report | None = None,
 ) -> ParametricBlend:
     """The blend sum f_i P_i; `balance`, `normalized` and `exponent` are those of `Weights`.
+
+    Source: Hartmann (2001) for two surfaces, Perez-Diaz and Sendra (2003, algorithm 2) for more.
 
     Raises `GeometryError` where a surface is not defined at the value of another (then the order of
     contact is lost there) or a weight has a pole between the values, `ValueError` for a bad balance.

@@ -39,7 +39,7 @@ def bezier_patch(surface: ParametricSurface, domain: DomainLike = None) -> Ratio
 
     `domain` is by default the surface's own, None for an interval or an end that is its own.  Raises `ValueError` for a
     surface that is not exact or an infinite domain, `GeometryError` where a weight is not positive: then
-    `bezier_patches` gives several patches, if there is no pole.
+    `bezier_patches` gives several patches, if there is no pole (Farouki and Rajan 1988).
     """
     net = exact_net(surface, exact_rectangle(surface, domain))
     least = min(w for row in net.below for w in row)
@@ -59,6 +59,8 @@ def bezier_patches(
     progress: Report | None = None,
 ) -> tuple[RationalPatch, ...]:
     """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
+
+    The rectangle is halved until all weights are positive (Farouki and Rajan 1988).
 
     Raises what `bezier_patch` raises, but `GeometryError` only for a pole.
     """

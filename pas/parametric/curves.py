@@ -6,15 +6,15 @@ curve and the direction across the curve in the tangent plane, which is what a b
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
-from pas.algebra.callables import component
-from pas.algebra.expressions import Names
+from pas.algebra.callables import ComponentLike, component
+from pas.algebra.expressions import Formula, Names
 from pas.algebra.inputs import check_derivative, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
@@ -35,12 +35,12 @@ class SurfaceCurve:
 
     surface: ParametricSurface
     parameter: str
-    path: tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]
+    path: tuple[Formula, Formula]
     exact_path: tuple[RationalFunction, RationalFunction] | None
 
     __repr__ = brief
 
-    def __init__(self, surface: ParametricSurface, t: Any, h: Any, parameter: str = "s") -> None:
+    def __init__(self, surface: ParametricSurface, t: ComponentLike, h: ComponentLike, parameter: str = "s") -> None:
         if not isinstance(surface, ParametricSurface):
             raise TypeError(f"surface must be a ParametricSurface, not {shown(surface)}")
         if not isinstance(parameter, str) or not parameter.isidentifier():
@@ -61,16 +61,16 @@ class SurfaceCurve:
         x, y, z = (c.substitute(*self.exact_path) for c in self.surface.components)
         return x, y, z
 
-    def parameters(self, s: Any) -> Floats:
+    def parameters(self, s: ArrayLike) -> Floats:
         """The surface's parameters (t, h) at `s` (...): shape (..., 2)."""
         array = np.asarray(s, dtype=float)
         return np.stack([np.broadcast_to(f(array, 0.0), array.shape) for f in self.path], axis=-1)
 
-    def __call__(self, s: Any) -> Floats:
+    def __call__(self, s: ArrayLike) -> Floats:
         """Points at `s` (...): shape (..., 3).  Raises `ValueError` outside the surface's domain."""
         return self.surface(self.parameters(s))
 
-    def derivative(self, s: Any, order: int = 1) -> Floats:
+    def derivative(self, s: ArrayLike, order: int = 1) -> Floats:
         """The derivative of the points of this order at `s` (...): shape (..., 3)."""
         check_derivative(order, "order")
         array = np.asarray(s, dtype=float)
@@ -82,15 +82,15 @@ class SurfaceCurve:
         flat = np.zeros(array.shape)
         return np.stack([p.derivative(order, 0) if isinstance(p, Jet) else flat for p in parts], axis=-1)
 
-    def tangents(self, s: Any) -> Floats:
+    def tangents(self, s: ArrayLike) -> Floats:
         """Unit tangents at `s` (...): (..., 3); nan where the curve stops."""
         return unit(self.derivative(s))
 
-    def normals(self, s: Any) -> Floats:
+    def normals(self, s: ArrayLike) -> Floats:
         """The surface's unit normals along the curve at `s` (...): (..., 3)."""
         return self.surface.normals(self.parameters(s))
 
-    def across(self, s: Any) -> Floats:
+    def across(self, s: ArrayLike) -> Floats:
         """Unit vectors in the tangent plane across the curve, normal x tangent, at `s` (...): (..., 3)."""
         return unit(np.cross(self.normals(s), self.tangents(s)))
 

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import MOST_SURFACES, short, shown
-from pas.algebra.rational import plain, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.domain import Domain, ExactDomain, read_domain
@@ -85,7 +84,7 @@ class BlendingData:
 
     __repr__ = brief
 
-    def __init__(self, surfaces: Sequence[ParametricSurface], values: Sequence[Any] | None = None) -> None:
+    def __init__(self, surfaces: Sequence[ParametricSurface], values: Sequence[Exact] | None = None) -> None:
         items = tuple(surfaces)
         for i, item in enumerate(items):
             if not isinstance(item, ParametricSurface):

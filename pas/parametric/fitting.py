@@ -88,9 +88,10 @@ def fit_patch(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> FittedPatch:
-    """A bicubic B-spline nowhere further than `tolerance` from the surface (by default a thousandth of its extent).
+    """A bicubic B-spline nowhere further than `tolerance` (the model's units) from the surface.
 
-    For a blend, of its `surface`.  It interpolates at the Greville abscissae of uniform knots.
+    By default a thousandth of its extent.  For a blend, of its `surface`.  It interpolates at the Greville abscissae of
+    uniform knots (Farin 2002).
 
     Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
     """

@@ -12,20 +12,19 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import combinations
 from math import factorial, prod
-from typing import Any
 
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.inputs import check_order, short, shown
-from pas.algebra.rational import plain, rational, to_fraction
+from pas.algebra.rational import Exact, plain, rational, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.parametric.series import univariate
 
 
-def hermite_basis(values: Sequence[Any], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
+def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
     """The polynomials L[i][j] in h, i = 0..n-1, j = 0..order.
 
-    The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order.
+    The m-th derivative of L[i][j] at values[l] is 1 for (l, m) = (i, j), else 0, for m <= order (Spitzbart 1960).
     Raises `ValueError` for equal values or a negative order.
     """
     at, k = distinct(values), check_order(order)
@@ -38,10 +37,10 @@ def hermite_basis(values: Sequence[Any], order: int) -> tuple[tuple[RationalFunc
     )
 
 
-def hermite_determinant(values: Sequence[Any], order: int) -> Fraction:
+def hermite_determinant(values: Sequence[Exact], order: int) -> Fraction:
     """The determinant of the interpolation problem, in rows d^j/dh^j at values[i] (i outer, j inner).
 
-    `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so the problem has one solution.
+    `prod_j (j!)^n prod_{i<r} (s_r - s_i)^((k+1)^2)`, j = 0..k: not zero, so there is one solution (Spitzbart 1960).
 
     Raises `ValueError` for equal values or an order out of range.
     """
@@ -91,7 +90,7 @@ def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
     return [value for i, value in enumerate(values) if i != number]
 
 
-def distinct(values: Sequence[Any]) -> tuple[fmpq, ...]:
+def distinct(values: Sequence[Exact]) -> tuple[fmpq, ...]:
     """Exact values, checked to be at least one and distinct."""
     if isinstance(values, str) or not hasattr(values, "__len__") or len(values) == 0:
         raise TypeError(f"values must be a sequence of numbers, not {shown(values)}")

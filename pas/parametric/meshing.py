@@ -17,7 +17,7 @@ guaranteed: that the surface does not pass through itself.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
-from pas.parametric.domain import Domain
+from pas.parametric.domain import Domain, DomainLike
 from pas.parametric.framed import Framed
 from pas.parametric.nets import Nets, Rectangle, exact_net
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
@@ -67,7 +67,7 @@ ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
 
 
-def mesh_surface(surface: ParametricSurface, tolerance: Any = None, domain: Any = None) -> Mesh:
+def mesh_surface(surface: ParametricSurface, tolerance: float | None = None, domain: DomainLike = None) -> Mesh:
     """The mesh of a surface over its domain, or another; see `ParametricSurface.mesh`."""
     rectangle = exact_rectangle(surface, domain)
     framed = Framed.of(surface.with_domain(rectangle))
@@ -111,7 +111,7 @@ def _nets(framed: Framed, rectangle: Rectangle) -> Nets | None:
     return exact.rounded(framed.unit) if sides[0] * sides[1] <= HIGHEST and max(sides) <= LONGEST else None
 
 
-def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
+def finite_domain(surface: ParametricSurface, domain: DomainLike = None) -> Domain:
     """The finite rectangle to mesh: `domain`, completed by the surface's own.
 
     An interval None, or an end None, is that of the surface.  Raises `ValueError` naming a parameter that has no
@@ -135,7 +135,7 @@ def finite_domain(surface: ParametricSurface, domain: Any = None) -> Domain:
     return result[0], result[1]
 
 
-def exact_rectangle(surface: ParametricSurface, domain: Any = None) -> Rectangle:
+def exact_rectangle(surface: ParametricSurface, domain: DomainLike = None) -> Rectangle:
     """The same in exact numbers, as they are given."""
     finite_domain(surface, domain)
     result = []

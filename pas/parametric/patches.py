@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.expressions import Names
@@ -40,9 +41,9 @@ Knots = tuple[Floats, Floats]
 class ExactControl:
     """Control points (m+1, n+1, 3), weights (m+1, n+1) and the rectangle's ends (2, 2) as arrays of fractions."""
 
-    points: Any
-    weights: Any
-    rectangle: Any
+    points: np.ndarray
+    weights: np.ndarray
+    rectangle: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,7 +84,9 @@ class RationalPatch(Shape):
         return self.surface().certificate
 
     @limited("meshing a surface", "a coarser tolerance")
-    def mesh(self, tolerance: Any = None, *, seconds: float | None = None, progress: Report | None = None) -> Mesh:
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
         """The patch's mesh; see `ParametricSurface.mesh`."""
         return self.surface().mesh(tolerance)
 
@@ -105,14 +108,14 @@ class RationalPatch(Shape):
         return (float(u[0]), float(u[-1])), (float(v[0]), float(v[-1]))
 
     @property
-    def control_points(self) -> Any:
+    def control_points(self) -> np.ndarray:
         """The control points (r, s, 3): fractions where they are exact, else doubles."""
         return self.points if self.exact is None else self.exact.points
 
-    def __call__(self, u: Any, v: Any) -> Floats:
+    def __call__(self, u: ArrayLike, v: ArrayLike) -> Floats:
         """Points (..., 3) at parameters within the knots that broadcast to (...)."""
-        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        four = self._homogeneous(u, v, (0, 0))
+        first, second = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        four = self._homogeneous(first, second, (0, 0))
         return np.asarray(four[..., :3] / four[..., 3:])
 
     def surface(self, parameters: Names = PARAMETERS) -> ParametricSurface:

@@ -38,13 +38,17 @@ def plane(
 def elliptic_cylinder(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 = 1: t goes round, h = z.
 
+    `a` and `b` are in the model's units; with `angle` t is the angle in radians.
+
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
     return _ringed(_positive(a=a, b=b), "1", "h", angle)
 
 
 def elliptic_cone(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
-    """x^2/a^2 + y^2/b^2 = z^2: t goes round, h = z; the normal vanishes at the apex h = 0.
+    """x^2/a^2 + y^2/b^2 = z^2: t goes round, h = z (the model's units); the normal vanishes at the apex h = 0.
+
+    `a` and `b` are lengths over lengths; with `angle` t is the angle in radians.
 
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
@@ -54,6 +58,8 @@ def elliptic_cone(a: Exact = 1, b: Exact = 1, angle: bool = False) -> Parametric
 def elliptic_paraboloid(a: Exact = 1, b: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 = z: t goes round, h = sqrt(z) >= 0; the normal vanishes at the vertex h = 0.
 
+    `a`^2 and `b`^2 are in the model's units; with `angle` t is the angle in radians.
+
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
     return _ringed(_positive(a=a, b=b), "h", "h^2", angle, (0, None))
@@ -62,7 +68,8 @@ def elliptic_paraboloid(a: Exact = 1, b: Exact = 1, angle: bool = False) -> Para
 def ellipsoid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 + z^2/c^2 = 1: t goes round, h from -1 (lower pole) to 1 (upper pole).
 
-    h is the tangent of half the latitude; the normal vanishes at the poles.
+    h is the tangent of half the latitude; the normal vanishes at the poles.  `a`, `b` and `c` are in the model's units;
+    with `angle` t is the angle in radians.
 
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
@@ -72,6 +79,8 @@ def ellipsoid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> 
 
 def one_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 - z^2/c^2 = 1, by its straight lines: t constant is one of them, h = z/c.
+
+    `a`, `b` and `c` are in the model's units; with `angle` t is the angle in radians.
 
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
@@ -85,7 +94,8 @@ def one_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool 
 def two_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> ParametricSurface:
     """x^2/a^2 + y^2/b^2 - z^2/c^2 = -1, the upper sheet: t goes round, h >= 1, z/c = (h + 1/h)/2.
 
-    The normal vanishes at the vertex h = 1.  The lower sheet is the mirror image: see `moved`.
+    The normal vanishes at the vertex h = 1.  The lower sheet is the mirror image: see `moved`.  `a`, `b` and `c` are in
+    the model's units; with `angle` t is the angle in radians.
 
     Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
     """
@@ -95,6 +105,8 @@ def two_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool 
 
 def torus(major: Exact = 2, minor: Exact = 1, angle: bool = False) -> ParametricSurface:
     """(sqrt(x^2 + y^2) - major)^2 + z^2 = minor^2: t goes round the axis, h round the tube.
+
+    `major` and `minor` are in the model's units; with `angle` t and h are angles in radians.
 
     Raises `ValueError` unless 0 < minor < major.
     """
@@ -107,7 +119,11 @@ def torus(major: Exact = 2, minor: Exact = 1, angle: bool = False) -> Parametric
 
 
 def helicoid(pitch: Exact = 1, start: Exact = 0) -> ParametricSurface:
-    """(h sin t, h cos t, start + pitch t): transcendental, so not exact; raises `ValueError` for pitch 0."""
+    """(h sin t, h cos t, start + pitch t): transcendental, so not exact.
+
+    t is the angle in radians, `pitch` the rise (the model's units) for each radian, `start` the height at t = 0.
+    Raises `ValueError` for pitch 0.
+    """
     p, s = rational(pitch, "pitch"), rational(start, "start")
     if p == 0:
         raise ValueError("pitch must not be 0; that would be a plane")
@@ -120,6 +136,7 @@ def surface_of_revolution(
     """The curve (radius(h), height(h)) turned about the z-axis: t goes round, h in `interval`.
 
     `radius` and `height` are strings, sympy expressions or numbers in h; rational ones keep it exact.
+    Their values are in the model's units; with `angle` t is the angle in radians.
 
     Raises `ValueError` or `TypeError` for what is no expression in h.
     """
@@ -140,6 +157,7 @@ def tube(
     `center`, `first` (e1) and `second` (e2) are triples of expressions in t, `radius` is one in t and h (strings, sympy
     expressions or numbers); rational ones keep it exact, cos and sin then being rational in h.  With unit vectors
     e1, e2 perpendicular to C' and each other it is a circular tube; that is not asked.  `domain` is that of t.
+    Lengths are in the model's units; with `angle` h is the angle in radians.
 
     Raises `ValueError` where one of the three is no triple of expressions.
     """

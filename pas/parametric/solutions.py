@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq_mpoly
+from flint import fmpq_mpoly, fmpq_poly
 
 from pas.algebra.brief import brief
-from pas.algebra.callables import component
+from pas.algebra.callables import ComponentLike, component
 from pas.algebra.inputs import short
 from pas.algebra.jets import power
 from pas.algebra.rational import plain, to_float
@@ -48,7 +48,7 @@ class ParametricSolutions:
         names = self.particular.parameters
         return RationalFunction.from_lowest_terms(univariate(self._blending, 1), ONE, names)
 
-    def member(self, x: Any, y: Any, z: Any) -> ParametricSurface:
+    def member(self, x: ComponentLike, y: ComponentLike, z: ComponentLike) -> ParametricSurface:
         """The blend for chosen R1, R2, R3: strings, sympy expressions, numbers (or callables).
 
         Raises `GeometryError` where one has a pole along a curve h = s_i, or is no polynomial where only
@@ -104,7 +104,7 @@ class ParametricSolutions:
         return f"T + W (R1, R2, R3) with W = {self.multiplier} and {kind} R"
 
     @cached_property
-    def _blending(self) -> Any:
+    def _blending(self) -> fmpq_poly:
         return blending_polynomial(self.data.values, self.order)
 
     def _pole(self, r: RationalFunction) -> str | None:

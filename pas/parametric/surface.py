@@ -11,7 +11,7 @@ injective or regular; `regularity` decides the latter for exact surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -22,7 +22,7 @@ from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import cut
-from pas.algebra.callables import Values, component, from_derivatives
+from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
@@ -30,7 +30,7 @@ from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, to_float, vector
-from pas.algebra.rational_function import PARAMETERS, FunctionLike, RationalFunction
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.components import Components, bundle_values, moved_text, text_of
 from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
@@ -74,12 +74,12 @@ class ParametricSurface(Shape):
 
     def __init__(
         self,
-        x: FunctionLike | Callable[..., ArrayLike],
-        y: FunctionLike | Callable[..., ArrayLike],
-        z: FunctionLike | Callable[..., ArrayLike],
+        x: ComponentLike,
+        y: ComponentLike,
+        z: ComponentLike,
         parameters: Names = PARAMETERS,
         domain: DomainLike = None,
-        derivatives: Mapping[tuple[int, int], Callable[[Any, Any], Any]] | None = None,
+        derivatives: Derivatives | None = None,
     ) -> None:
         names = _names(parameters)
         parts = [component(e, names, f"component {axis}") for e, axis in zip((x, y, z), "xyz", strict=True)]

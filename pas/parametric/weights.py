@@ -23,9 +23,10 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_poly
+from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whole
-from pas.algebra.jets import power
+from pas.algebra.jets import Jet, power
 from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.hermite import distinct
@@ -100,9 +101,10 @@ class Weights:
             found += [WeightPole(i, root, inner) for root, inner in known[key]]
         return tuple(found)
 
-    def __call__(self, h: Any) -> list[Any]:
-        """Values of all weights at an array or jet, from the factors as they stand."""
-        steps = [h - to_float(s) for s in self.values]
+    def __call__(self, h: ArrayLike) -> list[Any]:
+        """Values of all weights at an array, or jets at a jet, from the factors as they stand."""
+        at: Any = h if isinstance(h, Jet) else np.asarray(h, dtype=float)
+        steps = [at - to_float(s) for s in self.values]
         with np.errstate(all="ignore"):
             result = [self._weight(steps, i) for i in range(len(steps))]
             if not self.normalized:

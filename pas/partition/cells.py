@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, binary_exponent, cross, dot, plain, to_float, to_floats, vector
+from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, plain, to_float, to_floats, vector
 from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
@@ -75,9 +75,9 @@ class Partition:
 
     def __init__(
         self,
-        vertices: Sequence[Any],
+        vertices: Sequence[VectorLike],
         cells: Sequence[Sequence[int]],
-        center: Any = None,
+        center: VectorLike | None = None,
         pieces: Sequence[Sequence[int]] | None = None,
     ) -> None:
         self.vertices = tuple(vector(v, f"vertices[{i}]") for i, v in enumerate(vertices))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-from pas.algebra.rational import Vector, vector
+from pas.algebra.rational import Vector, VectorLike, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition, written
 
@@ -27,7 +27,9 @@ class SingleCell(Partition):
 
     name = "single cell"
 
-    def __init__(self, lower: Any = None, upper: Any = None, center: Any = None) -> None:
+    def __init__(
+        self, lower: VectorLike | None = None, upper: VectorLike | None = None, center: VectorLike | None = None
+    ) -> None:
         if (lower is None) != (upper is None):
             raise ValueError("a box needs both lower and upper (or neither: all of space)")
         self.box: tuple[Vector, Vector] | None = None

@@ -9,11 +9,11 @@ carry two interior faces each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, cross, dot, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition, written
 
@@ -42,7 +42,9 @@ class SixTetrahedra(Partition):
 
     name = "six tetrahedra"
 
-    def __init__(self, center: Any = (0, 0, 0), legs: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> None:
+    def __init__(
+        self, center: VectorLike = (0, 0, 0), legs: Sequence[VectorLike] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    ) -> None:
         origin = vector(center, "center")
         if isinstance(legs, str) or not hasattr(legs, "__len__") or len(legs) != 3:
             raise ValueError(f"legs must be three vectors, not {shown(legs)}")

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, rational, to_float, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational, to_float, vector
 from pas.solid.tree import Function
 
 LARGEST_DENOMINATOR = 10**9
@@ -78,19 +77,19 @@ IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 
-def translation(offset: Any) -> Affine:
+def translation(offset: VectorLike) -> Affine:
     """The map that adds `offset`."""
     return Affine(IDENTITY, vector(offset, "offset"))
 
 
-def about(matrix: tuple[Vector, Vector, Vector], center: Any) -> Affine:
+def about(matrix: tuple[Vector, Vector, Vector], center: VectorLike) -> Affine:
     """The linear map with `center` kept in place."""
     c = vector(center, "center")
     moved = tuple(a - dot(row, c) for a, row in zip(c, matrix, strict=True))
     return Affine(matrix, moved)  # type: ignore[arg-type]
 
 
-def rotation(axis: Any, degrees: Any, center: Any) -> Affine:
+def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
     """The rotation about an axis through `center`, exactly a rotation with rational entries.
 
     The angle is `degrees` to within rounding of a double; multiples of 90 degrees about axes of
@@ -117,7 +116,7 @@ def rotation(axis: Any, degrees: Any, center: Any) -> Affine:
     return about(tuple(tuple(c / n for c in row) for row in rows), center)  # type: ignore[arg-type]
 
 
-def scaling(factors: Any, center: Any) -> Affine:
+def scaling(factors: Exact | VectorLike, center: VectorLike) -> Affine:
     """Scaling by one number or three, all positive, with `center` kept in place."""
     three = vector(factors, "factors") if hasattr(factors, "__len__") and not isinstance(factors, str) else None
     if three is None:
@@ -129,7 +128,7 @@ def scaling(factors: Any, center: Any) -> Affine:
     return about(((three[0], zero, zero), (zero, three[1], zero), (zero, zero, three[2])), center)
 
 
-def reflection(normal: Any, center: Any) -> Affine:
+def reflection(normal: VectorLike, center: VectorLike) -> Affine:
     """The reflection in the plane through `center` with a normal (any nonzero rational vector)."""
     n = vector(normal, "normal")
     square = dot(n, n)

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief, listed
 from pas.algebra.monomials import Floats
@@ -94,7 +95,7 @@ class Assembly(Shape):
         }
         return Assembly(MappingProxyType(parts))
 
-    def contains(self, points: Any) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are in some part that is a solid, shape (...)."""
         solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
         return np.any([s.contains(points) for s in solids], axis=0)

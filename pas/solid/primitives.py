@@ -56,7 +56,7 @@ def box(lower: VectorLike, upper: VectorLike, face: str = "box") -> Solid:
 
 
 def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
-    """The ball of a radius about a centre.
+    """The ball of a radius about a centre, both in the model's units.
 
     Raises `ValueError` for a radius that is not positive.
     """
@@ -66,7 +66,7 @@ def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
 
 
 def cylinder(start: VectorLike, end: VectorLike, radius: Exact, face: str = "cylinder") -> Solid:
-    """The circular cylinder around the segment from start to end, with flat ends.
+    """The circular cylinder around the segment from start to end, with flat ends; lengths in the model's units.
 
     Raises `ValueError` for a radius that is not positive, and where both ends are the same point.
     """
@@ -76,7 +76,7 @@ def cylinder(start: VectorLike, end: VectorLike, radius: Exact, face: str = "cyl
 def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 0, face: str = "cone") -> Solid:
     """The cone, or truncated cone, around the segment from start to end, with flat ends.
 
-    `radius` is that at the start, `end_radius` that at the end; one of them may be 0 (an apex).
+    `radius` is that at the start, `end_radius` that at the end (the model's units); one may be 0 (an apex).
 
     Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
@@ -107,6 +107,8 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
 
 def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face: str = "torus") -> Solid:
     """The ring torus: points up to `minor` from the circle of radius `major` about a centre and axis.
+
+    Lengths are in the model's units.
 
     Raises `ValueError` unless 0 < minor < major, and for a zero axis.
     """

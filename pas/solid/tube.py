@@ -207,7 +207,7 @@ def tube(
     face: str = "tube",
     ends: str = "flat",
 ) -> Solid:
-    """The points up to `radius` from a curve: three formulas in t on an interval.
+    """The points up to `radius` (the model's units) from a curve: three formulas in t on an interval.
 
     `ends` are "flat" (faces "tube start" and "tube end") or "round"; a closed curve has none.  Raises
     `GeometryError` where the radius is not below the curve's radius of curvature or the curve stops, `ValueError` for a

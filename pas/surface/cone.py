@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 from flint import fmpq
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
-from pas.surface.contact import Contact
+from pas.algebra.rational import Exact, Vector, VectorLike, plain
+from pas.surface.circular import Circular
 
 
 @dataclass(frozen=True)
-class Cone:
+class Cone(Circular):
     """A circular cone, cut off by a plane normal to its axis: a `Pipe` whose radius grows along it.
 
     `radius` is that of the circle in the clip plane, which passes through `point + clip * axis`; the radius grows by
@@ -36,26 +34,7 @@ class Cone:
     def __init__(
         self, axis: VectorLike, radius: Exact, clip: Exact, slope: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
-        object.__setattr__(self, "axis", vector(axis, "axis"))
-        object.__setattr__(self, "radius", rational(radius, "radius"))
-        object.__setattr__(self, "clip", rational(clip, "clip"))
-        object.__setattr__(self, "slope", rational(slope, "slope"))
-        object.__setattr__(self, "point", vector(point, "point"))
-        if all(a == 0 for a in self.axis):
-            raise ValueError("axis must not be the zero vector")
-        if self.radius <= 0:
-            raise ValueError(f"radius must be positive, not {plain(self.radius)}")
-
-    @cached_property
-    def contact(self) -> Contact:
-        """The cone and its clip plane as polynomials."""
-        length2 = dot(self.axis, self.axis)
-        offset = [g - p for g, p in zip(GENERATORS, self.point, strict=True)]
-        along = sum((w * a for w, a in zip(offset, self.axis, strict=True)), GENERATORS[0] * 0) * (1 / length2)
-        radius = (along - self.clip) * self.slope + self.radius
-        surface = sum((w * w for w in offset), GENERATORS[0] * 0) - along * along * length2 - radius * radius
-        clip = (along - self.clip) * (1 if self.clip >= 0 else -1)
-        return Contact(Polynomial.from_raw(surface), Polynomial.from_raw(clip))
+        self.settle(axis, point, radius=radius, clip=clip, slope=slope)
 
     def __str__(self) -> str:
         axis, point = (", ".join(plain(c) for c in v) for v in (self.axis, self.point))

@@ -29,7 +29,7 @@ class Contact:
 
     __repr__ = brief
 
-    def __init__(self, surface: Any, clip: Any) -> None:
+    def __init__(self, surface: PolynomialLike, clip: PolynomialLike) -> None:
         object.__setattr__(self, "surface", _equation(surface, "surface"))
         object.__setattr__(self, "clip", _equation(clip, "clip"))
         common = self.surface.raw.gcd(self.clip.raw)
@@ -80,7 +80,7 @@ def as_contact(item: ContactLike, name: str = "contact") -> Contact:
 
 
 def contact_ideal(contact: ContactLike, order: int) -> Ideal:
-    """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order`.
+    """`<f, h^(k+1)>`: all surfaces that meet a contact (f, h) with GC^`order` (Warren 1989).
 
     `contact` is a `Contact`, a `Pipe` or a pair (surface, clip).
 
@@ -90,7 +90,7 @@ def contact_ideal(contact: ContactLike, order: int) -> Ideal:
     return Ideal(checked.surface, checked.clip ** (k + 1))
 
 
-def _equation(expression: Any, name: str) -> Polynomial:
+def _equation(expression: PolynomialLike, name: str) -> Polynomial:
     try:
         polynomial = Polynomial(expression)
     except (ValueError, TypeError) as error:

@@ -101,6 +101,8 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
     `contact` gives the curve: a `Contact`, a `Pipe` or a pair (surface, clip), whose curve has
     the ideal `<surface, clip>`, or that `Ideal` itself.
 
+    Of second order a contact is where g is in <f, h^3> (Garrity and Warren 1991), which is decided too.
+
     Raises `GeometryError` where f does not pass through the curve or is singular along all of
     it, `ValueError` or `TypeError` for a wrong argument.
     """

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.errors import MeshError
@@ -25,7 +25,7 @@ from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
-from pas.surface.placed import PlacedContacts
+from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
 
@@ -50,7 +50,7 @@ class Cell:
         return {(a, b, c, d): to_fraction(v) for (a, b, c, d), v in zip(indices, values, strict=True)}
 
 
-class PiecewiseSurface(Shape):
+class PiecewiseSurface(InPlace, Shape):
     """The zero set of a piecewise polynomial, C^`order` across faces, meeting its contacts.
 
     `patches` are the polynomials in the partition's local coordinates, one for each piece.
@@ -81,7 +81,7 @@ class PiecewiseSurface(Shape):
         partition: Partition,
         contacts: Sequence[Contact],
         order: int,
-        polynomials: Iterable[Any],
+        polynomials: Iterable[PolynomialLike],
         degree: int | None = None,
     ) -> PiecewiseSurface:
         """A surface from the polynomials of its pieces in the user's coordinates."""
@@ -95,21 +95,6 @@ class PiecewiseSurface(Shape):
         surface = cls(placed.partition, placed.contacts, placed.order, patches, degree)
         surface.placed = placed
         return surface
-
-    @property
-    def partition(self) -> Partition:
-        """The region and its pieces."""
-        return self.placed.partition
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The contacts that the surface is to meet, in the user's coordinates."""
-        return self.placed.contacts
-
-    @property
-    def order(self) -> int:
-        """The k of GC^k at the contacts and C^k between pieces."""
-        return self.placed.order
 
     @property
     def local(self) -> Partition:
@@ -143,15 +128,15 @@ class PiecewiseSurface(Shape):
             for cell, piece in zip(self.partition.cells, self.partition.piece_of, strict=True)
         )
 
-    def __call__(self, points: Any) -> Floats:
+    def __call__(self, points: ArrayLike) -> Floats:
         """Values at `points` (..., 3), shape (...); NaN outside the region."""
         return self.jets(points)[..., 0]
 
-    def gradient(self, points: Any) -> Floats:
+    def gradient(self, points: ArrayLike) -> Floats:
         """Gradients at `points` (..., 3), shape (..., 3); NaN outside the region."""
         return self.jets(points)[..., 1:]
 
-    def jets(self, points: Any) -> Floats:
+    def jets(self, points: ArrayLike) -> Floats:
         """Values and gradients at `points` (..., 3), shape (..., 4); NaN outside the region."""
         array = np.asarray(points, dtype=float)
         if array.ndim == 0 or array.shape[-1] != 3:
@@ -187,7 +172,7 @@ class PiecewiseSurface(Shape):
             ]
         )
 
-    def hessian(self, points: Any) -> Floats:
+    def hessian(self, points: ArrayLike) -> Floats:
         """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
         array = np.asarray(points, dtype=float)
         local = self.partition.frame.local_points(array).reshape(-1, 3)
@@ -195,7 +180,7 @@ class PiecewiseSurface(Shape):
         scale = float(to_fraction(self.partition.frame.scale))
         return result.reshape(*array.shape[:-1], 3, 3) / scale**2
 
-    def curvatures(self, points: Any) -> Floats:
+    def curvatures(self, points: ArrayLike) -> Floats:
         """Mean and Gauss curvature at surface points (..., 3): shape (..., 2).
 
         The mean curvature is positive where the surface bends like a ball that is inside
@@ -243,11 +228,11 @@ class PiecewiseSurface(Shape):
         """Whether its certificate has been worked out."""
         return "certificate" in vars(self)
 
-    def contains(self, points: Any) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""
         return np.asarray(self(points) <= 0)
 
-    def intersect_rays(self, origins: Any, directions: Any) -> Floats:
+    def intersect_rays(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
         """Where rays first meet the surface inside the region.
 
         `origins` and `directions` broadcast to (..., 3); returns the parameters t >= 0 of the

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 from flint import fmpq
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
-from pas.surface.contact import Contact
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain
+from pas.surface.circular import Circular
 
 
 @dataclass(frozen=True)
-class Pipe:
+class Pipe(Circular):
     """An infinite circular cylinder, cut off by a plane normal to its axis.
 
     `axis` is its direction (any nonzero rational vector, of any length), `radius` its radius,
@@ -34,26 +32,12 @@ class Pipe:
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
     def __init__(self, axis: VectorLike, radius: Exact, clip: Exact, point: VectorLike = (0, 0, 0)) -> None:
-        object.__setattr__(self, "axis", vector(axis, "axis"))
-        object.__setattr__(self, "radius", rational(radius, "radius"))
-        object.__setattr__(self, "clip", rational(clip, "clip"))
-        object.__setattr__(self, "point", vector(point, "point"))
-        if all(a == 0 for a in self.axis):
-            raise ValueError("axis must not be the zero vector")
-        if self.radius <= 0:
-            raise ValueError(f"radius must be positive, not {plain(self.radius)}")
+        self.settle(axis, point, radius=radius, clip=clip)
 
-    @cached_property
-    def contact(self) -> Contact:
-        """The cylinder and its clip plane as polynomials."""
-        length2 = dot(self.axis, self.axis)
-        offset = [g - p for g, p in zip(GENERATORS, self.point, strict=True)]
-        along = sum((w * a for w, a in zip(offset, self.axis, strict=True)), GENERATORS[0] * 0)
-        surface = sum((w * w for w in offset), GENERATORS[0] * 0) - along * along * (1 / length2)
-        clip = along - self.clip * length2
-        if self.clip < 0:
-            clip = -clip
-        return Contact(Polynomial.from_raw(surface - self.radius * self.radius), Polynomial.from_raw(clip))
+    @property
+    def clip_scale(self) -> fmpq:
+        """See `Circular.clip_scale`: `w . axis - clip |axis|^2` is what project files have."""
+        return dot(self.axis, self.axis)
 
     def __str__(self) -> str:
         axis, point = (", ".join(plain(c) for c in v) for v in (self.axis, self.point))

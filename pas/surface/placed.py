@@ -55,3 +55,24 @@ class PlacedContacts:
 
     def __repr__(self) -> str:
         return f"PlacedContacts({len(self.contacts)} contacts, GC^{self.order}, {self.partition.name})"
+
+
+class InPlace:
+    """What meets contacts in place: a surface, or all of a space."""
+
+    placed: PlacedContacts
+
+    @property
+    def partition(self) -> Partition:
+        """The region and its pieces."""
+        return self.placed.partition
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts that are met, in the user's coordinates."""
+        return self.placed.contacts
+
+    @property
+    def order(self) -> int:
+        """The k of GC^k at the contacts and C^k between pieces."""
+        return self.placed.order

@@ -221,9 +221,11 @@ def test_bounds_of_cells_count_their_rounding(far, weight):
     surface = ParametricSurface(f"{far} + t/(3*({weight}))", f"{far}/7 + h/3", f"t*(1-h)/({weight})", domain=UNIT)
     exact = exact_net(surface, ((fmpq(0), fmpq(1)), (fmpq(0), fmpq(1))))
     nets, low, size, draw = exact.rounded(), [Fraction(0), Fraction(0)], [Fraction(1), Fraction(1)], Random(far)
+    finite = 0
     for step in range(12):
         look = bounded(nets, np.zeros((1, 4), dtype=int))
         if np.isfinite(look.slack).all():
+            finite += 1
             reach = Fraction(float(np.linalg.norm(look.errors[0], axis=-1).max())) + Fraction(float(look.slack[0]))
             for _ in range(6):
                 u, v = (Fraction(draw.randint(0, 8), 8) for _ in range(2))
@@ -238,6 +240,7 @@ def test_bounds_of_cells_count_their_rounding(far, weight):
         nets = nets.halves(axis).part([side])
         size[axis] /= 2
         low[axis] += side * size[axis]
+    assert finite > 6, "bounds were looked at"
 
 
 @pytest.mark.parametrize("far", [0, 10**7])

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from pas.parametric.domain import DomainLike
+
 C = TypeVar("C")
 
 UNITS = ("micrometer", "millimeter", "centimeter", "meter", "inch", "foot")
@@ -22,8 +24,8 @@ class Request:
     """
 
     name: str
-    tolerance: Any = None
-    domain: Any = None
+    tolerance: float | None = None
+    domain: DomainLike = None
     unit: str = "millimeter"
     sew: float | None = None
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from pas.errors import MissingLibraryError
 from pas.exchange.formats.format import Format, Request
+from pas.exchange.parts import all_different
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh
 
 
@@ -32,15 +33,7 @@ def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
 
 def _quotable(names: Sequence[str]) -> list[str]:
     """The names without quotes and line ends, all different (a part may be named as a face)."""
-    result: list[str] = []
-    for name in names:
-        base = word = " ".join(name.replace('"', "'").split()) or "unnamed"
-        number = 1
-        while word in result:
-            number += 1
-            word = f"{base} {number}"
-        result.append(word)
-    return result
+    return all_different((" ".join(name.replace('"', "'").split()) for name in names), " ")
 
 
 MSH = Format(".msh", TETRAHEDRA, write_msh)

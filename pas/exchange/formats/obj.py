@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pas.exchange.formats.format import Format, Request
-from pas.exchange.parts import TRIANGLES, Piece, face_names
+from pas.exchange.parts import TRIANGLES, Piece, all_different, face_names
 
 
 def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -42,15 +42,7 @@ def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
 
 def _words(names: Sequence[str]) -> list[str]:
     """The names as single words, since OBJ reads spaces as several names, all different."""
-    result: list[str] = []
-    for name in names:
-        base = word = "_".join(name.split()) or "unnamed"
-        number = 1
-        while word in result:
-            number += 1
-            word = f"{base}_{number}"
-        result.append(word)
-    return result
+    return all_different(("_".join(name.split()) for name in names), "_")
 
 
 OBJ = Format(".obj", TRIANGLES, write_obj)

@@ -1,0 +1,129 @@
+"""Public names say what they take and give: `Any` only where a value is really of any kind, each with its reason."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Iterator
+
+import pytest
+
+import pas
+from pas import solid
+
+TABLE = "a table of JSON or TOML: texts, numbers, lists and tables, as its schema says"
+FORWARDED = "options of the verb that a room above has; they differ by kind and are checked there"
+BY_KIND = "of the kind's own types: a kind is what ties them together"
+SERIES = "an array where it gets arrays, a jet where it gets jets"
+BELOW = "its room stands below that of the type"
+UNSAID = "a type could say more, and is to say it when its room is worked on"
+
+MAY_BE_ANY = {
+    "Boundary.source": TABLE,
+    "Certificate.from_record": TABLE,
+    "Certificate.to_record": TABLE,
+    "Energy.from_record": TABLE,
+    "Energy.to_record": TABLE,
+    "Fairness.to_record": TABLE,
+    "Partition.from_record": TABLE,
+    "Partition.to_record": TABLE,
+    "SingleCell.to_record": TABLE,
+    "SixTetrahedra.to_record": TABLE,
+    "Verdict.from_record": TABLE,
+    "Verdict.to_record": TABLE,
+    "Verdicts.to_record": TABLE,
+    "Shape.draw": FORWARDED,
+    "Shape.save": FORWARDED,
+    "Shape.show": FORWARDED,
+    "Shape.write": FORWARDED,
+    "Kind.body": BY_KIND,
+    "Kind.cells": BY_KIND,
+    "Kind.layers": BY_KIND,
+    "Kind.mesh": BY_KIND,
+    "Kind.parts": BY_KIND,
+    "Kind.patches": BY_KIND,
+    "Kind.read": BY_KIND,
+    "Kind.record": BY_KIND,
+    "Kind.schema": BY_KIND,
+    "RationalFunction.__call__": SERIES,
+    "Weights.__call__": SERIES,
+    "NotProvedError.__init__": BELOW,
+    "Shape.mesh": BELOW,
+    "Blend.solid": UNSAID,
+    "Box.__init__": UNSAID,
+    "Energy.__mul__": UNSAID,
+    "Energy.__truediv__": UNSAID,
+    "Mesh.__and__": UNSAID,
+    "Mesh.__or__": UNSAID,
+    "Mesh.__sub__": UNSAID,
+    "Mesh.from_triangles": UNSAID,
+    "Mesh.smooth": UNSAID,
+    "Mesh.to_pyvista": UNSAID,
+    "Mesh.to_trimesh": UNSAID,
+    "Picture.domain": UNSAID,
+    "Picture.of": UNSAID,
+    "Picture.view": UNSAID,
+    "SolutionSpace.least_squares": UNSAID,
+    "ValueAt.__init__": UNSAID,
+    "Wishes.basis": UNSAID,
+    "blend": UNSAID,
+    "solutions": UNSAID,
+}
+"""Where `Any` stands in what is public, and why."""
+
+
+def exported() -> Iterator[tuple[str, object]]:
+    """All public functions and classes by their own names, those of `pas.solid` with its name before them."""
+    for room, prefix in ((pas, ""), (solid, "solid.")):
+        for thing in (getattr(room, name) for name in room.__all__):
+            if inspect.isclass(thing):
+                yield thing.__name__, thing
+            elif inspect.isfunction(thing):
+                yield prefix + thing.__name__, thing
+
+
+def has_any(annotation: ast.AST | None) -> bool:
+    return annotation is not None and any(isinstance(n, ast.Name) and n.id == "Any" for n in ast.walk(annotation))
+
+
+def annotations(function: ast.FunctionDef) -> list[ast.expr | None]:
+    """The annotations of all parameters, self and cls aside, and of what is returned."""
+    given = function.args
+    own = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg, given.kwarg]
+    return [*(a.annotation for a in own if a is not None and a.arg not in ("self", "cls")), function.returns]
+
+
+def parts(name: str, thing: object) -> Iterator[tuple[str, list[ast.expr | None]]]:
+    """What is public of a name, with its annotations: a function, or the methods and fields of a class."""
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(thing)))).body
+    if isinstance(node, ast.FunctionDef):
+        yield name, annotations(node)
+        return
+    assert isinstance(node, ast.ClassDef)
+    for item in node.body:
+        if isinstance(item, ast.FunctionDef) and (not item.name.startswith("_") or item.name.endswith("__")):
+            yield f"{name}.{item.name}", annotations(item)
+        elif isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name) and item.target.id[0] != "_":
+            yield f"{name}.{item.target.id}", [item.annotation]
+
+
+PUBLIC = {name: hints for home, thing in exported() for name, hints in parts(home, thing)}
+
+
+def test_there_are_public_names():
+    assert len(PUBLIC) > 600
+    assert {"blend", "Blend.solid", "Boundary.source", "Polynomial.__call__", "solid.ball"} <= set(PUBLIC)
+    assert has_any(ast.parse("dict[str, Any] | None", mode="eval").body)
+    assert not has_any(ast.parse("Anything | None", mode="eval").body)
+
+
+def test_any_stands_only_where_a_value_is_of_any_kind():
+    found = {name for name, hints in PUBLIC.items() if any(map(has_any, hints))}
+    assert not found - set(MAY_BE_ANY), sorted(found - set(MAY_BE_ANY))
+    assert not {name for name, why in MAY_BE_ANY.items() if why != UNSAID} - found, "the table has names that are typed"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_parameter_and_result_has_a_type(name):
+    assert None not in PUBLIC[name], f"{name} has a parameter or a result without a type"
