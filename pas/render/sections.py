@@ -1,0 +1,149 @@
+"""Combs on piecewise surfaces: along sections in the planes of two contacts' axes, and along the contact curves.
+
+The curves are found on the mesh and brought to the surface by Newton's method; curvatures are those of the
+polynomials there, in the direction of the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.lengths import unit
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
+from pas.mesh.field import Integers
+from pas.mesh.mesh import Mesh
+from pas.render.layers import Comb
+from pas.render.neighbours import contact_rim
+from pas.surface.geometry import FIRST, Geometry, jets
+from pas.surface.piecewise import PiecewiseSurface
+
+SPACING = 1 / 130
+"""Between hairs, over the extent of the mesh."""
+
+FEWEST = 8
+"""Points of a curve below which it is not shown: corners that a plane just touches."""
+
+ASIDE = 1e-7
+"""How far a plane is moved to find the section, over the extent: vertices may lie on the plane itself."""
+
+STEPS = 6
+"""Of Newton's method, from points within the mesh's tolerance."""
+
+PARALLEL = 1e-6
+"""Sines below which axes count as parallel."""
+
+Jet = Callable[[Floats], tuple[Floats, Floats]]
+"""Values (n,) and gradients (n, 3) at points (n, 3)."""
+
+
+def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
+    """The combs of a surface; `mesh` is its own."""
+    extent = float(np.ptp(mesh.points, axis=0).max())
+    found, ends = [], []
+    for contact in surface.contacts:
+        rim = contact_rim(contact, mesh)
+        if not len(rim):
+            continue
+        curves = [_resampled(curve, SPACING * extent) for curve in _polylines(mesh.points, rim)]
+        found += [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
+        mean = np.concatenate(curves).mean(axis=0)
+        ends.append((mean, unit(contact.clip.gradient(mean[None]))[0]))
+    for place, normal in section_planes(ends):
+        plane = _plane(place, normal)
+        for curve in _section(mesh, place + ASIDE * extent * normal, normal):
+            found.append(_comb(surface, _resampled(curve, SPACING * extent), plane))
+    return tuple(comb for comb in found if len(comb.points) >= FEWEST)
+
+
+def geometry_at(surface: PiecewiseSurface, points: Floats) -> tuple[Floats, Geometry]:
+    """The jets (N, 20) at points (N, 3) and what they say, all in local coordinates; the nearest cell's outside."""
+    local = surface.partition.frame.local_points(points)
+    pieces = surface.partition.piece_of[surface.local.locate(local, tolerance=np.inf)]
+    found = np.empty((len(local), 20))
+    for piece in np.unique(pieces):
+        here = pieces == piece
+        found[here] = jets(local[here], surface.patches[piece].dense(surface.degree), surface.degree)
+    return found, Geometry(found)
+
+
+def section_planes(ends: Sequence[tuple[Floats, Floats]]) -> Iterator[tuple[Floats, Floats]]:
+    """A point and the unit normal of the plane of each two axes, given by points and unit directions (3,).
+
+    Skew axes give the plane that is nearest to both.  Axes on one line give two planes through it.
+    """
+    for (first, along), (second, other) in combinations(ends, 2):
+        across = second - first
+        size = np.linalg.norm(across)
+        ways = np.stack([along, other, across / size if size else along])
+        _, sizes, axes = np.linalg.svd(ways)
+        if sizes[1] > PARALLEL * sizes[0]:
+            yield (first + second) / 2, axes[2]
+        else:
+            yield first, axes[1]
+            yield first, axes[2]
+
+
+def _jet(polynomial: Polynomial) -> Jet:
+    return lambda p: (polynomial(p), polynomial.gradient(p))
+
+
+def _plane(place: Floats, normal: Floats) -> Jet:
+    return lambda p: ((p - place) @ normal, np.broadcast_to(normal, p.shape))
+
+
+def _comb(surface: PiecewiseSurface, points: Floats, other: Jet) -> Comb:
+    """The comb of the curve where the surface meets another one, near to `points` (n, 3)."""
+    scale = to_float(surface.partition.frame.scale)
+    for _ in range(STEPS):
+        found, _ = geometry_at(surface, points)
+        values, slopes = other(points)
+        rows = np.stack([found[:, FIRST] / scale, slopes], axis=1)
+        points = points - (np.linalg.pinv(rows) @ np.stack([found[:, 0], values], axis=1)[:, :, None])[:, :, 0]
+    _, geometry = geometry_at(surface, points)
+    tangents = unit(np.cross(geometry.normals, other(points)[1]))
+    parts = np.einsum("nij,ni->nj", geometry.frame[:, :, :2], tangents)
+    curvatures = (parts**2 * geometry.principal).sum(axis=1) / scale
+    known = np.isfinite(points).all(axis=1) & np.isfinite(curvatures)
+    return Comb(points[known], geometry.normals[known], curvatures[known])
+
+
+def _section(mesh: Mesh, place: Floats, normal: Floats) -> list[Floats]:
+    """Where a plane cuts a mesh: the points of each curve."""
+    import pyvista
+
+    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
+    return _stripped(data.slice(normal=normal, origin=place))
+
+
+def _polylines(points: Floats, edges: Integers) -> list[Floats]:
+    """The points of each curve that edges (E, 2) make."""
+    import pyvista
+
+    cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
+    return _stripped(pyvista.PolyData(points, lines=cells.ravel()))
+
+
+def _stripped(lines: Any) -> list[Floats]:
+    """The curves of a pyvista object of line segments; closed ones have their first point at the end, too."""
+    if lines.n_cells == 0:
+        return []
+    joined = lines.strip(join=True, max_length=lines.n_cells + 1)
+    places, curves, start = joined.lines, [], 0
+    while start < len(places):
+        stop = start + 1 + int(places[start])
+        curves.append(np.asarray(joined.points[places[start + 1 : stop]], dtype=float))
+        start = stop
+    return curves
+
+
+def _resampled(curve: Floats, spacing: float) -> Floats:
+    """Points at equal distances along a polyline (n, 3), about `spacing` apart, both ends included."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    wanted = np.linspace(0.0, lengths[-1], max(2, round(lengths[-1] / spacing) + 1))
+    return np.stack([np.interp(wanted, lengths, curve[:, i]) for i in range(3)], axis=1)
