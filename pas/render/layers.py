@@ -17,7 +17,7 @@ BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5
 """Of their bright stripes."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Comb:
     """A curve on a surface: its `points` (n, 3), unit `normals` (n, 3) of the surface and its normal `curvatures` (n,).
 

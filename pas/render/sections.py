@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
@@ -50,9 +49,10 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
         rim = contact_rim(contact, mesh)
         if not len(rim):
             continue
-        curves = [_resampled(curve, SPACING * extent) for curve in _polylines(mesh.points, rim)]
-        found += [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
-        mean = np.concatenate(curves).mean(axis=0)
+        curves = [_resampled(mesh.points[chain], SPACING * extent) for chain in chains(rim)]
+        there = [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
+        mean = _middle([comb.points for comb in there])
+        found += there
         ends.append((mean, unit(contact.clip.gradient(mean[None]))[0]))
     for place, normal in section_planes(ends):
         plane = _plane(place, normal)
@@ -114,32 +114,47 @@ def _comb(surface: PiecewiseSurface, points: Floats, other: Jet) -> Comb:
 
 
 def _section(mesh: Mesh, place: Floats, normal: Floats) -> list[Floats]:
-    """Where a plane cuts a mesh: the points of each curve."""
-    import pyvista
-
-    data = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
-    return _stripped(data.slice(normal=normal, origin=place))
-
-
-def _polylines(points: Floats, edges: Integers) -> list[Floats]:
-    """The points of each curve that edges (E, 2) make."""
-    import pyvista
-
-    cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
-    return _stripped(pyvista.PolyData(points, lines=cells.ravel()))
+    """Where a plane through no vertex cuts a mesh: the points of each curve."""
+    heights = (mesh.points - place) @ normal
+    above = heights[mesh.triangles] > 0
+    cut = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
+    sides = np.stack([mesh.triangles[cut], np.roll(mesh.triangles[cut], -1, axis=1)], axis=2)  # (n, 3, 2)
+    crossed = above[cut] != np.roll(above[cut], -1, axis=1)  # two of three
+    edges, places = np.unique(np.sort(sides[crossed], axis=1), axis=0, return_inverse=True)
+    a, b = heights[edges].T
+    share = (a / np.where(a == b, 1.0, a - b))[:, None]
+    points = (1 - share) * mesh.points[edges[:, 0]] + share * mesh.points[edges[:, 1]]
+    return [points[chain] for chain in chains(places.reshape(-1, 2))]
 
 
-def _stripped(lines: Any) -> list[Floats]:
-    """The curves of a pyvista object of line segments; closed ones have their first point at the end, too."""
-    if lines.n_cells == 0:
-        return []
-    joined = lines.strip(join=True, max_length=lines.n_cells + 1)
-    places, curves, start = joined.lines, [], 0
-    while start < len(places):
-        stop = start + 1 + int(places[start])
-        curves.append(np.asarray(joined.points[places[start + 1 : stop]], dtype=float))
-        start = stop
+def chains(edges: Integers) -> list[Integers]:
+    """The vertices of each curve that edges (E, 2) make, in order; closed ones have their first vertex at the end, too.
+
+    Curves begin and end where not just two edges meet.
+    """
+    ends: dict[int, list[tuple[int, int]]] = {}
+    for number, (a, b) in enumerate(edges.tolist()):
+        ends.setdefault(a, []).append((number, b))
+        ends.setdefault(b, []).append((number, a))
+    used, curves = set(), []
+    for vertex in sorted(ends, key=lambda v: len(ends[v]) == 2):
+        for first, _ in ends[vertex]:
+            edge, curve = first, [vertex]
+            while edge not in used:
+                used.add(edge)
+                curve.append(next(other for number, other in ends[curve[-1]] if number == edge))
+                if len(ends[curve[-1]]) == 2:
+                    edge = next(number for number, _ in ends[curve[-1]] if number != edge)
+            if len(curve) > 1:
+                curves.append(np.array(curve))
     return curves
+
+
+def _middle(curves: Sequence[Floats]) -> Floats:
+    """The mean point of polylines (n, 3)."""
+    starts, stops = (np.concatenate([curve[part] for curve in curves]) for part in (slice(-1), slice(1, None)))
+    weights = np.linalg.norm(stops - starts, axis=1)
+    return np.asarray(weights @ (starts + stops) / (2 * weights.sum()))
 
 
 def _resampled(curve: Floats, spacing: float) -> Floats:
