@@ -19,6 +19,12 @@ CONVEX, CONCAVE, NEARBY = "#b2182b", "#2166ac", "#22303c"
 USUAL, LONGEST = 0.16, 0.4
 """Lengths over the extent of the surface: of nearly the longest hair, and of the longest one at most."""
 
+INNER = 0.8
+"""Length of a concave hair over the radius of curvature that it points to the centre of: longer ones would cross."""
+
+SHORTEST = 0.4
+"""Of the usual length: hairs are not made shorter than that to keep them from crossing."""
+
 NEARLY = 95
 """Per cent of the hairs are not longer than the usual length."""
 
@@ -33,7 +39,9 @@ def hair_length(layers: Sequence[Layer]) -> float:
         return 0.0
     extent = max(_extent(layer) for layer in layers if layer.combs)
     nearly = float(np.percentile(sizes, NEARLY))
-    return extent * min(USUAL / nearly if nearly > 0 else np.inf, LONGEST / float(sizes.max()))
+    usual = min(USUAL / nearly if nearly > 0 else np.inf, LONGEST / float(sizes.max())) * extent
+    hollow = max(0.0, *(-float(comb.curvatures.min()) for layer in layers for comb in layer.combs))
+    return usual if hollow == 0 else max(SHORTEST * usual, min(usual, INNER / hollow**2))
 
 
 def tips(layer: Layer, factor: float) -> Floats:

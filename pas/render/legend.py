@@ -19,8 +19,11 @@ LEFT, BOTTOM, TALL, WIDE = 0.825, 0.2, 0.5, 0.06
 ABOVE, BELOW, LEADING = 0.04, 0.03, 0.03
 """Between the bar and the lines of text, and from line to line, over the picture's height."""
 
-TITLE, LINE, LABEL = 12, 10, 18
-"""Sizes of letters in a picture of width SIZE[0]; those of bars are counted in pixels, others in points."""
+TITLE, LINE, LABEL = 24, 20, 18
+"""Sizes of letters in a picture of width SIZE[0]."""
+
+SMALLEST = 6
+"""Of letters in small pictures."""
 
 
 def room(legend: Legend | None, picture: Picture) -> tuple[float, float]:
@@ -32,7 +35,7 @@ def bar(legend: Legend, width: int) -> dict[str, Any]:
     """The keywords of the bar of colours in a picture of some width."""
     return {
         "position_x": LEFT, "position_y": BOTTOM, "height": TALL, "width": WIDE, "vertical": True, "fmt": "%.3g",
-        "title": "", "color": CURVE_COLOR, "label_font_size": max(8, round(LABEL * width / SIZE[0])),
+        "title": "", "color": CURVE_COLOR, "label_font_size": max(SMALLEST, round(LABEL * width / SIZE[0])),
     }  # fmt: skip
 
 
@@ -56,5 +59,5 @@ def add_comb_legend(plotter: Any, layers: Sequence[Layer], width: int) -> None:
 def _write(
     plotter: Any, text: str, place: tuple[float, float], size: int, width: int, color: str = CURVE_COLOR
 ) -> None:
-    points = max(5, round(size * width / SIZE[0]))
-    plotter.add_text(text, position=place, viewport=True, font_size=points, color=color)
+    actor = plotter.add_text(text, position=place, viewport=True, color=color)
+    actor.GetTextProperty().SetFontSize(max(SMALLEST, round(size * width / SIZE[0])))

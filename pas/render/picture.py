@@ -29,6 +29,9 @@ SHARP_DEGREES = 35
 
 SHADING = {"specular": 0.25, "specular_power": 20, "ambient": 0.18}
 
+NEAR = 0.01
+"""Lines up to this far in front of what a picture is cut to are shown, over its size: combs may stand in the plane."""
+
 FAINT = 0.3
 """The opacity of what stands around a surface whose curvature is shown."""
 
@@ -90,9 +93,9 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool) -
         for layer, paint, shift in zip(scene.layers, paints, shifts, strict=True):
             _add(plotter, layer, paint, picture, shift, legend, size[0])
             add_combs(plotter, layer, hair, shift, _cutter(picture, layer.mesh, shift))
-        if legend:
+        if legend and number == 0:
             add_legend(plotter, legend, size[0])
-        if picture.combs:
+        if picture.combs and number == 0:
             add_comb_legend(plotter, scene.layers, size[0])
         if picture.curved:
             plotter.enable_depth_peeling()
@@ -159,7 +162,8 @@ def _middle_plane(points: Floats) -> dict[str, Any]:
 
 def _cutter(picture: Picture, mesh: Mesh, shift: Floats) -> Any:
     """What becomes of lines on a layer where a picture is cut."""
-    plane = _middle_plane(mesh.points + shift)
+    points = mesh.points + shift
+    plane = _middle_plane(points - NEAR * float(np.ptp(points, axis=0).max()))
     return (lambda lines: lines.clip(**plane, invert=False)) if picture.cut else (lambda lines: lines)
 
 

@@ -22,7 +22,7 @@ from pas.render.neighbours import contact_rim
 from pas.surface.geometry import FIRST, Geometry, jets
 from pas.surface.piecewise import PiecewiseSurface
 
-SPACING = 1 / 130
+SPACING = 1 / 200
 """Between hairs, over the extent of the mesh."""
 
 FEWEST = 8

@@ -30,7 +30,7 @@ SIGNED = 0.01
 DIVERGING, RISING = "coolwarm", "YlOrRd"
 """Colours where the sign changes, and where it does not."""
 
-SHADING = {"specular": 0.05, "ambient": 0.55, "diffuse": 0.5}
+SHADING = {"specular": 0.05, "ambient": 0.65, "diffuse": 0.4}
 """Little light and shadow, which would make other colours of those of the legend."""
 
 NOWHERE = "#dddddd"
@@ -72,7 +72,7 @@ class Curvature(Coloring):
         """The curvature that counts as 1, and how to say so."""
         units = {layer.unit for layer in layers if layer.principal is not None}
         if len(units) == 1 and (unit := units.pop()) is not None:
-            return unit, (f"1: {'curvature' if self.power == 1 else 'square'} of the", "thinnest neighbour")
+            return unit, (f"1: curvature{'' if self.power == 1 else '^2'} of the", "thinnest neighbour")
         return 1.0, ("in 1/length" if self.power == 1 else "in 1/length^2",)
 
 
