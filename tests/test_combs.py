@@ -76,12 +76,13 @@ def test_planes_of_axes():
     ((place, normal),) = section_planes([(2 * x, x), (3 * y, y)])
     assert abs(normal @ z) == pytest.approx(1)
     assert place @ z == pytest.approx(0)
+    assert len(section_planes([(2 * x, x), (3 * y, y), (-2 * x, x), (-3 * y, y)])) == 1  # four in one plane
     ((place, normal),) = section_planes([(2 * x + z, x), (2 * x + 5 * z, x)])  # parallel, apart
     assert abs(normal @ y) == pytest.approx(1)
-    planes = list(section_planes([(2 * x, x), (-2 * x, -x)]))
+    planes = section_planes([(2 * x, x), (-2 * x, -x)])
     assert len(planes) == 2
     assert all(abs(normal @ x) < 1e-12 for _, normal in planes)
-    assert len(list(section_planes([(2 * x, x), (2 * y, y), (2 * z, z)]))) == 3
+    assert len(section_planes([(2 * x, x), (2 * y, y), (2 * z, z)])) == 3
 
 
 def test_combs_of_a_corner_agree_with_its_measures():

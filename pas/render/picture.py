@@ -90,18 +90,22 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool) -
     for number, direction in enumerate(views):
         plotter.subplot(number // 2, number % 2)
         plotter.set_background(low, top=high)
-        for layer, paint, shift in zip(scene.layers, paints, shifts, strict=True):
-            _add(plotter, layer, paint, picture, shift, legend, size[0])
+        for place in _far_first(meshes, np.array(direction, dtype=float) @ scene.frame):
+            layer, shift = scene.layers[place], shifts[place]
+            _add(plotter, layer, paints[place], picture, shift, legend, size[0])
             add_combs(plotter, layer, hair, shift, _cutter(picture, layer.mesh, shift))
         if legend and number == 0:
             add_legend(plotter, legend, size[0])
         if picture.combs and number == 0:
             add_comb_legend(plotter, scene.layers, size[0])
-        if picture.curved:
-            plotter.enable_depth_peeling()
         plotter.enable_anti_aliasing("ssaa")
         look_at(plotter, scene.frame, direction, points, size, room(legend, picture))
     return plotter
+
+
+def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
+    """The order in which meshes are drawn, so that what is seen through does not hide what is behind it."""
+    return sorted(range(len(meshes)), key=lambda place: float(meshes[place].points.mean(axis=0) @ towards))
 
 
 def _shift(picture: Picture, place: int, meshes: Sequence[Mesh]) -> Floats:
@@ -130,7 +134,10 @@ def _add(
     if picture.cut:
         data = _half(data, layer.mesh)
         options |= {"split_sharp_edges": True, "feature_angle": SHARP_DEGREES}
-    plotter.add_mesh(data, **(options | dict(paint.options)))
+    options |= paint.options
+    # of what is seen through, the far side comes first
+    for culling in (None,) if opacity == 1 else ("front", "back"):
+        plotter.add_mesh(data, culling=culling, **options)
     if layer.outlined and not picture.cut and (paint.values is None or legend is not None):
         _add_lines(plotter, layer.mesh, shift)
 

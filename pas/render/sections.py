@@ -6,7 +6,7 @@ polynomials there, in the direction of the curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -37,6 +37,9 @@ STEPS = 6
 PARALLEL = 1e-6
 """Sines below which axes count as parallel."""
 
+ALIKE = 1e-4
+"""Sines and distances, over the coordinates, below which planes through measured points are one."""
+
 Jet = Callable[[Floats], tuple[Floats, Floats]]
 """Values (n,) and gradients (n, 3) at points (n, 3)."""
 
@@ -51,9 +54,10 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
             continue
         curves = [_resampled(mesh.points[chain], SPACING * extent) for chain in chains(rim)]
         there = [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
-        mean = _middle([comb.points for comb in there])
         found += there
-        ends.append((mean, unit(contact.clip.gradient(mean[None]))[0]))
+        for part in _neighbours([comb.points for comb in there], SPACING * extent):
+            mean = _middle(part)
+            ends.append((mean, unit(contact.clip.gradient(mean[None]))[0]))
     for place, normal in section_planes(ends):
         plane = _plane(place, normal)
         for curve in _section(mesh, place + ASIDE * extent * normal, normal):
@@ -72,21 +76,29 @@ def geometry_at(surface: PiecewiseSurface, points: Floats) -> tuple[Floats, Geom
     return found, Geometry(found)
 
 
-def section_planes(ends: Sequence[tuple[Floats, Floats]]) -> Iterator[tuple[Floats, Floats]]:
-    """A point and the unit normal of the plane of each two axes, given by points and unit directions (3,).
+def section_planes(ends: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
+    """A point and the unit normal of each plane of two axes, which are given by points and unit directions (3,).
 
-    Skew axes give the plane that is nearest to both.  Axes on one line give two planes through it.
+    Skew axes give the plane that is nearest to both.  Where all axes are on one line, there are two planes through it.
     """
+    planes: list[tuple[Floats, Floats]] = []
+    straight: list[tuple[Floats, Floats]] = []
     for (first, along), (second, other) in combinations(ends, 2):
         across = second - first
         size = np.linalg.norm(across)
         ways = np.stack([along, other, across / size if size else along])
         _, sizes, axes = np.linalg.svd(ways)
-        if sizes[1] > PARALLEL * sizes[0]:
-            yield (first + second) / 2, axes[2]
-        else:
-            yield first, axes[1]
-            yield first, axes[2]
+        if sizes[1] < PARALLEL * sizes[0]:
+            straight += [(first, axes[1]), (first, axes[2])]
+        elif not any(_same((first + second) / 2, axes[2], *plane) for plane in planes):
+            planes.append(((first + second) / 2, axes[2]))
+    return planes or straight[:2]
+
+
+def _same(place: Floats, normal: Floats, other: Floats, way: Floats) -> bool:
+    """Whether two planes are one."""
+    size = 1.0 + float(np.abs(place).max())
+    return bool(np.linalg.norm(np.cross(normal, way)) < ALIKE and abs(way @ (place - other)) < ALIKE * size)
 
 
 def _jet(polynomial: Polynomial) -> Jet:
@@ -148,6 +160,14 @@ def chains(edges: Integers) -> list[Integers]:
             if len(curve) > 1:
                 curves.append(np.array(curve))
     return curves
+
+
+def _neighbours(curves: Sequence[Floats], near: float) -> list[list[Floats]]:
+    """The curves of a contact by neighbours: each closed one is a neighbour's, open ones are parts of one."""
+    closed = [bool(np.linalg.norm(curve[0] - curve[-1]) < near) for curve in curves]
+    parts = [[curve] for curve, whole in zip(curves, closed, strict=True) if whole]
+    rest = [curve for curve, whole in zip(curves, closed, strict=True) if not whole]
+    return parts + [rest] * bool(rest)
 
 
 def _middle(curves: Sequence[Floats]) -> Floats:
