@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import EQUAL, ROOT, solved
@@ -75,9 +77,25 @@ def test_what_has_no_curvature_says_so_before_it_is_meshed(kind, options, tmp_pa
     shape = sample(kind)
     monkeypatch.setattr(type(shape), "mesh", lambda *_, **__: pytest.fail("it was meshed"))
     what = "combs" if "combs" in options else "colours"
-    with pytest.raises(ValueError, match=f"curvature {what} exist for blends and surfaces, which an? {kind} is not"):
+    with pytest.raises(
+        ValueError, match=f"curvature {what} exist for blends and surfaces, and this is an? {kind}; draw it in"
+    ):
         shape.draw(tmp_path / "a.png", **options)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_every_kind_is_painted_in_every_style_or_says_why_not(kind):
+    for name, coloring in STYLES.items():
+        picture = Picture(style=name, tolerance=0.1)
+        if coloring.curved and kind in OTHERS:
+            with pytest.raises(ValueError, match="curvature colours exist for blends and surfaces"):
+                scene_of(sample(kind), picture)
+            continue
+        scene = scene_of(sample(kind), picture)
+        paints, _ = coloring.paint(scene)
+        assert len(paints) == len(scene.layers) > 0
+        assert (paints[0].values is None) is (name == "plain")
 
 
 @pytest.mark.parametrize("kind", CURVED)
@@ -96,6 +114,15 @@ def test_curvatures_are_known_where_a_kind_says_so(kind, tmp_path):
         low, high = principal[near].min() - 0.5, principal[near].max() + 0.5
         assert ((low < comb.curvatures) & (comb.curvatures < high)).all()
     assert set(SAMPLES) == set(KINDS)
+
+
+@pytest.mark.parametrize("kind", ["generatrix blend", "sphere blend", "parametric surface", "rational patch"])
+def test_meshes_without_parameters_have_no_curvature(kind, tmp_path):
+    """Those of other grids or of files: refused, and not given the curvatures of other points."""
+    mesh = replace(sample(kind).mesh(0.02), parameters=None)
+    with pytest.raises(ValueError, match="does not say the parameters of its points"):
+        pas.draw(sample(kind), tmp_path / "a.png", mesh=mesh, style="mean")
+    assert pas.draw(sample(kind), tmp_path / "a.png", mesh=mesh, combs=True, size=(80, 60)).exists()
 
 
 def test_curvatures_of_a_torus_are_exact_in_the_users_units():

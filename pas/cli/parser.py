@@ -206,7 +206,9 @@ def _render_parser(added: Commands) -> None:
         "--curvature", nargs="?", const="mean", metavar="WHICH",
         help="colours by curvature: mean (default), gauss, or a principal one, max or min",
     )  # fmt: skip
-    style.add_argument("--style", metavar="STYLE", help="any style by its name, registered ones of your own, too")
+    style.add_argument(
+        "--style", metavar="STYLE", help="any style by its name: plain, zebra, highlights, mean, gauss, max, min"
+    )
     parser.add_argument("--combs", action="store_true", help="curvature combs along sections and contact curves")
     parser.add_argument("--four-views", action="store_true", help="from four sides")
     parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")

@@ -40,7 +40,7 @@ class Problem(ABC):
     prove: bool | None
     style: str
     view: View | None
-    combs: bool
+    combs: bool = False
 
     @property
     def fixed(self) -> str:

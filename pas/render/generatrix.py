@@ -18,7 +18,7 @@ from pas.parametric.curvatures import Forms
 from pas.render.collar import collar
 from pas.render.curves import blend_curves, combs_on
 from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer
-from pas.render.parametric import principal_on
+from pas.render.parametric import UNKNOWN, principal_on
 from pas.render.scene import Scene
 
 GRID, CURVED = (320, 120), (160, 60)
@@ -32,8 +32,8 @@ def layers(blend: GeneratrixBlend, scene: Scene) -> None:
     """Add a blend and its two surfaces."""
     size = CURVED if scene.coloring.curved else GRID
     mesh = scene.mesh(lambda: blend.mesh(scene.picture.tolerance) if scene.picture.tolerance else blend.mesh(size=size))
-    if mesh.parameters is None and len(mesh.points) == size[0] * size[1]:
-        mesh = replace(mesh, parameters=_on_grid(blend, size))
+    if mesh.parameters is None:
+        mesh = replace(mesh, parameters=_on_grid(blend, mesh.points, size))
     reach = REACH * float(np.ptp(mesh.points, axis=0).max())
     scene.layers.append(
         Layer(
@@ -72,12 +72,13 @@ def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
 def _sphere_curvatures(blend: SphereBlend, mesh: Mesh, size: tuple[int, int]) -> Floats:
     """Principal curvatures (N, 2) at the points of a mesh: grids of the blends one after the other, then the sphere."""
     count = size[0] * size[1]
-    if len(mesh.points) < count * len(blend.blends):
-        raise ValueError("the mesh does not say the parameters of its points, which curvatures need; leave mesh out")
     result = np.full((len(mesh.points), 2), 1 / blend.radius)
     for number, part in enumerate(blend.blends):
         here = slice(number * count, (number + 1) * count)
-        result[here] = Forms.at(part.surface, _on_grid(part, size)).principal_for(mesh.point_normals[here])
+        places = _on_grid(part, mesh.points[here], size)
+        if places is None:
+            raise ValueError(UNKNOWN)
+        result[here] = Forms.at(part.surface, places).principal_for(mesh.point_normals[here])
     return result
 
 
@@ -86,8 +87,11 @@ def _combs(blend: GeneratrixBlend, mesh: Mesh) -> tuple[Comb, ...]:
     return combs_on(blend.surface, blend_curves(((0.0, 1.0), (0.0, 1.0)), (0.0, 1.0), blend.closed), mesh)
 
 
-def _on_grid(blend: GeneratrixBlend, size: tuple[int, int]) -> Floats:
-    """The parameters (N, 2) of the points of a mesh on a grid."""
+def _on_grid(blend: GeneratrixBlend, points: Floats, size: tuple[int, int]) -> Floats | None:
+    """The parameters (N, 2) of points (N, 3) of a mesh; None where they are not those of the grid."""
+    grid = blend.sheet(size)[0].reshape(-1, 3)
+    if points.shape != grid.shape or not np.allclose(points, grid):
+        return None
     s, t = np.meshgrid(blend.frames.parameters(size[0]), np.linspace(0, 1, size[1]), indexing="ij")
     return np.stack([s, t], axis=-1).reshape(-1, 2)
 

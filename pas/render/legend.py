@@ -50,7 +50,7 @@ def add_comb_legend(plotter: Any, layers: Sequence[Layer], width: int) -> None:
     sizes = [c for layer in layers for comb in layer.combs for c in abs(comb.curvatures).tolist()]
     units = {layer.unit for layer in layers if layer.combs}
     unit = units.pop() if len(units) == 1 else None
-    longest = f"{max(sizes, default=0.0) / (unit or 1.0):.3g} {'of the thinnest neighbour' if unit else '1/length'}"
+    longest = f"{max(sizes, default=0.0) / (unit or 1.0):.3g} {'of the thinnest neighbour' if unit else 'in 1/length'}"
     _write(plotter, f"hairs: normal curvature; the longest: {longest}", (0.02, 0.022), LINE, width)
     _write(plotter, "convex", (0.62, 0.022), LINE, width, CONVEX)
     _write(plotter, "concave", (0.70, 0.022), LINE, width, CONCAVE)

@@ -27,6 +27,8 @@ REACH = 0.4
 COARSE, FINE = 1e-3, 2e-4
 """Tolerances over the extent: stripes show facets that shading hides."""
 
+UNKNOWN = "the mesh does not say the parameters of its points, which curvatures need; leave mesh out"
+
 THROUGH = 0.35
 """The opacity of surfaces in between: the blend touches them and leaves again."""
 
@@ -71,7 +73,7 @@ def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, ti
 def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
     """The principal curvatures (N, 2) at a mesh's points; raises `ValueError` where it does not know its parameters."""
     if mesh.parameters is None:
-        raise ValueError("the mesh does not say the parameters of its points, which curvatures need; leave mesh out")
+        raise ValueError(UNKNOWN)
     return Forms.at(surface, mesh.parameters).principal_for(mesh.point_normals)
 
 

@@ -159,7 +159,8 @@ def _check_curved(kind: Kind[Any], picture: Picture) -> None:
     if picture.curved and not kind.curved:
         what = "combs" if picture.combs else "colours"
         others = [name for name, coloring in STYLES.items() if not coloring.curved]
+        article = "an" if kind.name[0] in "aeiou" else "a"
         raise ValueError(
-            f"curvature {what} exist for blends and surfaces, which a {kind.name} is not; "
+            f"curvature {what} exist for blends and surfaces, and this is {article} {kind.name}; "
             f"draw it in one of the styles {', '.join(others)}{' without combs' if picture.combs else ''}"
         )
