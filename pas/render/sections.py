@@ -34,7 +34,7 @@ ASIDE = 1e-7
 STEPS = 6
 """Of Newton's method, from points within the mesh's tolerance."""
 
-PARALLEL = 1e-6
+PARALLEL = 1e-4
 """Sines below which axes count as parallel."""
 
 ALIKE = 1e-4
