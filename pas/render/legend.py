@@ -19,7 +19,7 @@ LEFT, BOTTOM, TALL, WIDE = 0.825, 0.2, 0.5, 0.06
 ABOVE, BELOW, LEADING = 0.04, 0.03, 0.03
 """Between the bar and the lines of text, and from line to line, over the picture's height."""
 
-TITLE, LINE, LABEL = 24, 20, 18
+TITLE, LINE, LABEL = 24, 19, 18
 """Sizes of letters in a picture of width SIZE[0]."""
 
 SMALLEST = 6
