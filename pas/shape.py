@@ -97,8 +97,9 @@ class Kind(Generic[S]):
 
     `text` is all that is to be said of it, verdicts included.  For files, `mesh(shape, tolerance, domain)` are its
     triangles, `domain` that of what has parameters; `meshed` says that it is a mesh already, for which tolerances mean
-    nothing.  What not every kind has: `parts` by name, each with a colour, `patches(shape, domain)`, which are exact,
-    `cells(shape)` as a grid, and `body(shape, length)`, the solid with it in its boundary.
+    nothing; `curved` that its layers know the curvature of the surface, for colours and combs.  What not every kind
+    has: `parts` by name, each with a colour, `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, and
+    `body(shape, length)`, the solid with it in its boundary.
     """
 
     name: str
@@ -112,6 +113,7 @@ class Kind(Generic[S]):
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     cells: Callable[[S], Any] | None = None
     meshed: bool = False
+    curved: bool = False
     text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
     body: Callable[[S, Any], Any] | None = None
 

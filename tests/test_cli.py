@@ -11,6 +11,7 @@ from conftest import ROOT
 
 from pas import __version__
 from pas.cli import main
+from pas.exchange.picture_options import STYLES
 
 PROBLEM = ROOT / "examples/corners/equal_gc1.toml"
 
@@ -104,10 +105,12 @@ def test_meshes_are_read_by_others(made, tmp_path, capsys, suffix):
     assert vertices < triangles
 
 
-@pytest.mark.parametrize("style", [[], ["--zebra"], ["--curvature"]])
+@pytest.mark.parametrize(
+    "style", [[], ["--zebra"], ["--highlights"], ["--curvature"], ["--combs"], *(["--style", name] for name in STYLES)]
+)
 def test_render(made, tmp_path, capsys, style):
     path = tmp_path / "a.png"
-    code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, *style)
+    code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, "--tolerance", "0.05", *style)
     assert code == 0
     assert path.read_bytes()[:4] == b"\x89PNG"
     assert str(path) in out

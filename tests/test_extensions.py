@@ -12,6 +12,7 @@ from conftest import ROOT, UNEQUAL, pipes
 
 import pas
 from pas.blending.solving import METHODS
+from pas.cli import main
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import PROBLEMS
 from pas.fairing.energy import ENERGIES
@@ -158,3 +159,14 @@ def test_a_primitive(extension, tmp_path):
     assert again.faces == wedge.faces and again.contains([1, 1, 0.25]) and not again.contains([2, 2, 0.25])
     with pytest.raises(ValueError, match="do not at corner 2"):
         prism([(0, 0), (0, 4), (3, 0)], 0, 1)
+
+
+def test_a_style_of_pictures(extension, tmp_path):
+    extension("heights")
+    ball = pas.solid.ball((0, 0, 0), 1)
+    project = str(ball.save(tmp_path / "a.pas.json"))
+    assert main(["render", project, "-o", str(tmp_path / "a.png"), "--style", "heights", "--tolerance", "0.05"]) == 0
+    ball.draw(tmp_path / "b.png", style="heights", tolerance=0.05)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    with pytest.raises(ValueError, match="no style of pictures 'height'; is 'heights' meant"):
+        ball.draw(tmp_path / "c.png", style="height")

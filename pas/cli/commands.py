@@ -94,10 +94,14 @@ def run_render(options: argparse.Namespace) -> Outcome:
     """`pas render`."""
     from pas.kinds.files import load
     from pas.render.picture import draw
-    from pas.render.scene import Picture, Style
+    from pas.render.scene import Picture
 
     wanted = {field.name: getattr(options, field.name) for field in fields(Picture) if hasattr(options, field.name)}
-    wanted["style"] = Style(options.style)
+    if options.curvature is not None:
+        wanted["style"] = options.curvature
+    coloring = Picture.of(wanted).coloring
+    if options.curvature is not None and not coloring.curved:
+        raise ValueError(f"--curvature shows mean, gauss, max or min, not {coloring.name}; draw it with --style")
     path = draw(load(project_file(options.project)), options.output, **wanted)
     return Outcome(str(path), {"written": [str(path)]})
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import TYPE_CHECKING, NoReturn
+import sys
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from pas._version import __version__
 from pas.cli import commands, problems
@@ -28,6 +29,14 @@ class Parser(argparse.ArgumentParser):
         if option:
             message += meant(option[1], self.options)
         super().error(message)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As usual, but a project file after --curvature, whose word may be left out, is not its word."""
+        words = list(sys.argv[1:] if args is None else args)
+        for place, word in enumerate(words[:-1]):
+            if word == "--curvature" and words[place + 1].endswith(".json"):
+                words[place] = "--curvature=mean"
+        return super().parse_known_args(words, namespace)
 
     @property
     def options(self) -> list[str]:
@@ -190,9 +199,17 @@ def _render_parser(added: Commands) -> None:
     style = parser.add_mutually_exclusive_group()
     for name, text in (
         ("zebra", "isophotes, which show the order of continuity"),
-        ("curvature", "colours by mean curvature"),
+        ("highlights", "highlight lines, reflections of parallel lights, which show small dents"),
     ):
         style.add_argument(f"--{name}", action="store_const", const=name, dest="style", help=text)
+    style.add_argument(
+        "--curvature", nargs="?", const="mean", metavar="WHICH",
+        help="colours by curvature: mean (default), gauss, or a principal one, max or min",
+    )  # fmt: skip
+    style.add_argument(
+        "--style", metavar="STYLE", help="any style by its name: plain, zebra, highlights, mean, gauss, max, min"
+    )
+    parser.add_argument("--combs", action="store_true", help="curvature combs along sections and contact curves")
     parser.add_argument("--four-views", action="store_true", help="from four sides")
     parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")
     parser.add_argument("--cut", action="store_true", help="without what is in front of the middle plane")

@@ -17,7 +17,7 @@ def run_problem(options: argparse.Namespace) -> Outcome:
     """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
     from pas.exchange.files import together
     from pas.exchange.problem import read_problem
-    from pas.render.scene import Style
+    from pas.render.scene import Picture
     from pas.shape import kind_of
 
     problem = read_problem(problem_file(options.problem)).changed(
@@ -33,8 +33,8 @@ def run_problem(options: argparse.Namespace) -> Outcome:
     kind = kind_of(shape)
     mesh = kind.mesh(shape, tolerance, None)
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
-    style = Style(problem.style)
-    drawn = {"style": style, "view": problem.view, "mesh": None if style is Style.ZEBRA else mesh}
+    drawn = {"style": problem.style, "view": problem.view, "combs": problem.combs}
+    drawn["mesh"] = None if Picture.of(drawn).coloring.fine else mesh
     with together(folder) as place:
         base = place / problem.name
         written = [shape.save(f"{base}.pas.json", certificate=certificate), mesh.write(f"{base}.stl")]

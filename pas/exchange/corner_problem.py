@@ -50,7 +50,7 @@ from pas.algebra.inputs import check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
 from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
-from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
 from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.fairing.energy import ENERGIES, read_energy
@@ -82,7 +82,7 @@ KEYS = {
     "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
     "normalize": {"kind", "point", "value"},
     "limits": {"sharpness", "hollowness", "bulge", "wrong_sign"},
-    "picture": {"style", "view"},
+    "picture": PICTURE_KEYS,
 }
 REQUIRED = {
     "": {"order"},
@@ -106,6 +106,7 @@ class CornerProblem(Problem):
     wishes: Wishes
     style: str = "plain"
     view: View | None = None
+    combs: bool = False
 
     @property
     def prove(self) -> bool:  # type: ignore[override]  # a field of other problems
@@ -156,7 +157,6 @@ class _Reader(PictureReader):
         items = [self._item(table, i, entry) for table in CONTACTS for i, entry in enumerate(data.get(table, []))]
         if not items:
             raise self.error(f"gives no {' and no '.join(f'[[{t}]]' for t in CONTACTS)}; a corner needs three", "", 0)
-        style, view = self.picture(data)
         return CornerProblem(
             name=self.name(data),
             contacts=tuple(items),
@@ -165,8 +165,7 @@ class _Reader(PictureReader):
             tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
             partition=self._made("partition", data, read_partition),
             wishes=self._wishes(data),
-            style=style,
-            view=view,
+            **self.picture(data),
         )
 
     def _wishes(self, data: dict[str, Any]) -> Wishes:

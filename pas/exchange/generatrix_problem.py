@@ -23,7 +23,7 @@ lambda1 = { low = 0, high = 0.5, start = 0 }      # or, for closed curves, a cos
 lambda2 = 0
 middle = ["2*s", "1", "0"]     # the middle control curve of a quartic blend
 
-[picture]                      # optional: style, view
+[picture]                      # optional: style, view, combs
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from typing import Any, ClassVar
 
 from pas.errors import LimitError, PasError
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
-from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
 from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.generatrix.boundary import Boundary
@@ -60,6 +60,7 @@ class GeneratrixProblem(Problem):
     prove: bool | None
     style: str
     view: View | None
+    combs: bool
 
     @property
     def fixed(self) -> str:
@@ -80,7 +81,7 @@ class GeneratrixReader(PictureReader):
         "": {"name", "method", "align", "unit", "tolerance", "prove", "boundaries", "shape", "picture"},
         "boundaries": set(KEYS),
         "shape": {*VALUES, "middle"},
-        "picture": {"style", "view"},
+        "picture": PICTURE_KEYS,
     }
     required: ClassVar = {"": {"boundaries"}}
     lists: ClassVar = {"boundaries"}
@@ -92,7 +93,6 @@ class GeneratrixReader(PictureReader):
         if len(tables) != 2:
             raise self.error(f"there must be two [[boundaries]], not {len(tables)}", "", 0, "boundaries")
         first, second = (self._boundary(i, table, method) for i, table in enumerate(tables))
-        style, view = self.picture(data)
         return GeneratrixProblem(
             name=self.name(data),
             method=method,
@@ -102,8 +102,7 @@ class GeneratrixReader(PictureReader):
             unit=self.typed(data, "unit", bool, True),
             tolerance=self.tolerance(data),
             prove=self.typed(data, "prove", bool, None),
-            style=style,
-            view=view,
+            **self.picture(data),
         )
 
     def _boundary(self, index: int, table: dict[str, Any], method: str) -> Boundary:

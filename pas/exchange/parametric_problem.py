@@ -22,8 +22,9 @@ domain = [[-5, 5], [-inf, 1]]  # optional
 t = [-1, 1]
 
 [picture]                      # optional
-style = "zebra"                # plain, zebra or curvature
+style = "zebra"                # plain, zebra, highlights; mean, gauss, max, min (curvature)
 view = [1, -1, "1/2"]          # the direction from where one looks
+combs = true                   # with curvature combs
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from pas.algebra.rational import rational
 from pas.algebra.rational_function import PARAMETERS
 from pas.errors import LimitError, PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS
-from pas.exchange.picture_options import PictureReader, View
+from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.data import BlendingData
@@ -64,6 +65,7 @@ class ParametricProblem(Problem):
     prove: bool
     style: str
     view: View | None
+    combs: bool
 
     @property
     def fixed(self) -> str:
@@ -84,7 +86,7 @@ class _Reader(PictureReader):
     keys: ClassVar = {
         "": WHOLE | OPTIONS,
         "surfaces": {"x", "y", "z", "domain"},
-        "picture": {"style", "view"},
+        "picture": PICTURE_KEYS,
     }
     required: ClassVar = {"": {"order", "surfaces"}, "surfaces": {"x", "y", "z"}}
     lists: ClassVar = {"surfaces"}
@@ -109,7 +111,6 @@ class _Reader(PictureReader):
             raise
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), "", 0, "values") from None
-        style, view = self.picture(data)
         return ParametricProblem(
             name=self.name(data),
             data=blending,
@@ -119,8 +120,7 @@ class _Reader(PictureReader):
             domain=self._domain(data, names, blending),
             tolerance=self.tolerance(data),
             prove=self.typed(data, "prove", bool, True),
-            style=style,
-            view=view,
+            **self.picture(data),
         )
 
     def _parameters(self, data: dict[str, Any]) -> tuple[str, str]:

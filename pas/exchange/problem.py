@@ -8,8 +8,9 @@ hold stands in `corner_problem`, `parametric_problem` and `generatrix_problem`. 
     prove = true                   # true: all must be proved, false: nothing; else what the kind of shape can give
 
     [picture]
-    style = "zebra"                # plain, zebra or curvature
+    style = "zebra"                # plain, zebra, highlights; mean, gauss, max, min (curvature)
     view = [1, -1, "1/2"]          # the direction from where one looks
+    combs = true                   # with curvature combs
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from pas.verdicts import Verdicts
 class Problem(ABC):
     """A problem as read from a file: a frozen dataclass with at least these fields.
 
-    `tolerance` of the mesh, None for the shape's own; `prove` as in the file, `style` and `view` of the picture.
+    `tolerance` of the mesh, None for the shape's own; `prove` as in the file, `style`, `view`, `combs` of the picture.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Problem(ABC):
     prove: bool | None
     style: str
     view: View | None
+    combs: bool = False
 
     @property
     def fixed(self) -> str:

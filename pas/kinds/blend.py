@@ -127,4 +127,4 @@ def _cells(blend: Blend) -> Any:
     return cell_grid(blend.surface)
 
 
-BLEND = Kind("blend", Blend, CONTENT, record, read, _layers, text=str, body=Blend.solid, cells=_cells)
+BLEND = Kind("blend", Blend, CONTENT, record, read, _layers, text=str, body=Blend.solid, cells=_cells, curved=True)

@@ -140,4 +140,6 @@ def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
     return blend.mesh(RELATIVE * extent(blend.surface) if tolerance is None else tolerance)
 
 
-BLEND = Kind("generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches)
+BLEND = Kind(
+    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, curved=True
+)

@@ -93,4 +93,14 @@ def mesh(blend: ParametricBlend, tolerance: Any, domain: Any) -> Mesh:
     return blend.mesh(tolerance, domain)
 
 
-BLEND = Kind("parametric blend", ParametricBlend, CONTENT, record, read, blend_layers, mesh=mesh, patches=blend_patches)
+BLEND = Kind(
+    "parametric blend",
+    ParametricBlend,
+    CONTENT,
+    record,
+    read,
+    blend_layers,
+    mesh=mesh,
+    patches=blend_patches,
+    curved=True,
+)

@@ -39,4 +39,5 @@ SURFACE = Kind(
     surface_layers,
     mesh=mesh,
     patches=exact_patches,
+    curved=True,
 )

@@ -84,4 +84,4 @@ def patches(patch: RationalPatch, domain: Any) -> tuple[RationalPatch]:
     return (patch,)
 
 
-PATCH = Kind("rational patch", RationalPatch, CONTENT, record, read, _layers, mesh=mesh, patches=patches)
+PATCH = Kind("rational patch", RationalPatch, CONTENT, record, read, _layers, mesh=mesh, patches=patches, curved=True)

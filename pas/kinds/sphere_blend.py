@@ -48,4 +48,4 @@ def read(content: dict[str, Any]) -> SphereBlend:
     return replace(made, blends=tuple(parts))
 
 
-BLEND = Kind("sphere blend", SphereBlend, CONTENT, record, read, sphere_layers)
+BLEND = Kind("sphere blend", SphereBlend, CONTENT, record, read, sphere_layers, curved=True)

@@ -29,4 +29,6 @@ def _cells(surface: PiecewiseSurface) -> Any:
     return cell_grid(surface)
 
 
-SURFACE = Kind("surface", PiecewiseSurface, Table({"surface": SHAPE}), record, read, layers, body=body, cells=_cells)
+SURFACE = Kind(
+    "surface", PiecewiseSurface, Table({"surface": SHAPE}), record, read, layers, body=body, cells=_cells, curved=True
+)

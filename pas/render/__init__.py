@@ -1,1 +1,1 @@
-"""Pictures of surfaces: shaded, with isophotes (zebra stripes), or coloured by curvature."""
+"""Pictures of surfaces: shaded, with isophotes or highlight lines, coloured by curvature, with curvature combs."""

@@ -33,8 +33,10 @@ def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
     return x, y, z
 
 
-def look_at(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int]) -> None:
-    """Point the camera so that the points fill the picture."""
+def look_at(
+    plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int], room: tuple[float, float] = (0, 0)
+) -> None:
+    """Point the camera so that the points fill the picture, but for `room` on the right and below, over its size."""
     ahead = -np.array(view, dtype=float) @ frame
     ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1])
@@ -44,9 +46,11 @@ def look_at(plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[
     low, high = seen.min(axis=0), seen.max(axis=0)
     center = (low + high) / 2 @ axes
     half = np.tan(np.radians(VIEW_ANGLE / 2))
-    reach = MARGIN * max(float(high[1] - low[1]), float(high[0] - low[0]) * size[1] / size[0]) / 2
+    width, height = 1 - room[0], 1 - room[1]
+    reach = MARGIN * max(float(high[1] - low[1]) / height, float(high[0] - low[0]) / width * size[1] / size[0]) / 2
     plotter.camera.focal_point = tuple(center)
     plotter.camera.position = tuple(center - (reach / half + float(high[2] - low[2]) / 2) * ahead)
+    plotter.camera.SetWindowCenter(room[0], -room[1])
     plotter.camera.up = tuple(axes[1])
     plotter.camera.view_angle = VIEW_ANGLE
     plotter.reset_camera_clipping_range()

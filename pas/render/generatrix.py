@@ -14,9 +14,12 @@ from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.mesh import Mesh
+from pas.parametric.curvatures import Forms
 from pas.render.collar import collar
-from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
-from pas.render.scene import Scene, Style
+from pas.render.curves import blend_curves, combs_on
+from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer
+from pas.render.parametric import UNKNOWN, principal_on
+from pas.render.scene import Scene
 
 GRID, CURVED = (320, 120), (160, 60)
 """Of the blend's mesh; the second for curvatures, which are smooth but slow."""
@@ -27,12 +30,21 @@ REACH = 0.3
 
 def layers(blend: GeneratrixBlend, scene: Scene) -> None:
     """Add a blend and its two surfaces."""
-    curved = scene.style is Style.CURVATURE
-    size = CURVED if curved else GRID
+    size = CURVED if scene.coloring.curved else GRID
     mesh = scene.mesh(lambda: blend.mesh(scene.picture.tolerance) if scene.picture.tolerance else blend.mesh(size=size))
-    curvature = mean_curvatures(blend.surface, _parameters(blend, mesh, size)) if curved else None
+    if mesh.parameters is None:
+        mesh = replace(mesh, parameters=_on_grid(blend, mesh.points, size))
     reach = REACH * float(np.ptp(mesh.points, axis=0).max())
-    scene.layers.append(Layer(mesh, BLEND_COLOR, BLEND_TINT, curvature, outlined=True))
+    scene.layers.append(
+        Layer(
+            mesh,
+            BLEND_COLOR,
+            BLEND_TINT,
+            lambda: principal_on(mesh, blend.surface),
+            combs=_combs(blend, mesh) if scene.picture.combs else (),
+            outlined=True,
+        )
+    )
     ends = blend.mesh(size=(GRID[0], 2)).point_normals.reshape(GRID[0], 2, 3)
     for number, (boundary, sign) in enumerate(zip(blend.boundaries, blend.frames.signs, strict=True)):
         scene.layers += _neighbour(boundary, sign, reach, ends[:, number], number)
@@ -40,9 +52,16 @@ def layers(blend: GeneratrixBlend, scene: Scene) -> None:
 
 def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
     """Add blends through a sphere, and the surfaces that they come from."""
-    mesh = scene.mesh(lambda: blend.mesh(size=GRID))
+    size = CURVED if scene.coloring.curved else GRID
+    mesh = scene.mesh(lambda: blend.mesh(size=size))
     reach = REACH * float(np.ptp(mesh.points, axis=0).max())
-    scene.layers.append(Layer(mesh, BLEND_COLOR, BLEND_TINT, outlined=True))
+    combs = [comb for part in blend.blends for comb in _combs(part, mesh)] if scene.picture.combs else []
+    scene.layers.append(
+        Layer(
+            mesh, BLEND_COLOR, BLEND_TINT, lambda: _sphere_curvatures(blend, mesh, size),
+            combs=tuple(combs), outlined=True,
+        )
+    )  # fmt: skip
     for number, part in enumerate(blend.blends):
         ends = part.mesh(size=(GRID[0], 2)).point_normals.reshape(GRID[0], 2, 3)
         rim = part.control_points(part.frames.parameters(GRID[0]))[:, -1]
@@ -50,10 +69,29 @@ def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
         scene.layers += _neighbour(part.boundaries[0], part.frames.signs[0], reach, outward * ends[:, 0], number)
 
 
-def _parameters(blend: GeneratrixBlend, mesh: Mesh, size: tuple[int, int]) -> Floats:
-    """The parameters (N, 2) of a mesh's points, those of the grid where the mesh does not know them."""
-    if mesh.parameters is not None:
-        return mesh.parameters
+def _sphere_curvatures(blend: SphereBlend, mesh: Mesh, size: tuple[int, int]) -> Floats:
+    """Principal curvatures (N, 2) at the points of a mesh: grids of the blends one after the other, then the sphere."""
+    count = size[0] * size[1]
+    result = np.full((len(mesh.points), 2), 1 / blend.radius)
+    for number, part in enumerate(blend.blends):
+        here = slice(number * count, (number + 1) * count)
+        places = _on_grid(part, mesh.points[here], size)
+        if places is None:
+            raise ValueError(UNKNOWN)
+        result[here] = Forms.at(part.surface, places).principal_for(mesh.point_normals[here])
+    return result
+
+
+def _combs(blend: GeneratrixBlend, mesh: Mesh) -> tuple[Comb, ...]:
+    """Along both boundaries and some generatrices."""
+    return combs_on(blend.surface, blend_curves(((0.0, 1.0), (0.0, 1.0)), (0.0, 1.0), blend.closed), mesh)
+
+
+def _on_grid(blend: GeneratrixBlend, points: Floats, size: tuple[int, int]) -> Floats | None:
+    """The parameters (N, 2) of points (N, 3) of a mesh; None where they are not those of the grid."""
+    grid = blend.sheet(size)[0].reshape(-1, 3)
+    if points.shape != grid.shape or not np.allclose(points, grid):
+        return None
     s, t = np.meshgrid(blend.frames.parameters(size[0]), np.linspace(0, 1, size[1]), indexing="ij")
     return np.stack([s, t], axis=-1).reshape(-1, 2)
 
@@ -66,4 +104,4 @@ def _neighbour(boundary: Boundary, sign: int, reach: float, normals: Floats, num
     first = strip.point_normals.reshape(len(normals), -1, 3)[:, 0]
     if (first * normals).sum() < 0:
         strip = replace(strip, normals=-strip.normals)
-    return [Layer(strip, COLORS[number % len(COLORS)], TINTS[number % len(TINTS)])]
+    return [Layer(strip, COLORS[number % len(COLORS)], TINTS[number % len(TINTS)], aside=True)]

@@ -22,30 +22,37 @@ from pas.surface.piecewise import PiecewiseSurface
 NEIGHBOUR_TOLERANCE = 1e-3
 """Of a neighbour's mesh, over its length."""
 
+NEAR = 1e-7
+"""Distance from a contact's curve below which a point of the boundary is on it, over the size of its coordinates."""
+
 RINGS = 24
 """Rings of triangles along an extruded neighbour: enough for stripes to be straight."""
 
 
 def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mesh]:
     """Each cylindrical contact surface, extruded by `length` (model units) from the blend's mesh."""
-    edges, times = mesh.edges
-    rim = edges[times == 1]
     result = []
-    near = 1e-7 * (1 + np.abs(mesh.points).max())
     for contact in surface.contacts:
-        on = (
-            np.maximum(_distance(contact.clip, mesh.points), _distance(contact.surface, mesh.points))[rim].max(axis=1)
-            < near
-        )
-        if not on.any():
+        rim = contact_rim(contact, mesh)
+        if not len(rim):
             continue
         if not _is_cylinder(contact.surface, contact.clip):
             result += _beyond(contact, surface, length)
         else:
-            direction = contact.clip.gradient(mesh.points[rim[on][0, 0]])
+            direction = contact.clip.gradient(mesh.points[rim[0, 0]])
             direction = direction / np.linalg.norm(direction)
-            result.append(_extruded(contact.surface, mesh.points, rim[on], direction * length))
+            result.append(_extruded(contact.surface, mesh.points, rim, direction * length))
     return result
+
+
+def contact_rim(contact: Contact, mesh: Mesh) -> Integers:
+    """The edges (E, 2) of a mesh's boundary that are on a contact's curve."""
+    edges, times = mesh.edges
+    rim = edges[times == 1]
+    near = NEAR * (1 + np.abs(mesh.points).max())
+    far, ends = np.full(len(mesh.points), np.inf), mesh.points[mesh.boundary]
+    far[mesh.boundary] = np.maximum(_distance(contact.clip, ends), _distance(contact.surface, ends))
+    return rim[far[rim].max(axis=1) < near]
 
 
 def _distance(polynomial: Polynomial, points: Floats) -> Floats:

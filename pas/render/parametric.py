@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import LimitError, PasError
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
+from pas.parametric.curvatures import Forms
 from pas.parametric.domain import Domain
 from pas.parametric.framed import extent
 from pas.parametric.meshing import finite_domain
 from pas.parametric.surface import ParametricSurface
-from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer, mean_curvatures
-from pas.render.scene import Scene, Style
+from pas.render.curves import blend_curves, combs_on, surface_curves
+from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Layer
+from pas.render.scene import Scene
 
 REACH = 0.4
 """How far a blend's surfaces are shown beyond their curves, over the range of the blend's second parameter."""
 
 COARSE, FINE = 1e-3, 2e-4
 """Tolerances over the extent: stripes show facets that shading hides."""
+
+UNKNOWN = "the mesh does not say the parameters of its points, which curvatures need; leave mesh out"
 
 THROUGH = 0.35
 """The opacity of surfaces in between: the blend touches them and leaves again."""
@@ -30,13 +36,20 @@ THROUGH = 0.35
 def surface_layers(surface: ParametricSurface, scene: Scene) -> None:
     """Add a surface, in a colour of its own; raises what meshing raises."""
     place = len(scene.layers) % len(COLORS)  # not a colour of a blend before
-    scene.layers.append(_layer(surface, scene, scene.picture.domain, COLORS[place], TINTS[place]))
+    layer = _layer(surface, scene, scene.picture.domain, COLORS[place], TINTS[place])
+    if scene.picture.combs:
+        curves = surface_curves(finite_domain(surface, scene.picture.domain))
+        layer = replace(layer, combs=combs_on(surface, curves, layer.mesh))
+    scene.layers.append(layer)
 
 
 def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
     """Add a blend and the surfaces that it meets, beside their curves; raises what meshing raises."""
     rectangle = finite_domain(blend.surface, scene.picture.domain)
     layer = _layer(blend.surface, scene, rectangle, BLEND_COLOR, BLEND_TINT)
+    if scene.picture.combs:
+        curves = blend_curves(rectangle, [to_float(value) for value in blend.data.values])
+        layer = replace(layer, combs=combs_on(blend.surface, curves, layer.mesh))
     size = float(np.ptp(layer.mesh.points, axis=0).max())
     scene.layers.append(layer)
     for number in range(len(blend.data.surfaces)):
@@ -44,7 +57,8 @@ def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
         if found is not None:
             between = rectangle[1][0] < to_float(blend.data.values[number]) < rectangle[1][1]
             place = number % len(COLORS)
-            scene.layers.append(Layer(found, COLORS[place], TINTS[place], opacity=THROUGH if between else 1.0))
+            opacity = THROUGH if between else 1.0
+            scene.layers.append(Layer(found, COLORS[place], TINTS[place], opacity=opacity, aside=True))
 
 
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
@@ -53,14 +67,19 @@ def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, ti
         return bounded.mesh(scene.picture.tolerance or _fineness(scene) * extent(bounded))
 
     mesh = scene.mesh(make)
-    places = mesh.parameters if scene.style is Style.CURVATURE else None
-    curvature = None if places is None else mean_curvatures(surface, places)
-    return Layer(mesh, color, tint, curvature, outlined=True)
+    return Layer(mesh, color, tint, lambda: principal_on(mesh, surface), outlined=True)
+
+
+def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
+    """The principal curvatures (N, 2) at a mesh's points; raises `ValueError` where it does not know its parameters."""
+    if mesh.parameters is None:
+        raise ValueError(UNKNOWN)
+    return Forms.at(surface, mesh.parameters).principal_for(mesh.point_normals)
 
 
 def _fineness(scene: Scene) -> float:
     """The tolerance over the extent."""
-    return FINE if scene.style is Style.ZEBRA else COARSE
+    return FINE if scene.coloring.fine else COARSE
 
 
 def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float) -> Mesh | None:

@@ -56,9 +56,7 @@ def draw_parts(
 
 
 def solid_layers(shape: Shape, scene: Scene, name: str = "", color: str = BLEND_COLOR) -> None:
-    """Add a solid or a mesh in a colour; raises `ValueError` for the style of curvatures."""
-    if scene.style is Style.CURVATURE:
-        raise ValueError("curvature colours exist for blends and surfaces; draw solids and meshes plain or as zebra")
+    """Add a solid or a mesh in a colour."""
     mesh = scene.mesh(lambda: shape.mesh(scene.picture.tolerance), name)
     scene.look(VIEW)
     scene.layers.append(Layer(mesh, color, outlined=True))

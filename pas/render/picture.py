@@ -13,13 +13,13 @@ from pas.exchange.files import replacing, target
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.render.camera import FOUR_VIEWS, look_at, widest_view
+from pas.render.coloring import Legend, Paint
+from pas.render.combs import add_combs, hair_length, tips
 from pas.render.layers import CURVE_COLOR, Layer
+from pas.render.legend import add_comb_legend, add_legend, bar, room
 from pas.render.offscreen import offscreen_pyvista
-from pas.render.scene import SIZE, Picture, PictureOptions, Scene, Style, scene_of
+from pas.render.scene import Picture, PictureOptions, Scene, scene_of
 from pas.shape import Shape
-
-STRIPES, TOWARDS = 28, np.array([0.35, 0.85, 0.4]) / np.linalg.norm([0.35, 0.85, 0.4])
-"""Dark and bright bands over the range of the isophotes, and the direction that they measure angles from."""
 
 GAP = 0.35
 """Between exploded parts, over the size of all."""
@@ -27,21 +27,13 @@ GAP = 0.35
 SHARP_DEGREES = 35
 """Between triangles of what is cut in half, for an edge to look sharp."""
 
-BAR = {
-    "title": "mean curvature",
-    "color": "black",
-    "vertical": True,
-    "position_x": 0.88,
-    "position_y": 0.08,
-    "height": 0.45,
-    "width": 0.07,
-}
-"""Of the colours of curvature."""
-
-FONTS = {"title": 18, "label": 16}
-"""Sizes of its letters in a picture of width SIZE[0]."""
-
 SHADING = {"specular": 0.25, "specular_power": 20, "ambient": 0.18}
+
+NEAR = 0.01
+"""Lines up to this far in front of what a picture is cut to are shown, over its size: combs may stand in the plane."""
+
+FAINT = 0.3
+"""The opacity of what stands around a surface whose curvature is shown."""
 
 
 @limited("drawing", "a coarser mesh of your own")
@@ -57,15 +49,19 @@ def draw(
     """Draw a shape, or a list of them, into a PNG file; returns the path.
 
     A blend is drawn with its surfaces beyond their curves, in other colours, as far as they are known.  `options`
-    are those of `Picture`: `style`, `size`, `view`, `domain`, `tolerance`, `four_views`, `exploded`, `cut`.
+    are those of `Picture`: `style`, `combs`, `size`, `view`, `domain`, `tolerance`, `four_views`, `exploded`, `cut`.
     `mesh`, that of the first shape, or of its parts by name, spares meshing again.
 
-    `Style.ZEBRA` shows isophotes, lines of equal angle between normal and a direction: across a
-    joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.
-    `Style.CURVATURE` shows the mean curvature.
+    `style` is a `pas.Style` or its name.  "zebra" shows isophotes, lines of equal angle between normal and a direction:
+    across a joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.  "highlights" shows highlight
+    lines (Beier and Chen 1994), the reflections of parallel lights.  "mean", "gauss", "max" and "min" show the mean,
+    Gauss, larger and smaller principal curvature, positive where the surface bends like a ball with its normals
+    outwards: of blends by patches over the largest curvature of the neighbours, else in 1/length; "curvature" is
+    "mean".  `combs=True` adds curvature combs: along sections in the planes of two contacts' axes and along contact
+    curves, of parametric surfaces along lines of constant parameters.
 
-    Raises `ValueError` for another suffix than .png and what meshing raises, `TypeError` for what is no shape and
-    unknown options, `MissingLibraryError` without OpenGL.
+    Raises `ValueError` for another suffix than .png, an unknown style, curvature of a kind of shapes that has none and
+    what meshing raises, `TypeError` for what is no shape and unknown options, `MissingLibraryError` without OpenGL.
     """
     target(path, (".png",), "a picture")
     picture = Picture.of(options)
@@ -83,18 +79,33 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool) -
     plotter = pyvista.Plotter(off_screen=off_screen, window_size=[width, height], shape=grid, border=False)
     meshes = [layer.mesh for layer in scene.layers]
     shifts = [_shift(picture, place, meshes) for place in range(len(meshes))]
-    points = np.concatenate([mesh.points + shift for mesh, shift in zip(meshes, shifts, strict=True)])
+    paints, legend = picture.coloring.paint(scene)
+    hair = hair_length(scene.layers)
+    drawn = [np.concatenate([layer.mesh.points, tips(layer, hair)]) for layer in scene.layers]
+    points = np.concatenate([part + shift for part, shift in zip(drawn, shifts, strict=True)])
     view = scene.view if picture.view is None else picture.view
     views = FOUR_VIEWS if picture.four_views else (widest_view(meshes) if view is None else view,)
-    low, high = ("#aebac4", "#c9d3dc") if picture.style is Style.ZEBRA else ("white", "#dfe8f0")
+    low, high = picture.coloring.backdrop
+    size = (width // grid[1], height // grid[0])
     for number, direction in enumerate(views):
         plotter.subplot(number // 2, number % 2)
         plotter.set_background(low, top=high)
-        for layer, shift in zip(scene.layers, shifts, strict=True):
-            _add(plotter, layer, picture, scene.frame, shift)
+        for place in _far_first(meshes, np.array(direction, dtype=float) @ scene.frame):
+            layer, shift = scene.layers[place], shifts[place]
+            _add(plotter, layer, paints[place], picture, shift, legend, size[0])
+            add_combs(plotter, layer, hair, shift, _cutter(picture, layer.mesh, shift))
+        if legend and number == 0:
+            add_legend(plotter, legend, size[0])
+        if picture.combs and number == 0:
+            add_comb_legend(plotter, scene.layers, size[0])
         plotter.enable_anti_aliasing("ssaa")
-        look_at(plotter, scene.frame, direction, points, (width // grid[1], height // grid[0]))
+        look_at(plotter, scene.frame, direction, points, size, room(legend, picture))
     return plotter
+
+
+def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
+    """The order in which meshes are drawn, so that what is seen through does not hide what is behind it."""
+    return sorted(range(len(meshes)), key=lambda place: float(meshes[place].points.mean(axis=0) @ towards))
 
 
 def _shift(picture: Picture, place: int, meshes: Sequence[Mesh]) -> Floats:
@@ -104,51 +115,63 @@ def _shift(picture: Picture, place: int, meshes: Sequence[Mesh]) -> Floats:
     return np.array([0.0, 0.0, GAP * place * float(np.ptp(points, axis=0).max())])
 
 
-def _add(plotter: Any, layer: Layer, picture: Picture, frame: Floats, shift: Floats) -> None:
-    """Add a layer in the colours of the style, and its lines."""
-    data, shading = _data(layer, picture, frame), {**SHADING, "smooth_shading": True, "opacity": layer.opacity}
+def _add(
+    plotter: Any, layer: Layer, paint: Paint, picture: Picture, shift: Floats, legend: Legend | None, width: int
+) -> None:
+    """Add a layer in its colours, and its lines."""
+    faint = picture.curved and layer.aside
+    opacity = FAINT if faint else layer.opacity
+    options: dict[str, Any] = {**SHADING, "smooth_shading": True, "opacity": opacity, "show_scalar_bar": False}
+    data = _data(layer.mesh, paint)
     data.translate(shift, inplace=True)
+    if paint.values is None:
+        options["color"] = layer.color
+    else:
+        data["shown"] = paint.values.ravel()
+        options |= {"scalars": "shown", "interpolate_before_map": True}
+        if legend is not None:
+            options |= {"show_scalar_bar": True, "scalar_bar_args": bar(legend, width)}
     if picture.cut:
         data = _half(data, layer.mesh)
-        shading |= {"split_sharp_edges": True, "feature_angle": SHARP_DEGREES}
-    if "isophotes" in data.point_data:
-        plotter.add_mesh(
-            data, scalars="isophotes", cmap=[layer.tint, "black"] * (STRIPES // 2), clim=(-1, 1),
-            interpolate_before_map=True, show_scalar_bar=False, n_colors=STRIPES,
-            **(shading | {"specular": 0.0, "ambient": 0.6, "diffuse": 0.4}),
-        )  # fmt: skip
-        return
-    if "mean curvature" in data.point_data:
-        limit = max(float(np.nanpercentile(np.abs(data["mean curvature"]), 98)), 1e-12)
-        scale = picture.size[0] / SIZE[0]
-        fonts = {f"{part}_font_size": round(font * scale) for part, font in FONTS.items()}
-        plotter.add_mesh(
-            data, scalars="mean curvature", cmap="coolwarm", clim=(-limit, limit), scalar_bar_args=BAR | fonts,
-            nan_color="#dddddd", **shading,
-        )  # fmt: skip
-    else:
-        plotter.add_mesh(data, color=layer.color, **shading)
-    if layer.outlined and not picture.cut:
+        options |= {"split_sharp_edges": True, "feature_angle": SHARP_DEGREES}
+    options |= paint.options
+    # of what is seen through, the far side comes first
+    for culling in (None,) if opacity == 1 else ("front", "back"):
+        plotter.add_mesh(data, culling=culling, **options)
+    if layer.outlined and not picture.cut and (paint.values is None or legend is not None):
         _add_lines(plotter, layer.mesh, shift)
 
 
-def _data(layer: Layer, picture: Picture, frame: Floats) -> Any:
-    """The mesh for pyvista, with what the colours stand for."""
-    data = layer.mesh.to_pyvista()
-    if picture.style is Style.ZEBRA:
-        data["isophotes"] = np.asarray(data.point_data.active_normals) @ (TOWARDS @ frame)
-    if layer.curvature is not None:
-        data["mean curvature"] = layer.curvature[layer.mesh.shading_points]
+def _data(mesh: Mesh, paint: Paint) -> Any:
+    """The mesh for pyvista, each triangle with points of its own where the values are by triangle."""
+    if paint.values is None or paint.values.ndim == 1:
+        return mesh.to_pyvista()
+    import pyvista
+
+    points, triangles, normals = mesh.shading
+    alone = np.arange(triangles.size).reshape(-1, 3).astype(int)
+    data = pyvista.PolyData.from_regular_faces(points[triangles].reshape(-1, 3), alone)
+    data.point_data.active_normals = normals[triangles].reshape(-1, 3)
     return data
 
 
 def _half(data: Any, mesh: Mesh) -> Any:
     """What lies behind the middle plane; what is closed is closed by a flat face there."""
-    middle = float(data.points[:, 1].min() + data.points[:, 1].max()) / 2
-    plane = {"normal": (0, 1, 0), "origin": (0, middle, 0)}
-    if mesh.is_closed and not len(data.point_data.keys()) > 1:
+    plane = _middle_plane(data.points)
+    if mesh.is_closed and "shown" not in data.point_data:
         return mesh.smoothed.to_pyvista().clip_closed_surface(**plane)
     return data.clip(**plane, invert=False)
+
+
+def _middle_plane(points: Floats) -> dict[str, Any]:
+    return {"normal": (0, 1, 0), "origin": (0, float(points[:, 1].min() + points[:, 1].max()) / 2, 0)}
+
+
+def _cutter(picture: Picture, mesh: Mesh, shift: Floats) -> Any:
+    """What becomes of lines on a layer where a picture is cut."""
+    points = mesh.points + shift
+    plane = _middle_plane(points - NEAR * float(np.ptp(points, axis=0).max()))
+    return (lambda lines: lines.clip(**plane, invert=False)) if picture.cut else (lambda lines: lines)
 
 
 def _add_lines(plotter: Any, mesh: Mesh, shift: Floats) -> None:

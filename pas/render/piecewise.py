@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float
 from pas.render.layers import BLEND_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
-from pas.render.scene import Scene, Style
+from pas.render.scene import Scene
+from pas.render.sections import combs, geometry_at
+from pas.surface.fairness import neighbour
 from pas.surface.piecewise import PiecewiseSurface
 
 VIEW = (0.62, -0.62, 0.48)
@@ -19,16 +22,40 @@ COARSE, FINE = 1e-3, 2e-4
 BEYOND = 0.25
 """How far neighbours are shown, over the extent of the region."""
 
+FLAT = 1e-9
+"""A curvature, times the size of the region, that is none."""
+
 
 def layers(surface: PiecewiseSurface, scene: Scene) -> None:
     """Add the surface and its neighbours; raises `MeshError` where it has no region."""
     extent = float(np.ptp(surface.partition.points, axis=0).max()) if len(surface.partition.points) else 1.0
-    tolerance = scene.picture.tolerance or extent * (FINE if scene.style is Style.ZEBRA else COARSE)
+    tolerance = scene.picture.tolerance or extent * (FINE if scene.coloring.fine else COARSE)
     mesh = scene.mesh(lambda: surface.mesh(tolerance))
-    curvature = surface.curvatures(mesh.points)[:, 0] if scene.style is Style.CURVATURE else None
     scene.look(VIEW, _frame(surface))
-    scene.layers.append(Layer(mesh, BLEND_COLOR, curvature=curvature, outlined=True))
-    scene.layers += [Layer(other, PIPE_COLOR) for other in neighbours(surface, mesh, extent * BEYOND)]
+    scene.layers.append(
+        Layer(
+            mesh,
+            BLEND_COLOR,
+            principal=lambda: principal_curvatures(surface, mesh.points),
+            unit=sharpest_neighbour(surface) if scene.picture.curved else None,
+            combs=combs(surface, mesh) if scene.picture.combs else (),
+            outlined=True,
+        )
+    )
+    scene.layers += [Layer(other, PIPE_COLOR, aside=True) for other in neighbours(surface, mesh, extent * BEYOND)]
+
+
+def principal_curvatures(surface: PiecewiseSurface, points: Floats) -> Floats:
+    """Principal curvatures (N, 2) at surface points (N, 3), the larger first: those of the polynomials."""
+    return geometry_at(surface, points)[1].principal / to_float(surface.partition.frame.scale)
+
+
+def sharpest_neighbour(surface: PiecewiseSurface) -> float | None:
+    """The largest |principal curvature| of the contacts' surfaces on their curves; None where all are flat there."""
+    scale = to_float(surface.partition.frame.scale)
+    found = [neighbour(join, scale).curvature for join in surface.joins if np.isfinite(join.radius)]
+    most = max(found, default=0.0)
+    return most if most * scale > FLAT else None
 
 
 def _frame(surface: PiecewiseSurface) -> Floats:

@@ -12,25 +12,33 @@ import numpy as np
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.errors import meant
+from pas.exchange.picture_options import STYLES, check_style
 from pas.mesh.mesh import Mesh
+from pas.render.coloring import Coloring
 from pas.render.layers import Layer
-from pas.shape import Shape, kind_of
+from pas.shape import Kind, Shape, kind_of
 
 SIZE = (1200, 900)
 
 
 class Style(Enum):
-    """What the colours show."""
+    """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
 
     PLAIN = "plain"
     ZEBRA = "zebra"
+    HIGHLIGHTS = "highlights"
+    MEAN = "mean"
+    GAUSS = "gauss"
+    MAX = "max"
+    MIN = "min"
     CURVATURE = "curvature"
 
 
 class PictureOptions(TypedDict, total=False):
     """The fields of `Picture` as keywords of `pas.draw` and `pas.show`."""
 
-    style: Style
+    style: Style | str
+    combs: bool
     size: tuple[int, int]
     view: Any
     domain: Any
@@ -44,17 +52,19 @@ class PictureOptions(TypedDict, total=False):
 class Picture:
     """How shapes are drawn; `pas.draw` and `pas.show` take each of these by name.
 
-    `style`: what the colours show.  `size` in pixels.  `view`: the direction from where one looks, of blends by
-    patches in the frame of the contact directions, else in the coordinates.  `domain`: that of
+    `style`: what the colours show, a `pas.Style` or a name.  `combs`: with curvature combs, hairs whose lengths are the
+    normal curvature along sections and contact curves.  `size` in pixels.  `view`: the direction from where one looks,
+    of blends by patches in the frame of the contact directions, else in the coordinates.  `domain`: that of
     `ParametricSurface.mesh`, for all parametric shapes.  `tolerance`: of the meshes, in the model's units.
 
     `four_views`: from four sides.  `exploded`: the parts lifted apart.  `cut`: without what is in front of the middle
     plane y = const.
 
-    Raises `TypeError` for what is no `Style`, `ValueError` for a bad tolerance.
+    Raises `TypeError` for what is no style or no truth value, `ValueError` for an unknown style and a bad tolerance.
     """
 
-    style: Style = Style.PLAIN
+    style: Style | str = Style.PLAIN
+    combs: bool = False
     size: tuple[int, int] = SIZE
     view: Any = None
     domain: Any = None
@@ -64,10 +74,26 @@ class Picture:
     cut: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.style, Style):
-            raise TypeError(f"style must be a pas.Style, not {self.style!r}")
+        check_style(self._name)
+        if not isinstance(self.combs, bool):
+            raise TypeError(f"combs must be True or False, not {self.combs!r}")
         if self.tolerance is not None:
             check_tolerance(self.tolerance)
+
+    @property
+    def _name(self) -> Any:
+        return self.style.value if isinstance(self.style, Style) else self.style
+
+    @property
+    def coloring(self) -> Coloring:
+        """What the style does."""
+        coloring: Coloring = STYLES[self._name]
+        return coloring
+
+    @property
+    def curved(self) -> bool:
+        """Whether curvatures are needed."""
+        return self.combs or self.coloring.curved
 
     @classmethod
     def of(cls, options: Mapping[str, Any]) -> Picture:
@@ -95,9 +121,9 @@ class Scene:
     view: Any = None
 
     @property
-    def style(self) -> Style:
+    def coloring(self) -> Coloring:
         """What the colours show."""
-        return self.picture.style
+        return self.picture.coloring
 
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""
@@ -112,15 +138,29 @@ class Scene:
 def scene_of(shapes: Shape | Sequence[Shape], picture: Picture, mesh: Mesh | Mapping[str, Mesh] | None = None) -> Scene:
     """The scene of one shape or several; `mesh` is that of the first, by part where it has parts.
 
-    Raises `TypeError` for what is no shape, `ValueError` for none, and what meshing raises.
+    Raises `TypeError` for what is no shape, `ValueError` for none and where curvatures are to be shown that a kind of
+    shapes does not have, and what meshing raises.
     """
     items = list(shapes) if isinstance(shapes, list | tuple) else [shapes]
     if not items:
         raise ValueError("there must be at least one surface to draw")
     kinds = [kind_of(item, "what to draw") for item in items]
+    for kind in kinds:
+        _check_curved(kind, picture)
     known = {} if mesh is None else mesh if isinstance(mesh, Mapping) else {"": mesh}
     scene = Scene(picture, known)
     for item, kind in zip(items, kinds, strict=True):
         kind.layers(item, scene)
         scene.known = {}
     return scene
+
+
+def _check_curved(kind: Kind[Any], picture: Picture) -> None:
+    if picture.curved and not kind.curved:
+        what = "combs" if picture.combs else "colours"
+        others = [name for name, coloring in STYLES.items() if not coloring.curved]
+        article = "an" if kind.name[0] in "aeiou" else "a"
+        raise ValueError(
+            f"curvature {what} exist for blends and surfaces, and this is {article} {kind.name}; "
+            f"draw it in one of the styles {', '.join(others)}{' without combs' if picture.combs else ''}"
+        )

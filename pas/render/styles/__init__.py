@@ -1,0 +1,1 @@
+"""The styles of pictures, one short file each."""

@@ -1,0 +1,90 @@
+"""Highlight lines: where the line of the surface's normal meets one of a family of parallel light lines.
+
+K.-P. Beier and Y. Chen, Highlight-line algorithm for real-time surface-quality assessment (1994).  A light line is
+A + s B; the distance between it and the normal's line at P, d = (B x N) . (A - P) / |B x N|, vanishes along the
+highlight line.  The lights lie on a cylinder around the shape, as in a tunnel for inspection, and each is seen where
+the outward normal points to it: then the lines are spread evenly, whatever the direction of the normal.  Unlike
+isophotes they depend on the place, too; across a joint they behave as isophotes do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.render.coloring import Coloring, Legend, Paint
+from pas.render.scene import Scene
+
+LIGHTS = 36
+"""Lines around the cylinder."""
+
+ALONG = np.array([0.75, 0.6, 0.25]) / np.linalg.norm([0.75, 0.6, 0.25])
+"""The direction of the lights, in the scene's frame.  All lines meet where the normal has it: this is along no axis,
+and across the usual views, so that these places are not seen in the middle of a surface."""
+
+AWAY = 1.5
+"""The cylinder's radius over the distance of the farthest point from its axis."""
+
+SHADES, WIDTH = 20, 5
+"""Steps of colour from the middle between two lights to the next middle, and how many of them are bright."""
+
+EDGES = (SHADES - WIDTH) // 2, (SHADES - WIDTH + 1) // 2
+
+BODY = 0.42
+"""Brightness between the lines, over that of the layer's colour."""
+
+
+class Highlights(Coloring):
+    """Bright lines on dark surfaces."""
+
+    name = "highlights"
+    shows = "highlight lines, reflections of parallel lights, which show small dents"
+    fine = True
+    backdrop = ("#8d99a4", "#c9d3dc")
+
+    def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
+        """Bands over the angle at which the normal's line meets the cylinder."""
+        from matplotlib.colors import ListedColormap, to_rgb
+
+        axes, center, radius = tunnel(np.concatenate([layer.mesh.points for layer in scene.layers]), scene.frame)
+        paints = []
+        for layer in scene.layers:
+            dark = tuple(BODY * part for part in to_rgb(layer.color))
+            band = [dark] * EDGES[0] + [(1.0, 1.0, 1.0)] * WIDTH + [dark] * EDGES[1]
+            colors = ListedColormap(band * (LIGHTS * 3 // 2))
+            options = {"cmap": colors, "clim": (-np.pi, 2 * np.pi), "n_colors": colors.N}
+            shading = {"specular": 0.0, "ambient": 0.55, "diffuse": 0.5}
+            points, triangles, normals = layer.mesh.shading
+            angles = meeting_angles(points, normals, axes, center, radius)
+            paints.append(Paint(unwrapped(angles[triangles]), options | shading))
+        return paints, None
+
+
+def unwrapped(angles: Floats) -> Floats:
+    """Angles (T, 3) at triangles' corners, a turn more where otherwise a triangle would span more than half a turn."""
+    wide = np.ptp(angles, axis=1) > np.pi
+    return np.where(wide[:, None] & (angles < 0), angles + 2 * np.pi, angles)
+
+
+def tunnel(points: Floats, frame: Floats) -> tuple[Floats, Floats, float]:
+    """The cylinder of lights around points (N, 3): axes (3, 3), the lights' direction last; a centre; the radius."""
+    along = ALONG @ frame
+    across = np.cross(along, frame[int(np.abs(frame @ along).argmin())])
+    across /= np.linalg.norm(across)
+    axes = np.stack([across, np.cross(along, across), along])
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    return axes, center, AWAY * float(np.linalg.norm((points - center) @ axes[:2].T, axis=1).max())
+
+
+def meeting_angles(points: Floats, normals: Floats, axes: Floats, center: Floats, radius: float) -> Floats:
+    """The angles (N,), from -pi to pi, around the cylinder where lines from points (N, 3) along the normals meet it."""
+    places, ways = (points - center) @ axes[:2].T, normals @ axes[:2].T
+    length = np.maximum(np.linalg.norm(ways, axis=1), 1e-300)
+    ways = ways / length[:, None]
+    inner = (places * ways).sum(axis=1)
+    reach = -inner + np.sqrt(np.maximum(inner**2 + radius**2 - (places**2).sum(axis=1), 0.0))
+    met = places + reach[:, None] * ways
+    return np.arctan2(met[:, 1], met[:, 0])
+
+
+HIGHLIGHTS = Highlights()

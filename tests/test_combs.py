@@ -1,0 +1,207 @@
+"""Curvature combs: the curves they stand on, the curvature along them, and how they are drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import EQUAL, solved
+
+import pas
+from pas.render import combs as drawing
+from pas.render.combs import hair_length, tips
+from pas.render.layers import Comb, Layer
+from pas.render.scene import Picture, scene_of
+from pas.render.sections import chains, combs, section_planes
+from pas.surface.piecewise import PiecewiseSurface
+
+
+def alone(polynomial, lower, upper, contacts):
+    return PiecewiseSurface.from_polynomials(pas.SingleCell(lower, upper), contacts, 1, [polynomial])
+
+
+def combs_of(surface, tolerance):
+    return combs(surface, surface.mesh(tolerance))
+
+
+ELBOW = alone(
+    "(x^2 + y^2 + z^2 + 400 - 25)^2 - 1600*(x^2 + y^2)",
+    (0, 0, -10),
+    (30, 30, 10),
+    [pas.Contact("(y - 20)^2 + z^2 - 25", "-x"), pas.Contact("(x - 20)^2 + z^2 - 25", "-y")],
+)
+"""A quarter of a torus between two pipes."""
+
+
+def test_combs_of_an_elbow_are_those_of_its_arcs():
+    """Along the section the inner arc has curvature -1/15, the outer 1/25; along the circles it is 1/5."""
+    found = combs_of(ELBOW, 0.2)
+    assert sorted(comb.curvatures.mean() for comb in found) == pytest.approx([-1 / 15, 1 / 25, 1 / 5, 1 / 5])
+    for comb in found:
+        np.testing.assert_allclose(comb.curvatures, comb.curvatures.mean(), atol=1e-9)
+        x, y, z = comb.points.T
+        far = np.hypot(x, y)
+        np.testing.assert_allclose((far - 20) ** 2 + z**2, 25, atol=1e-6)
+        outward = np.stack([x / far * (far - 20), y / far * (far - 20), z], axis=1) / 5
+        np.testing.assert_allclose(comb.normals, outward, atol=1e-9)
+        if abs(comb.curvatures[0]) < 0.1:
+            np.testing.assert_allclose(z, 0, atol=1e-4)
+            steps = np.linalg.norm(np.diff(comb.points, axis=0), axis=1)
+            assert steps.max() < 1.2 * steps.min()
+        else:
+            np.testing.assert_allclose(np.minimum(np.abs(x), np.abs(y)), 0, atol=1e-9)
+            np.testing.assert_allclose(comb.points[0], comb.points[-1], atol=1e-6)  # a closed curve
+
+
+def test_axes_on_one_line_have_two_sections():
+    pipe = alone("x^2 + y^2 - 4", (-3, -3, -3), (3, 3, 3), [pas.Contact("x^2 + y^2 - 4", c) for c in ("z-3", "-z-3")])
+    found = combs_of(pipe, 0.05)
+    straight = [comb for comb in found if np.abs(comb.curvatures).max() < 1e-12]
+    assert (len(found), len(straight)) == (6, 4)
+    assert all(np.allclose(comb.curvatures, 0.5) for comb in found if comb not in straight)
+
+
+def test_chains_of_edges():
+    found = chains(np.array([[5, 3], [1, 2], [3, 4], [2, 0], [4, 5], [7, 6]]))
+    assert sorted(len(chain) for chain in found) == [2, 3, 4]
+    loop = next(chain for chain in found if len(chain) == 4)
+    assert loop[0] == loop[-1]
+    assert set(loop) == {3, 4, 5}
+    assert next(chain for chain in found if len(chain) == 3).tolist() in ([0, 2, 1], [1, 2, 0])
+    crossing = chains(np.array([[0, 4], [4, 1], [2, 4], [4, 3]]))  # four curves meet
+    assert sorted(len(chain) for chain in crossing) == [2, 2, 2, 2]
+
+
+def test_planes_of_axes():
+    x, y, z = np.eye(3)
+    ((place, normal),) = section_planes([(2 * x, x), (3 * y, y)])
+    assert abs(normal @ z) == pytest.approx(1)
+    assert place @ z == pytest.approx(0)
+    assert len(section_planes([(2 * x, x), (3 * y, y), (-2 * x, x), (-3 * y, y)])) == 1  # four in one plane
+    ((place, normal),) = section_planes([(2 * x + z, x), (2 * x + 5 * z, x)])  # parallel, apart
+    assert abs(normal @ y) == pytest.approx(1)
+    planes = section_planes([(2 * x, x), (-2 * x, -x)])
+    assert len(planes) == 2
+    assert all(abs(normal @ x) < 1e-12 for _, normal in planes)
+    assert len(section_planes([(2 * x, x), (2 * y, y), (2 * z, z)])) == 3
+
+
+def test_combs_of_a_corner_agree_with_its_measures():
+    """In the planes of symmetry sections bend as the surface does; their signs are those that fairness finds."""
+    blend = solved(EQUAL, 2)
+    found = combs(blend.surface, blend.surface.mesh(0.02))
+    pipe = float(EQUAL[0].radius) if hasattr(EQUAL[0], "radius") else None
+    circles = [comb for comb in found if np.allclose(comb.points[0], comb.points[-1], atol=1e-6)]
+    assert len(circles) == 3
+    for comb in circles:
+        radius = np.linalg.norm(comb.points - comb.points[:-1].mean(axis=0), axis=1)
+        np.testing.assert_allclose(comb.curvatures, 1 / radius.mean(), rtol=1e-6)
+        assert pipe is None or radius.mean() == pytest.approx(pipe)
+    sections = [comb for comb in found if not any(comb is c for c in circles)]
+    assert len(sections) >= 6
+    for comb in sections:
+        values, slopes = blend.surface(comb.points), blend.surface.gradient(comb.points)
+        known = np.isfinite(values)
+        assert known.mean() > 0.9
+        assert np.abs(values[known] / np.linalg.norm(slopes[known], axis=1)).max() < 1e-12
+        assert np.abs(comb.points).min(axis=1).max() < 1e-5  # in a plane of coordinates
+        chord = np.diff(comb.points, axis=0)
+        length = np.linalg.norm(chord, axis=1)
+        turn = np.cross(chord[:-1], chord[1:])
+        size = np.linalg.norm(turn, axis=1) / length[:-1] / length[1:] / (length[:-1] + length[1:]) * 2
+        inner = slice(1, -1)
+        gap = np.abs(np.abs(comb.curvatures[inner]) - size)
+        assert np.median(gap) < 0.05 * np.abs(comb.curvatures).max()  # symmetry: the curve bends in the plane alone
+
+
+def test_combs_are_found_far_from_the_origin():
+    near, far = (solved_at(shift) for shift in (0, 1000))
+    for a, b in zip(combs_of(near, 0.02), combs_of(far, 0.02), strict=True):
+        assert a.curvatures.max() == pytest.approx(b.curvatures.max(), rel=1e-6)
+
+
+def solved_at(shift):
+    pipes = [pas.Pipe(axis, "1/3", 1, (shift, shift, shift)) for axis in np.eye(3, dtype=int).tolist()]
+    return pas.blend(pipes, 1).surface
+
+
+def straight_comb(curvatures):
+    count = len(curvatures)
+    points = np.stack([np.linspace(0, 1, count), np.zeros(count), np.zeros(count)], axis=1)
+    return Comb(points, np.tile([0.0, 0.0, 1.0], (count, 1)), np.array(curvatures, dtype=float))
+
+
+def layer_with(*combs):
+    return Layer(pas.solid.box((0, 0, -1), (1, 1, 0)).mesh(), "#ffffff", combs=combs)
+
+
+def test_hairs_stand_outside_and_have_sensible_lengths():
+    usual = straight_comb([1, -1] * 50)
+    layer = layer_with(usual)
+    factor = hair_length([layer])
+    assert factor == pytest.approx(drawing.USUAL)
+    assert tips(layer, factor)[:, 2] == pytest.approx(drawing.USUAL)  # concave ones, too
+    spiked = layer_with(straight_comb([1] * 99 + [50]))
+    assert 50 * hair_length([spiked]) == pytest.approx(drawing.LONGEST)
+    assert hair_length([layer_with(straight_comb([0, 0, 0]))]) == 0
+    assert hair_length([layer_with()]) == 0
+    assert hair_length([layer, layer_with(straight_comb([2] * 9))]) < factor  # one length for all
+
+
+def test_the_envelope_comes_down_where_the_sign_changes():
+    comb = straight_comb([3, 1, -1, -1])
+    places, ends = drawing._ends(comb, comb.points, 0.1, np.array([0, 1]))
+    assert (places, len(ends)) == (slice(0, 2), 3)
+    np.testing.assert_allclose(ends[:, 2], [0.3, 0.1, 0])
+    np.testing.assert_allclose(ends[2], [0.5, 0, 0])
+    places, ends = drawing._ends(comb, comb.points, 0.1, np.array([2, 3]))
+    assert places == slice(1, 3)
+    np.testing.assert_allclose(ends, [[0.5, 0, 0], [2 / 3, 0, 0.1], [1, 0, 0.1]])
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"style": "min"}, {"style": "zebra"}, {"cut": True}, {"four_views": True}], ids=str
+)
+def test_combs_are_seen_in_every_picture(tmp_path, options):
+    from PIL import Image
+
+    path = solved(EQUAL, 1).draw(tmp_path / "a.png", combs=True, size=(600, 450), tolerance=0.02, **options)
+    image = np.asarray(Image.open(path).convert("RGB")).astype(int)[: int(450 * 0.9)]
+    plain = solved(EQUAL, 1).draw(tmp_path / "b.png", size=(600, 450), tolerance=0.02, **options)
+    before = np.asarray(Image.open(plain).convert("RGB")).astype(int)[: int(450 * 0.9)]
+    red, blue = ((lambda i, a=a: i[..., a] - np.delete(i, a, axis=2).max(axis=2)) for a in (0, 2))
+    assert (red(image) > 60).sum() > 300
+    if options.get("style") != "min":
+        assert (blue(image) > 40).sum() > (blue(before) > 40).sum() + 30
+
+
+def test_the_command_line_draws_combs(tmp_path):
+    from pas.cli import main
+
+    project = str(solved(EQUAL, 1).save(tmp_path / "a.pas.json"))
+    for number, words in enumerate(
+        (
+            ["--combs"],
+            ["--curvature", project],
+            ["--curvature", "gauss", "--combs"],
+            ["--highlights"],
+            ["--style", "min"],
+        )
+    ):
+        given = words if project in words else [project, *words]
+        assert main(["render", *given, "-o", str(tmp_path / f"{number}.png"), "--tolerance", "0.05"]) == 0
+    pictures = [(tmp_path / f"{number}.png").read_bytes() for number in range(5)]
+    assert len(set(pictures)) == 5
+    solved(EQUAL, 1).draw(tmp_path / "b.png", style="mean", tolerance=0.05)
+    assert (tmp_path / "b.png").read_bytes() == pictures[1]
+
+
+def test_known_parts_of_parametric_combs():
+    torus = pas.torus(2, 1, angle=True)
+    layer = scene_of(torus, Picture(combs=True)).layers[0]
+    small = [comb for comb in layer.combs if np.allclose(comb.curvatures, 1)]
+    assert len(small) == 3  # meridians; the others are circles about the axis
+    assert len(layer.combs) == 6
+    ball = pas.ellipsoid(2, 2, 2, angle=True)
+    for comb in scene_of(ball, Picture(combs=True)).layers[0].combs:
+        assert np.allclose(np.abs(comb.curvatures), 0.5)
+        assert len(comb.points) > 50
