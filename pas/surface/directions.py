@@ -34,6 +34,9 @@ STEEP = 0.05
 
 HALVINGS = 40
 
+NOTHING = 1e-9
+"""The share of the largest value up to which one counts as none: curves through a corner of a triangle are common."""
+
 Pieces = NDArray[np.intp]
 
 
@@ -72,7 +75,8 @@ class Directions:
             areas = areas * angles
             limit = limit or SHARE * float(areas.sum()) / number
             corners = triangles.reshape(-1, 3)
-            beyond = (_values(columns, degree, corners, np.repeat(pieces, 3)) > 0).reshape(-1, 3)
+            values = _values(columns, degree, corners, np.repeat(pieces, 3))
+            beyond = (values > NOTHING * np.abs(values).max()).reshape(-1, 3)
             crossed = beyond.any(axis=1) & ~beyond.all(axis=1)
             finer = ((areas > limit) | crossed) & (level < deepest)
             kept = ~finer & (distances > 0)
@@ -161,7 +165,8 @@ def _met(columns: Sequence[Floats], degree: int, ends: Floats, pieces: Pieces) -
         low, high = np.where(inside, middle, low), np.where(inside, high, middle)
     shares = (low + high) / 2
     lengths = np.linalg.norm(ends, axis=1)
-    distances = np.where(profiles.sum(axis=0) > 0, shares * lengths, 0.0)
+    values = profiles.sum(axis=0)
+    distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
     step = 1e-4
     around = ends * shares[:, None]
     gradients = np.stack(
