@@ -37,7 +37,7 @@ from pas.surface.placed import PlacedContacts
 class Choice:
     """A member: its exact surface, its working coefficients, its energy, and the guard rows whose optimum it is
     with their margins.  `by` is the energy it was chosen by, where that is not the one that was wished for,
-    `landscape` what is kept for the next step."""
+    `state` what is kept for the next step."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
@@ -45,7 +45,7 @@ class Choice:
     rows: Rows
     margins: Margins | None = None
     by: Energy | None = None
-    landscape: Landscape | None = None
+    state: State | None = None
 
 
 class Fairing:
@@ -121,9 +121,9 @@ class Fairing:
         patches = [Polynomial.from_row(entries, self.degree) for entries in self.basis.combine(working)]
         return PiecewiseSurface.in_place(self.placed, patches, self.degree)
 
-    def landscape(self, limits: FairnessLimits, start: Floats, rays: int | None = None) -> Landscape:
-        """The energy of the surface over the members, as it is seen along rays laid for one of them."""
-        return Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, rays)
+    def landscape(self, limits: FairnessLimits, start: Floats, live: bool = False) -> Landscape:
+        """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`."""
+        return Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, live)
 
     def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None) -> Choice:
         """The member that meets the wishes best, proved or guarded as they say.

@@ -25,10 +25,13 @@ from pas.surface.fairness import FairnessLimits, Neighbour, neighbour
 from pas.surface.geometry import Geometry, jets
 from pas.surface.placed import PlacedContacts
 
-LEAST_RAYS, RAYS_PER_UNKNOWN, DEEPEST = 400, 3, 6
-"""Rays, at the least; and how often triangles on the contact curves are quartered for them."""
+LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
+"""Rays, at the least."""
 
-CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 8, 300
+SETTLED, LIVE = (3, 6), (2, 4)
+"""How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
+
+CLOSE_RAYS, MOST_CLOSE = 4000, 300
 """Rays for a closer look, and how many of them, at the most, are followed from then on."""
 
 HIDDEN, CLOSE, TIE = 0.3, 1.0, 1e-6
@@ -78,13 +81,13 @@ class Landscape:
         energy: Energy,
         limits: FairnessLimits,
         start: Floats,
-        rays: int | None = None,
+        live: bool = False,
     ) -> None:
         self.energy, self.basis, self.limits = energy, basis, limits
         self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
         columns = [start @ coefficients for coefficients in basis.coefficients]
-        number = rays or max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
-        directions = Directions.of(basis.partition, columns, basis.degree, number, DEEPEST)
+        number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
+        directions = Directions.of(basis.partition, columns, basis.degree, number, *(LIVE if live else SETTLED))
         self.slope = abs(float(mean_alpha @ start))
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
@@ -112,13 +115,13 @@ class Landscape:
         self._check(view)
         return self._look(view, [view, view, seen])
 
-    def of(self, energy: Energy) -> Landscape:
-        """The same rays for another energy."""
+    def of(self, energy: Energy, look: Look) -> tuple[Landscape, Look]:
+        """The same rays for another energy, and what is seen of a member there."""
         if energy == self.energy:
-            return self
+            return self, look
         other = copy(self)
         other.energy = energy
-        return other
+        return other, other._look(look.view, look.views)
 
     def look(self, member: Floats, near: Look) -> Look | None:
         """Another member, found from one near by; None where it cannot be seen along all rays."""
@@ -164,7 +167,7 @@ class Landscape:
         """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
         member = look.view.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
-        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS, CLOSE_DEEPEST)
+        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS)
         local = rays.directions * rays.distances[:, None]
         found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
         principal = Geometry(found).principal / self.basis.scale

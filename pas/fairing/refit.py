@@ -9,7 +9,7 @@ from pas.errors import InfeasibleError
 from pas.fairing.basis import to_doubles
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.fair import coordinates
-from pas.fairing.guard import SLIM
+from pas.fairing.guard import SLIM, Rows
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.settling import STEPS, Settling, State
 from pas.fairing.wishes import Wishes
@@ -19,8 +19,8 @@ from pas.surface.piecewise import PiecewiseSurface
 if TYPE_CHECKING:
     from pas.fairing.fairing import Choice, Fairing
 
-LIVE_RAYS, LIVE_LATTICE, LATTICE = 300, 16, 32
-"""Rays, about, and subdivisions of the outer faces for single steps, and those for settling."""
+LIVE_LATTICE, LATTICE = 16, 32
+"""Subdivisions of the outer faces for single steps, and for settling."""
 
 MOST_STEPS = 1000
 """Steps that may be asked for."""
@@ -39,22 +39,13 @@ def refitted(
         rows = fairing.guard.initial(margins)
     if not fairing.energy.on_surface:
         return fairing.under(wishes, rows, margins)
-    member = coordinates(fairing, surface) if choice is None else to_doubles(choice.working)[0]
     programme = MemberProgramme(fairing, wishes)
     live = steps is not None
-    seen = None if choice is None or not live else choice.landscape
-    limits = wishes.limits or FairnessLimits.of_order(fairing.placed.order)
-    if seen is None:
-        landscape = fairing.landscape(limits, member, LIVE_RAYS if live else None)
-        look = landscape.first
-    else:
-        landscape = seen.of(fairing.energy)
-        look = None if landscape.first is None else landscape.look(member, landscape.first)
-    if look is None:
-        raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")
+    state = _begun(fairing, surface, choice, wishes, live)
+    state = State(state.landscape, state.look, rows)
     search = Search(Exchange(programme, fairing.guard, margins or SLIM), LIVE_LATTICE if live else LATTICE)
-    settling, state = Settling(search), State(landscape, look, rows)
-    if not programme.holds(member):
+    settling = Settling(search)
+    if not programme.holds(state.member):
         moved = settling.forced(state)
         if moved is None:
             raise programme.conflict(rows)
@@ -62,4 +53,15 @@ def refitted(
     for passed in settling.steps(state, STEPS if steps is None else steps):
         state = passed
     found = fairing.chosen(programme, state, margins)
-    return replace(found, landscape=landscape if live else None)
+    return replace(found, state=state if live else None)
+
+
+def _begun(fairing: Fairing, surface: PiecewiseSurface, choice: Choice | None, wishes: Wishes, live: bool) -> State:
+    """The surface as it is seen: as the last step left it, or anew."""
+    if live and choice is not None and choice.state is not None:
+        return State(*choice.state.landscape.of(fairing.energy, choice.state.look), choice.rows)
+    member = coordinates(fairing, surface) if choice is None else to_doubles(choice.working)[0]
+    landscape = fairing.landscape(wishes.limits or FairnessLimits.of_order(fairing.placed.order), member, live)
+    if landscape.first is None:
+        raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")
+    return State(landscape, landscape.first, Rows.none(fairing.basis.size))

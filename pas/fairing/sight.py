@@ -32,10 +32,12 @@ AREA = QUANTITIES
 
 @dataclass(frozen=True)
 class View:
-    """A member as its rays meet it: `distances` (N,), local, `points`, and the `areas` (N,) that they stand for."""
+    """A member as its rays meet it: `distances` (N,), local, `jets` (N, 20) there, also local, the `points`, and the
+    `areas` (N,) that they stand for."""
 
     member: Floats
     distances: Floats
+    jets: Floats
     points: SurfacePoints
     areas: Floats
 
@@ -71,11 +73,13 @@ class Sight:
         t = self._distances(member, near)
         if t is None:
             return None
-        geometry = Geometry(self._jets_of(member, t))
+        found = self._jets_of(member, t)
+        geometry = Geometry(found)
         cosines = (geometry.normals * self.rays.directions).sum(axis=1)
         if not bool((cosines > GRAZING).all()):
             return None
-        return View(member, t, self._seen(geometry, t), self.rays.solid_angles * t * t / cosines * self.scale**2)
+        areas = self.rays.solid_angles * t * t / cosines * self.scale**2
+        return View(member, t, found, self._seen(geometry, t), areas)
 
     def _distances(self, member: Floats, start: Floats) -> Floats | None:
         profile = self._profiles @ member
@@ -129,7 +133,7 @@ class Sight:
     def change(self, view: View) -> Change:
         """How what is seen changes with the member."""
         t = view.distances
-        geometry = MovingGeometry(self._jets_of(view.member, t))
+        geometry = MovingGeometry(view.jets)
         normal, gradient, shape, variation = geometry.changes()
         inner = np.einsum("nia,ni->na", geometry.frame, self.rays.directions)
         by_jet = np.zeros((len(t), AREA + 1, COLUMNS + 1))  # the last column is the movement along the ray

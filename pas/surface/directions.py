@@ -54,20 +54,26 @@ class Directions:
 
     @classmethod
     def of(
-        cls, local: Partition, columns: Sequence[Floats], degree: int, number: int, deepest: int = DEEPEST
+        cls,
+        local: Partition,
+        columns: Sequence[Floats],
+        degree: int,
+        number: int,
+        even: int = EVEN,
+        deepest: int = DEEPEST,
     ) -> Directions:
         """About `number` rays or more for a surface of one sheet around the centre.
 
-        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`; `deepest` says
-        how often triangles on a contact curve are quartered.
+        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`; all outer
+        faces are quartered `even` times, and triangles on a contact curve `deepest` times.
         """
         triangles = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
-        for _ in range(EVEN):
+        for _ in range(even):
             triangles, pieces = _quartered(triangles, pieces)
         found: list[tuple[Any, ...]] = []
         limit = 0.0
-        for level in range(EVEN, deepest + 1):
+        for level in range(even, deepest + 1):
             checkpoint("sending rays")
             centroids = triangles.mean(axis=1)
             distances, areas = _met(columns, degree, centroids, pieces)
