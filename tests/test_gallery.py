@@ -44,7 +44,7 @@ def test_perpendicular_cylinders(tmp_path, capsys):
 
 def test_three_cylinders(tmp_path, capsys):
     blend = run("three_cylinders", tmp_path)
-    assert (blend.surface.degree, blend.dimension, blend.certificate.proved) == (4, 2, True)
+    assert (blend.surface.degree, blend.dimension, blend.certificate.proved) == (5, 9, True)
     out = capsys.readouterr().out
     assert out.count("degree 4, dimension 2") == 4
     assert "1 of 2 dimensions are singular along contact 3" in out
