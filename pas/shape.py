@@ -75,6 +75,10 @@ class Shape(ABC):
 S = TypeVar("S")
 
 
+def _no_facts(_: Any) -> dict[str, Any]:
+    return {}
+
+
 def _whole_text(shape: Any) -> str:
     """What it is, and its verdicts."""
     return f"{shape}\n\n{shape.certificate}"
@@ -95,7 +99,7 @@ class Kind(Generic[S]):
     shape of it again; a certificate that is given goes along for people to read.  `layers(shape, scene)` adds to the
     scene of a picture (see `pas.render.scene`) what is to be seen.
 
-    `text` is all that is to be said of it, verdicts included.  For files, `mesh(shape, tolerance, domain)` are its
+    `text` is all that is to be said of it, verdicts included, `facts` what programs read of it beside those.  For files, `mesh(shape, tolerance, domain)` are its
     triangles, `domain` that of what has parameters; `meshed` says that it is a mesh already, for which tolerances mean
     nothing; `curved` that its layers know the curvature of the surface, for colours and combs.  What not every kind
     has: `parts` by name, each with a colour, `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, and
@@ -115,6 +119,7 @@ class Kind(Generic[S]):
     meshed: bool = False
     curved: bool = False
     text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
+    facts: Callable[[S], dict[str, Any]] = field(default_factory=lambda: _no_facts)
     body: Callable[[S, Any], Any] | None = None
 
     def __repr__(self) -> str:

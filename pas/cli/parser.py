@@ -146,7 +146,12 @@ def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
 
 def _degree(text: str) -> int | str:
     """A number, or the word for the lowest."""
-    return text if text == "lowest" else int(text)
+    if text == "lowest":
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number or lowest, not {text!r}") from None
 
 
 def _solve_parser(added: Commands) -> None:

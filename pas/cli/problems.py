@@ -47,6 +47,7 @@ def run_problem(options: argparse.Namespace) -> Outcome:
         "written": files,
         "seconds": clock.seconds,
         **size_record(mesh),
+        **kind.facts(shape),
         "proved": certificate.proved,
         "holds": certificate.holds,
         "verdicts": [verdict.to_record() for verdict in certificate.verdicts],

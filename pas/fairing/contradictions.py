@@ -2,8 +2,8 @@
 
 A point has one sign.  A surface that is proved has its partition's centre inside, is crossed once by
 each ray from there, and leaves the region through its contacts only: so along a ray points inside
-come first, then at most one on the surface, then points outside; points of a wall are outside; and
-on a clip face the contact says what is inside.
+come first, then at most one on the surface, then points outside; points of a wall are outside; on a
+clip face the contact says what is inside, and a ray that leaves there through the inside is inside all the way.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pas.algebra.rational import Vector, cross, dot, plain
 from pas.errors import InfeasibleError
 from pas.fairing.wishes import ValueAt, Wishes
 from pas.partition.cells import OuterFace, Partition
+from pas.surface.joins import Join
 from pas.surface.placed import PlacedContacts
 
 INSIDE, ON, OUTSIDE = -1, 0, 1
@@ -74,6 +75,8 @@ def _known(point: Vector, placed: PlacedContacts) -> Iterator[tuple[int, str]]:
     for number, join in enumerate(placed.joins, start=1):
         if any(_holds(face, placed.local, local) for face in join.faces):
             yield _sign(join.contact.surface.raw(*local)), f"on that clip face contact {number} says what is inside"
+        if partition.center is not None and any(_leaves_inside(join, face, placed.local, local) for face in join.faces):
+            yield INSIDE, f"the ray from the centre through it leaves the region through the inside of contact {number}"
     if any(_holds(face, placed.local, local) for face in placed.walls):
         yield OUTSIDE, "on the walls of the region all points are outside, since the surface leaves it by its contacts"
 
@@ -91,6 +94,16 @@ def _contradiction(first: Wish, second: Wish, center: Vector | None) -> str | No
     if any(low == INSIDE or high == OUTSIDE for low, high in product(nearer.signs, farther.signs)):
         return None
     return f"a ray from the centre {_written(center)} of the partition goes from inside to outside once"
+
+
+def _leaves_inside(join: Join, face: OuterFace, partition: Partition, point: Vector) -> bool:
+    """Whether the ray from 0 to a point goes on to points of a face that are inside of the contact, or on it."""
+    start, there = face.plane.raw(0, 0, 0), face.plane.raw(*point)
+    if there <= start:
+        return False
+    x, y, z = (-start / (there - start) * c for c in point)
+    beyond = -start > there - start
+    return beyond and _holds(face, partition, (x, y, z)) and join.contact.surface.raw(x, y, z) <= 0
 
 
 def _holds(face: OuterFace, partition: Partition, point: Vector) -> bool:

@@ -127,4 +127,18 @@ def _cells(blend: Blend) -> Any:
     return cell_grid(blend.surface)
 
 
-BLEND = Kind("blend", Blend, CONTENT, record, read, _layers, text=str, body=Blend.solid, cells=_cells, curved=True)
+def _facts(blend: Blend) -> dict[str, Any]:
+    """How it was chosen, and how fair it is."""
+    return {
+        "degree": blend.surface.degree,
+        "dimension": blend.dimension,
+        "energy": {**blend.plate.to_record(), "value": blend.energy},
+        "attempts": [vars(attempt) for attempt in blend.attempts],
+        "fairness": None if blend.fairness is None else blend.fairness.to_record(),
+        "beyond": [] if blend.fairness is None else list(blend.fairness.beyond(blend.limits)),
+    }
+
+
+BLEND = Kind(
+    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, curved=True
+)
