@@ -99,11 +99,12 @@ class Kind(Generic[S]):
     shape of it again; a certificate that is given goes along for people to read.  `layers(shape, scene)` adds to the
     scene of a picture (see `pas.render.scene`) what is to be seen.
 
-    `text` is all that is to be said of it, verdicts included, `facts` what programs read of it beside those.  For files, `mesh(shape, tolerance, domain)` are its
-    triangles, `domain` that of what has parameters; `meshed` says that it is a mesh already, for which tolerances mean
-    nothing; `curved` that its layers know the curvature of the surface, for colours and combs.  What not every kind
-    has: `parts` by name, each with a colour, `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, and
-    `body(shape, length)`, the solid with it in its boundary.
+    `text` is all that is to be said of it, verdicts included, `facts` what programs read of it beside those. For
+    files, `mesh(shape, tolerance, domain)` are its triangles, `domain` that of what has parameters; `meshed` says
+    that it is a mesh already, for which tolerances mean nothing; `curved` that its layers know the curvature of
+    the surface, for colours and combs. What not every kind has: `parts` by name, each with a colour,
+    `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, and `body(shape, length)`, the solid with
+    it in its boundary.
     """
 
     name: str
