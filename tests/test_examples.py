@@ -81,7 +81,7 @@ def test_the_readme_does_what_it_says(tmp_path, monkeypatch, capsys):
         exec(compile(block, "README.md", "exec"), names)
         expected = re.findall(r"print\(.*\)  # (.*)", block)
         assert capsys.readouterr().out.splitlines() == expected
-    assert {p.name for p in tmp_path.iterdir()} == {"corner.glb", "corner.pas.json", "corner.png"}
+    assert {p.name for p in tmp_path.iterdir()} == {"corner.glb", "corner.pas.json", "corner.png", "curvature.png"}
 
 
 def test_links_of_the_readmes_exist():

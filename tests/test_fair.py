@@ -127,7 +127,7 @@ def test_the_lowest_degree_and_other_limits():
     assert lax.surface.degree == 3 and lax.attempts[-1].outcome == "proved, fair"
     with pytest.raises(TypeError, match=r"limits must be pas\.FairnessLimits"):
         pas.blend(pipes(EQUAL), 1, limits=1.5)
-    with pytest.raises(ValueError, match="hollowness must be a number that is not negative, not -1"):
+    with pytest.raises(ValueError, match="hollowness must not be negative, not -1"):
         pas.FairnessLimits(hollowness=-1)
 
 

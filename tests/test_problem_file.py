@@ -47,7 +47,7 @@ def test_a_problem(tmp_path):
     )
     assert (problem.order, problem.degree, problem.tolerance) == (2, None, 1e-3)
     assert problem.wishes == pas.Wishes(inside=[[0, 0, "1/2"]])
-    assert problem.wishes.energy == pas.ThinPlate()
+    assert problem.wishes.energy is None  # the usual one
 
 
 def test_everything_else(tmp_path):
@@ -73,7 +73,7 @@ def test_everything_else(tmp_path):
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples/corners").glob("*.toml")), ids=lambda p: p.stem)
 def test_the_examples_are_read(path):
-    assert len(pas.read_problem(path).contacts) == 3
+    assert len(pas.read_problem(path).contacts) == (2 if path.stem.startswith("elbow") else 3)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from flint import fmpq
 import pas
 from pas import solid
 from pas.algebra.brief import LONGEST, brief, cut
+from pas.fairing.basis import to_doubles
 from pas.shape import KINDS
 
 LONG = pas.Polynomial("(1 + 2*x/3 + 3*y + 4*z/7)^9")
@@ -101,6 +102,9 @@ SAMPLES = {
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],
+    "CurvatureVariation": lambda: pas.CurvatureVariation(tension="7/3"),
+    "Sizes": lambda: pas.Sizes(0.5, 1.0),
+    "SurfacePoints": lambda: seen(),
     "Fairness": lambda: corner().surface.fairness(),
     "FairnessLimits": lambda: pas.FairnessLimits.of_order(2),
     "Cone": lambda: pas.Cone((1, 0, 0), "1/3", 1, "1/10"),
@@ -141,6 +145,14 @@ SAMPLES = {
     "solid.SolidMesh": lambda: ball().mesh(0.1),
 }
 """An object of each public class: a large one where there are large ones."""
+
+
+def seen():
+    """What an energy sees of a corner."""
+    space = pas.solutions(pipes(), 1, 4)
+    fairing = space.fairing(pas.CurvatureVariation())
+    working = fairing.choose(pas.Wishes(prove=False).settled(space.placed)).working
+    return fairing.landscape(pas.FairnessLimits(), to_doubles(working)[0]).first.view.points
 
 
 def public_classes():

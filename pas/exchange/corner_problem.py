@@ -2,7 +2,7 @@
 
     order = 2                      # the k of GC^k
     degree = 5                     # optional; "lowest" for the lowest that is proved; without, raised until it is fair
-    tension = 5                    # optional; of the surface: from 0 (full) over 23/5 (as usual) up (slim)
+    # tension = 5                  # optional, instead of [energy]: from 0 (full) over 23/5 (as usual) up (slim)
     tolerance = 1e-3               # optional; of the mesh, in the model's units
 
     [[pipes]]                      # or [[cones]], with a slope, or [[contacts]], surface and clip as polynomials

@@ -26,7 +26,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.described import constructor_keys, described
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.surface_points import Sizes, SurfacePoints, differences
@@ -109,12 +109,12 @@ class Energy:
     def __add__(self, other: Energy) -> Combination:
         return Combination((*terms_of(self), *terms_of(other))) if isinstance(other, Energy) else NotImplemented
 
-    def __mul__(self, times: Any) -> Combination:
+    def __mul__(self, times: Exact) -> Combination:
         return Combination(tuple((rational(times, "the multiple") * own, energy) for own, energy in terms_of(self)))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, by: Any) -> Combination:
+    def __truediv__(self, by: Exact) -> Combination:
         divisor = rational(by, "the divisor")
         if divisor == 0:
             raise ValueError("an energy cannot be divided by 0")

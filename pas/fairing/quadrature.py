@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 from scipy.special import roots_jacobi, roots_legendre
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, cross, dot, to_floats, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, to_floats, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.gram import gram
 from pas.partition.cells import Partition
@@ -30,7 +29,7 @@ class Box:
     lower: Vector
     upper: Vector
 
-    def __init__(self, lower: Any, upper: Any) -> None:
+    def __init__(self, lower: VectorLike, upper: VectorLike) -> None:
         object.__setattr__(self, "lower", vector(lower, "lower"))
         object.__setattr__(self, "upper", vector(upper, "upper"))
         if any(a >= b for a, b in zip(self.lower, self.upper, strict=True)):

@@ -17,7 +17,7 @@ NAMES = ("points",) * 3 + ("normals",) * 3 + ("gradients",) + ("shape",) * 3 + (
 """The array that each quantity belongs to."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SurfacePoints:
     """The geometry of a surface f = 0 at N points, in the user's units.
 
@@ -39,6 +39,9 @@ class SurfacePoints:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def __repr__(self) -> str:
+        return f"<SurfacePoints: {len(self)} points>"
 
     @property
     def mean_curvatures(self) -> Floats:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, plain, rational, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, vector
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
@@ -58,7 +58,7 @@ class ValueAt:
     point: Vector
     value: fmpq = fmpq(-1)
 
-    def __init__(self, point: Any, value: Any = -1) -> None:
+    def __init__(self, point: VectorLike, value: Exact = -1) -> None:
         object.__setattr__(self, "point", vector(point, "point"))
         object.__setattr__(self, "value", rational(value, "value"))
         if self.value == 0:
@@ -96,7 +96,7 @@ class PointOptions(TypedDict, total=False):
 class Sliders(PointOptions, total=False):
     """The options that can be moved on a blend that is there; see `Wishes`."""
 
-    tension: Any
+    tension: Exact
 
 
 class Options(Sliders, total=False):
@@ -233,7 +233,7 @@ class Wishes:
         return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
 
 
-def tensed(energy: Energy | None, tension: Any) -> Energy:
+def tensed(energy: Energy | None, tension: Exact) -> Energy:
     """The usual energy of the surface, or one given, with another tension.
 
     Raises `ValueError` for an energy that has none, and for a tension that is negative.

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
@@ -17,6 +18,10 @@ from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, is_closed_manifold, is_manifold, piece_count, seams
 from pas.shape import Shape
 from pas.verdicts import Findings
+
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,17 +53,26 @@ class Mesh(Shape):
 
     @classmethod
     def smooth(
-        cls, points: Floats, triangles: Integers, normals: Floats, name: str = "surface", **options: Any
+        cls,
+        points: Floats,
+        triangles: Integers,
+        normals: Floats,
+        name: str = "surface",
+        *,
+        parameters: Floats | None = None,
+        deviation: float | None = None,
+        proved: bool = False,
     ) -> Mesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
-        mesh = SmoothMesh(points, triangles, np.zeros(len(triangles), dtype=np.intp), (name,), normals, **options)
+        faces = np.zeros(len(triangles), dtype=np.intp)
+        mesh = SmoothMesh(points, triangles, faces, (name,), normals, parameters, deviation, proved)
         del vars(mesh)["normals"]  # these are those of points
         vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
         vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp
         return mesh
 
     @classmethod
-    def from_triangles(cls, points: Any, triangles: Any, name: str = "mesh") -> Mesh:
+    def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, name: str = "mesh") -> Mesh:
         """A closed mesh of one face from arrays (N, 3) and (T, 3), say of a file.
 
         Raises `GeometryError` where it is not a closed manifold, or inside out.
@@ -215,7 +229,7 @@ class Mesh(Shape):
         """The same mesh seen from its other side."""
         return replace(self, triangles=self.triangles[:, ::-1], normals=-self.normals[:, ::-1])
 
-    def to_pyvista(self) -> Any:
+    def to_pyvista(self) -> pyvista.PolyData:
         """A `pyvista.PolyData` with point normals, the array `face`, the faces' names, and `parameters` if known.
 
         Vertices are doubled along sharp edges, as in `shading`.
@@ -231,23 +245,23 @@ class Mesh(Shape):
         data.field_data["face names"] = np.array(self.names)
         return data
 
-    def to_trimesh(self) -> Any:
+    def to_trimesh(self) -> trimesh.Trimesh:
         """A `trimesh.Trimesh` with point normals, its vertices doubled along sharp edges."""
         import trimesh
 
         points, triangles, normals = self.shading
         return trimesh.Trimesh(points, triangles, vertex_normals=normals, process=False)
 
-    def __or__(self, other: Any) -> Mesh:
+    def __or__(self, other: Mesh) -> Mesh:
         return self._boolean(other, "Add")
 
-    def __and__(self, other: Any) -> Mesh:
+    def __and__(self, other: Mesh) -> Mesh:
         return self._boolean(other, "Intersect")
 
-    def __sub__(self, other: Any) -> Mesh:
+    def __sub__(self, other: Mesh) -> Mesh:
         return self._boolean(other, "Subtract")
 
-    def _boolean(self, other: Any, operation: str) -> Mesh:
+    def _boolean(self, other: object, operation: str) -> Mesh:
         if not isinstance(other, Mesh):
             return NotImplemented
         names = tuple(dict.fromkeys(self.names + other.names))

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Literal, Unpack, cast
 
-from pas.algebra.inputs import HIGHEST_DEGREE, check_degree, shown
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
 from pas.blending.place import place
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
@@ -24,6 +24,7 @@ from pas.pipeline.fit import choose
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.space import SolutionSpace
 from pas.pipeline.stages import OnStage, Stages
+from pas.surface.contact import ContactLike
 from pas.surface.placed import PlacedContacts
 
 DEGREES_TRIED = 4
@@ -38,7 +39,7 @@ MOST_UNKNOWNS = 160
 
 @limited("finding a blend", "a lower order")
 def blend(
-    contacts: Sequence[Any],
+    contacts: Sequence[ContactLike],
     order: int,
     degree: int | Literal["lowest"] | None = None,
     partition: Partition | None = None,
@@ -123,8 +124,6 @@ def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
     """A degree, "lowest" for the lowest that is proved, or None for that at which the surface is fair."""
     if degree is None or degree == "lowest":
         return cast(Literal["lowest"] | None, degree)
-    if isinstance(degree, str):
-        raise TypeError(f'degree must be a whole number, "lowest" or None, not {shown(degree)}')
     return check_degree(degree)
 
 

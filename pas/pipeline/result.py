@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from pas.algebra.inputs import whole
-from pas.algebra.rational import to_fraction
+from pas.algebra.rational import Exact, to_fraction
 from pas.blending.space import Member
 from pas.errors import GeometryError
 from pas.fairing.energy import Energy, as_energy
@@ -160,7 +160,7 @@ class Blend(Shape):
         chosen = refitted(fairing, self.surface, self.choice, wishes, steps)
         return Blend.of(self.space, chosen, wishes, {}, self.attempts)
 
-    def solid(self, length: Any = None, names: Sequence[str] | None = None) -> Solid:
+    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
         """The solid inside the surface, with its neighbours continued by `length` and capped.
 
         `length` is in the model's units (by default half of the region's size; 0 ends the solid at the

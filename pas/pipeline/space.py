@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Unpack
+from typing import Unpack
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
-from pas.algebra.rational import to_fraction
+from pas.algebra.rational import Exact, to_fraction
 from pas.blending.generators import Generator, generators
 from pas.blending.multipliers import Consistency, Multipliers, consistency
 from pas.blending.place import place
@@ -19,12 +19,13 @@ from pas.blending.space import Space
 from pas.blending.trivial import TrivialPart, trivial_part
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.fairing import Fairing
-from pas.fairing.wishes import Handle, Options, PointOptions, Wishes
+from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes
 from pas.limits import Report, checkpoint, limited
 from pas.partition.cells import Partition
 from pas.pipeline.fit import fit
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage, Stages
+from pas.surface.contact import ContactLike
 
 
 class SolutionSpace(Space):
@@ -134,7 +135,7 @@ class SolutionSpace(Space):
         return determining_set(self, prefer)
 
     def least_squares(
-        self, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+        self, points: PointsLike, weights: Sequence[Exact] | None = None, *, by_gradient: bool = False
     ) -> LeastSquares:
         """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
 
@@ -152,7 +153,7 @@ class SolutionSpace(Space):
 
 @limited("solving for all surfaces", "a lower degree")
 def solutions(
-    contacts: Sequence[Any],
+    contacts: Sequence[ContactLike],
     order: int,
     degree: int | None = None,
     partition: Partition | None = None,

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from pas.algebra.inputs import check_order, shown
+from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_float, to_floats
+from pas.algebra.rational import plain, rational, to_float, to_floats
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
@@ -84,8 +84,10 @@ class FairnessLimits:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
-                raise ValueError(f"{name} must be a number that is not negative, not {shown(value)}")
+            number = to_float(rational(value, name))
+            if number < 0:
+                raise ValueError(f"{name} must not be negative, not {plain(rational(value))}")
+            object.__setattr__(self, name, number)
 
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:

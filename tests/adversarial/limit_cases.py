@@ -54,6 +54,10 @@ def _corner(folder: Path) -> pas.Blend:
     return pas.load(_saved(folder, lambda path: pas.blend(_pipes(), 1, prove=False).save(path)))
 
 
+def _blend(*_: Any) -> pas.Blend:
+    return pas.blend(_pipes(), 1, 3, prove=False)
+
+
 def _surface(*_: Any) -> pas.PiecewiseSurface:
     return pas.blend(_pipes(), 1, prove=False).surface
 
@@ -143,6 +147,7 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
 
 LONG_CALLS = {
     "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, **k)),
+    "Blend.refit": LongCall(_blend, lambda p, f, **k: p.refit(tension=6, steps=None, **k)),
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
     "pas.save": LongCall(_corner, lambda p, f, **k: pas.save(p, f / "x.pas.json", **k)),
     "Blend.mesh": LongCall(_corner, lambda p, f, **k: p.mesh(T, **k), 3),
