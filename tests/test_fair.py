@@ -242,7 +242,7 @@ def test_refit_takes_steps_and_says_what_is_known():
         slim = slim.refit()
     settled = blend.refit(tension=9, steps=None)
     assert slim.fairness.area < blend.fairness.area
-    assert slim.fairness.area == pytest.approx(settled.fairness.area, rel=3e-3)
+    assert slim.fairness.area == pytest.approx(settled.fairness.area, rel=1e-2)  # on fewer rays
     assert settled.certificate.proved and settled.standing == "proved"
     point = ("-3/10", "-3/10", "-3/10")
     assert blend.refit(through=[point]).surface([-0.3] * 3) == pytest.approx(0, abs=1e-12)

@@ -34,7 +34,6 @@ from pas.fairing.wishes import (
     Handle,
     MeanAlpha,
     PointOptions,
-    PointsLike,
     SumOfCoefficients,
     UnitCoefficients,
     ValueAt,
@@ -142,7 +141,7 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
 
 
 def least_squares(
-    space: Space, points: PointsLike, weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+    space: Space, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
 ) -> LeastSquares:
     """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
 

@@ -9,6 +9,7 @@ then solved exactly for the coefficients that they determine best, so they hold 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -62,6 +63,14 @@ class Fairing:
                 "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
             )
         self.basis = WorkingBasis.of(placed.partition, patches, degree)
+
+    def of(self, energy: Energy) -> Fairing:
+        """The same for another energy, with the basis, guard rows and rays that there are."""
+        other = copy(self)
+        other.energy = energy
+        for name in ("quadratic_part", "hessian"):
+            vars(other).pop(name, None)
+        return other
 
     @cached_property
     def guard(self) -> Guard:

@@ -7,7 +7,9 @@ of the surface, which is not known beforehand: see `pas.fairing.exchange`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -138,8 +140,12 @@ class Guard:
                 rows += self.sheet(int(local.piece_of[number]), points, margins.sheet)
         return rows
 
-    def edges(self, subdivisions: int, margins: Margins) -> Rows:
-        """Rows on lattices of the walls and the clip faces."""
+    @cached_property
+    def edges(self) -> Callable[[int, Margins], Rows]:
+        """Rows on lattices of so many subdivisions of the walls and the clip faces; the last ones are kept."""
+        return lru_cache(maxsize=8)(self._edges)
+
+    def _edges(self, subdivisions: int, margins: Margins) -> Rows:
         weights = lattice_weights(subdivisions, 3)
         rows, at_least = [np.empty((0, self.basis.size))], []
         for wall in self.placed.walls:

@@ -31,8 +31,9 @@ LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 SETTLED, LIVE = (3, 6), (2, 4)
 """How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
 
-CLOSE_RAYS, MOST_CLOSE = 4000, 300
-"""Rays for a closer look, and how many of them, at the most, are followed from then on."""
+CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 7, 300
+"""Rays for a closer look, how often triangles on the contact curves are quartered for them, and how many of them are
+followed from then on, at the most."""
 
 HIDDEN, CLOSE, TIE = 0.3, 1.0, 1e-6
 """Units beyond a soft limit that make a closer look worth while, those below one for rays to be followed, and those by
@@ -167,7 +168,7 @@ class Landscape:
         """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
         member = look.view.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
-        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS)
+        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
         local = rays.directions * rays.distances[:, None]
         found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
         principal = Geometry(found).principal / self.basis.scale

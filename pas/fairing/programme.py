@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from math import floor, log2
 from typing import TYPE_CHECKING
@@ -92,9 +91,7 @@ class MemberProgramme:
 
     def step(self, hessian: Floats, linear: Floats, rows: Rows) -> Floats | None:
         """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
-        programme = self._programme(self._equations(), self._points() + rows)
-        size = float(np.abs(hessian).max()) or 1.0
-        return self._solved(replace(programme, hessian=hessian / size, linear=linear / size))
+        return self._solved(self._programme(self._equations(), self._points() + rows, hessian, linear))
 
     @property
     def quadratic(self) -> bool:
@@ -163,15 +160,20 @@ class MemberProgramme:
         margin = self.wishes.margin
         return DEFAULT_MARGIN * self._radius if margin is None else to_float(margin)
 
-    def _programme(self, equations: Floats, inequalities: Rows) -> Programme:
+    def _programme(
+        self, equations: Floats, inequalities: Rows, hessian: Floats | None = None, linear: Floats | None = None
+    ) -> Programme:
+        """The programme of the objective, or of another quadratic one, with rows of unit length."""
         m = self.basis.size
+        form = self._hessian if hessian is None else hessian
+        size = float(np.abs(form).max()) or 1.0
         unit = np.linalg.norm(equations[:, :m], axis=1, keepdims=True)
         equations = equations / np.where(unit > 0, unit, 1.0)
         lengths = np.linalg.norm(inequalities.rows, axis=1)
         lengths = np.where(lengths > 0, lengths, 1.0)
         return Programme(
-            self._hessian / (float(np.abs(self._hessian).max()) or 1.0),
-            np.zeros(m),
+            form / size,
+            np.zeros(m) if linear is None else linear / size,
             equations[:, :m],
             equations[:, m],
             inequalities.rows / lengths[:, None],

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Unpack
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
@@ -82,10 +82,15 @@ class SolutionSpace(Space):
         """
         return [[to_fraction(v) for v in row] for row in as_energy(energy).products(self).tolist()]
 
-    @cached_property
-    def fairing(self) -> Callable[[Energy], Fairing]:
-        """The prepared choice among the members for an energy; the last few are kept."""
-        return lru_cache(maxsize=4)(lambda energy: Fairing(self.placed, self.degree, self.patches, energy))
+    def fairing(self, energy: Energy) -> Fairing:
+        """The prepared choice among the members for an energy; what does not depend on that is kept."""
+        if self._fairing is None:
+            self._fairing = Fairing(self.placed, self.degree, self.patches, energy)
+        if self._fairing.energy != energy:
+            self._fairing = self._fairing.of(energy)
+        return self._fairing
+
+    _fairing: Fairing | None = None
 
     @limited("choosing a surface", "a lower degree")
     def fit(
@@ -148,7 +153,7 @@ class SolutionSpace(Space):
 
         Raises `ValueError` for fewer points than dimensions less one.
         """
-        return least_squares(self, points, weights, by_gradient=by_gradient)
+        return least_squares(self, list(points), weights, by_gradient=by_gradient)
 
 
 @limited("solving for all surfaces", "a lower degree")

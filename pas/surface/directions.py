@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, count, monomial_values
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
+from pas.surface.geometry import FIRST, derivatives
 
 EVEN, DEEPEST = 3, 8
 """Quarterings of every outer face, and of those on a contact curve: seen from the centre, neighbours are foreshortened
@@ -32,7 +33,8 @@ SHARE = 1.6
 STEEP = 0.05
 """Cosines between ray and normal count as at least this much where areas are estimated."""
 
-HALVINGS = 40
+HALVINGS, NEWTON_STEPS = 12, 4
+"""Of the way along a ray, until the surface is met to rounding."""
 
 NOTHING = 1e-9
 """The share of the largest value up to which one counts as none: curves through a corner of a triangle are common."""
@@ -164,27 +166,44 @@ def _met(columns: Sequence[Floats], degree: int, ends: Floats, pieces: Pieces) -
     for piece in np.unique(pieces):
         here = pieces == piece
         profiles[:, here] = np.add.reduceat(columns[piece][:, None] * monomial_values(ends[here], degree), starts)
-    low, high = np.zeros(len(ends)), np.ones(len(ends))
+    shares = _roots(profiles)
+    lengths = np.linalg.norm(ends, axis=1)
+    values = profiles.sum(axis=0)
+    distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
+    around = ends * shares[:, None]
+    gradients = np.empty((len(ends), 3))
+    for piece in np.unique(pieces):
+        here = pieces == piece
+        slopes = np.stack([_derivative(columns[piece], degree, axis) for axis in range(3)])
+        gradients[here] = (slopes @ monomial_values(around[here], max(degree - 1, 0))).T
+    cosines = (gradients * ends).sum(axis=1) / np.maximum(np.linalg.norm(gradients, axis=1) * lengths, 1e-300)
+    return distances, distances**2 / np.maximum(cosines, STEEP)
+
+
+def _roots(profiles: Floats) -> Floats:
+    """Where polynomials, as columns, that are negative at 0 change their sign before 1; 1 for those that do not."""
+    low, high = np.zeros(profiles.shape[1]), np.ones(profiles.shape[1])
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         inside = _horner(profiles, middle) < 0
         low, high = np.where(inside, middle, low), np.where(inside, high, middle)
     shares = (low + high) / 2
-    lengths = np.linalg.norm(ends, axis=1)
-    values = profiles.sum(axis=0)
-    distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
-    step = 1e-4
-    around = ends * shares[:, None]
-    gradients = np.stack(
-        [
-            _values(columns, degree, around + step * axis, pieces)
-            - _values(columns, degree, around - step * axis, pieces)
-            for axis in np.eye(3)
-        ],
-        axis=1,
-    )
-    cosines = (gradients * ends).sum(axis=1) / (np.linalg.norm(gradients, axis=1) * lengths)
-    return distances, distances**2 / np.maximum(cosines, STEEP)
+    slopes = profiles[1:] * np.arange(1, len(profiles))[:, None]
+    for _ in range(NEWTON_STEPS):
+        with np.errstate(all="ignore"):
+            steps = _horner(profiles, shares) / _horner(slopes, shares)
+        shares = np.clip(np.where(np.isfinite(steps), shares - steps, shares), low, high)
+    return shares
+
+
+def _derivative(column: Floats, degree: int, axis: int) -> Floats:
+    """The coefficients of a derivative, of one degree less."""
+    indices, factors = derivatives(degree)
+    row = int(FIRST[axis])
+    result = np.zeros(count(max(degree - 1, 0)))
+    chosen = factors[row] != 0
+    np.add.at(result, indices[row][chosen], factors[row][chosen] * column[chosen])
+    return result
 
 
 def _horner(profiles: Floats, shares: Floats) -> Floats:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float, to_floats
+from pas.algebra.rational import plain, rational, to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
@@ -42,7 +42,7 @@ STRAIGHT = 0.03
 SHORTEST_RUN = 6
 """Points of a section between two neighbours below which nothing is said of it."""
 
-BALL = 800
+BALL = 400
 """Points of the ball around the centre that belongs to the hull."""
 
 CURVE = 96
@@ -258,22 +258,23 @@ class _Measuring:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
         angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
         directions = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
-        center = to_floats(self.surface.partition.frame.origin)
-        distances = self.surface.intersect_rays(center, directions)
+        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, directions)
+        local = rays.directions * rays.distances[:, None]
+        jet = np.empty((len(local), 20))
+        for piece, here in rays.slices:
+            jet[here] = jets(local[here], self.columns[piece], self.degree)
         normal = np.cross(first, second)
-        for run in _runs(np.isfinite(distances)):
-            local = directions[run] * distances[run, None] / self.scale
-            pieces = self.surface.partition.piece_of[self.surface.local.locate(local, tolerance=np.inf)]
-            jet = np.empty((len(run), 20))
-            for piece in np.unique(pieces):
-                here = pieces == piece
-                jet[here] = jets(local[here], self.columns[piece], self.degree)
-            slope = jet[:, FIRST] - (jet[:, FIRST] @ normal)[:, None] * normal
-            length = np.linalg.norm(slope, axis=1)
-            tangent = np.cross(normal, slope / length[:, None])
-            yield np.einsum("ni,nij,nj->n", tangent, jet[:, SECOND], tangent) / length / self.scale
+        slope = jet[:, FIRST] - (jet[:, FIRST] @ normal)[:, None] * normal
+        length = np.linalg.norm(slope, axis=1)
+        tangent = np.cross(normal, slope / length[:, None])
+        curvature = np.einsum("ni,nij,nj->n", tangent, jet[:, SECOND], tangent) / length / self.scale
+        place = np.full(AROUND, -1)
+        place[numbers] = np.arange(len(numbers))
+        for run in _runs(place >= 0):
+            yield curvature[place[run]]
 
 
+@lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
     parts = [
