@@ -66,7 +66,7 @@ def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(SCRIPT["main"].__globals__, "solve", solved)
     SCRIPT["main"]()
     assert sorted(p.stem for p in tmp_path.glob("*.png")) == sorted(
-        [*ENERGIES, "three_pipes_zebra", "three_pipes_body"]
+        [*ENERGIES, "three_pipes_zebra", "three_pipes_gauss", "three_pipes_body"]
     )
     assert capsys.readouterr().out.count("all proved") == 10
 

@@ -54,6 +54,7 @@ def main() -> None:
         for suffix, style in STYLES.get(path.stem.split("_")[0], {"": pas.Style.ZEBRA}).items():
             pas.draw(blend.surface, folder / f"{path.stem}{suffix}.png", style=style, size=(480, 360))
         if path.stem == BODY:
+            pas.draw(blend.surface, folder / f"{BODY}_gauss.png", style="gauss", combs=True, size=(480, 360))
             draw_parts(blend.solid("1/2"), folder / f"{BODY}_body.png", size=(480, 360))
 
 
