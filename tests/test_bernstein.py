@@ -295,3 +295,16 @@ def test_every_half_counts(root):
     result = prove_positive(form, np.array([[[0.0, 0, 0], [1, 0, 0]]]))
     assert result.status is Status.REFUTED
     assert f.at([Fraction(c) for c in result.witness.tolist()]) < 0
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_forms_of_high_degree_are_those_of_the_table(dimension):
+    """Two ways to the same B-form: by a table, and degree after degree."""
+    from pas.bernstein.forms import _elevated
+
+    p = Polynomial(
+        ["(1 + 2*x/3)^7 - x^3/11", "(1 + 2*x/3 - y)^7", "(1 + 2*x/3 - y + z/7)^7 - x*y^4*z/11"][dimension - 1]
+    )
+    assert _elevated(p.raw, 9, dimension) == b_form(p.raw, 9, dimension)
+    high = b_form(p.raw, 20, dimension)
+    assert high[0] == p.raw(0, 0, 0) and len(high) > len(b_form(p.raw, 9, dimension))

@@ -176,7 +176,7 @@ def test_progress_and_timings():
     blend = pas.blend(pipes(EQUAL), 1, on_stage=lambda stage, seconds: seen.append((stage, seconds)))
     assert [s for s, _ in seen][-3:] == [
         "solve (degree 4)",
-        "fit and prove (degree 4, dimension 28)",
+        "fit and prove (degree 4, dimension 26)",
         "measure (degree 4)",
     ]
     assert set(blend.timings) == {"partition", "solve", "fit and prove", "measure"}

@@ -301,5 +301,24 @@ def test_two_runs_are_the_same_to_the_bit():
     assert first == second
 
 
+def test_a_bound_on_curvature_is_proved():
+    """Of a tube with radius 1, whose curvature is known, and of a corner, beside the largest that is measured."""
+    contacts = [("y^2 + z^2 - 1", "x - 2"), ("y^2 + z^2 - 1", "-x - 2")]
+    tube = pas.blend(contacts, 1, 2, pas.SingleCell((-2, -2, -2), (2, 2, 2))).surface
+    assert tube.curvature_below("11/10").proved
+    below = tube.curvature_below("9/10")
+    assert below.status is pas.Status.REFUTED and abs(tube(below.witness)) < 1e-6
+    surface = fair(UNEQUAL, 1).surface
+    verdict = surface.curvature_below(6)
+    assert verdict.proved and "sqrt(k1^2 + k2^2) below 6" in str(verdict)
+    mean, gauss = surface.curvatures(surface.fairness().sharpest)
+    assert np.sqrt(4 * mean**2 - 2 * gauss) < 6
+    wrong = surface.curvature_below(4)
+    mean, gauss = surface.curvatures(wrong.witness)
+    assert wrong.status is pas.Status.REFUTED and np.sqrt(4 * mean**2 - 2 * gauss) > 4
+    with pytest.raises(ValueError, match="bound must be positive, not -1"):
+        surface.curvature_below(-1)
+
+
 def test_limits_can_be_changed_one_by_one():
     assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)

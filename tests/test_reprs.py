@@ -102,6 +102,7 @@ SAMPLES = {
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],
+    "Energy": lambda: pas.CurvatureVariation() + pas.ThinPlate() / 100,
     "CurvatureVariation": lambda: pas.CurvatureVariation(tension="7/3"),
     "Sizes": lambda: pas.Sizes(0.5, 1.0),
     "SurfacePoints": lambda: seen(),

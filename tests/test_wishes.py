@@ -34,9 +34,16 @@ def test_the_centre_must_be_inside(monkeypatch, kind):
 
 @pytest.mark.parametrize("kinds", [("inside", "outside"), ("inside", "through"), ("through", "outside")])
 def test_a_point_has_one_sign(monkeypatch, kinds):
-    error = refused(monkeypatch, **{kind: [PLACE] for kind in kinds})
+    error = refused(monkeypatch, **{kind: [("1/2",) * 3] for kind in kinds})
     assert "a point has one sign" in str(error)
-    assert set(error.conflict) == {f"{kind} (1/2, 0, 0)" for kind in kinds}
+    assert set(error.conflict) == {f"{kind} (1/2, 1/2, 1/2)" for kind in kinds}
+
+
+@pytest.mark.parametrize("kind", ["outside", "through"])
+def test_the_way_into_a_pipe_is_inside(monkeypatch, kind):
+    error = refused(monkeypatch, **{kind: [PLACE]})
+    assert "the ray from the centre through it leaves the region through the inside of contact 1" in str(error)
+    assert error.conflict == (f"{kind} (1/2, 0, 0)",)
 
 
 def test_wishes_that_can_hold_are_not_refused():

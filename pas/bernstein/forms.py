@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import factorial, lcm
+from math import factorial, lcm, prod
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly, fmpz, fmpz_mat
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
 
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
+
+LARGEST_TABLE = 14
+"""Up to this degree B-forms are made by a table of integers, which is kept; it would be too large beyond."""
 
 
 def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:
@@ -32,6 +35,8 @@ def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
 
     `x^b = sum_a (n-|b|)! a! / (n! (a-b)!) B_a`, in integers over one denominator.
     """
+    if degree > LARGEST_TABLE:
+        return _elevated(restricted, degree, dimension)
     where = positions(degree, dimension)
     terms = restricted.to_dict()
     denominator = lcm(*(int(c.q) for c in terms.values())) if terms else 1
@@ -61,6 +66,25 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
         times = factorial(degree - sum(e)) * factorial(e[0]) * factorial(e[1]) * factorial(e[2])
         row.append(terms.get(e, fmpq(0)) * fmpq(times, factorial(degree)))
     return row
+
+
+def _elevated(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
+    """The same as a homogeneous polynomial in all barycentric coordinates, whose sum is 1, degree after degree."""
+    ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
+    whole = sum(ring.gens(), ring.constant(0))
+    parts: dict[int, dict[tuple[int, ...], fmpq]] = {}
+    for exponent, c in restricted.to_dict().items():
+        parts.setdefault(sum(exponent), {})[0, *exponent[:dimension]] = c
+    raised = ring.constant(0)
+    for d in range(degree + 1):
+        raised = raised * whole + ring.from_dict(parts.get(d, {}))
+    terms = raised.to_dict()
+    top = factorial(degree)
+    result = []
+    for index in homogeneous_exponents(degree, dimension + 1):
+        value = terms.get(index, fmpq(0))
+        result.append(value * fmpq(prod(map(factorial, index)), top))
+    return result
 
 
 @cache

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from pas.algebra.inputs import check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import to_fraction, vector
+from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
-from pas.errors import MeshError
+from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.triangulate import triangulate
@@ -23,11 +23,13 @@ from pas.partition.cells import OuterFace, Partition
 from pas.shape import Shape
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
+from pas.surface.curvature_bound import curvature_below
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
+from pas.verdicts import Verdict
 
 DEFAULT_TOLERANCE = 1e-3
 """Of a mesh, over the longest side of the region's box."""
@@ -209,6 +211,21 @@ class PiecewiseSurface(InPlace, Shape):
                 for p in self.patches
             ]
         )
+
+    @limited("bounding curvature", "a larger bound")
+    def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
+        """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface in its region: proved, refuted or undecided.
+
+        k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  Seconds for surfaces of degree 4,
+        minutes for degree 6, where close bounds stay undecided.  Raises `ValueError` for a
+        bound that is not positive, `GeometryError` for a surface without a region.
+        """
+        number = rational(bound, "bound")
+        if number <= 0:
+            raise ValueError(f"bound must be positive, not {plain(number)}")
+        if not self.partition.cells:
+            raise GeometryError("the curvature is bounded in a region, and the surface has none")
+        return curvature_below(self, number)
 
     @limited("measuring how fair a surface is", "")
     def fairness(self, *, seconds: float | None = None, progress: Report | None = None) -> Fairness:
