@@ -28,7 +28,7 @@ from pas.surface.placed import PlacedContacts
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 """Rays, at the least."""
 
-SETTLED, LIVE = (3, 6), (2, 4)
+SETTLED, LIVE = (3, 6), (2, 3)
 """How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
 
 CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 7, 300

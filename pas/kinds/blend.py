@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import plain, rational, to_fraction
+from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
 from pas.exchange.cell_grid import cell_grid
 from pas.exchange.records import (
@@ -89,7 +89,7 @@ def read(content: dict[str, Any]) -> Blend:
         surface=surface,
         basis=basis,
         dimension=solution["dimension"],
-        coefficients=tuple(to_fraction(rational(c)) for c in solution["coefficients"]),
+        find_coefficients=lambda: [rational(c) for c in solution["coefficients"]],
         energy=float(solution["energy"]),
         timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
         attempts=tuple(

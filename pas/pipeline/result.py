@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Unpack
+
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import whole
 from pas.algebra.rational import Exact, to_fraction
@@ -45,7 +47,7 @@ class Attempt:
 class Blend(Shape):
     """One chosen surface with everything known about it.
 
-    `space` and `coefficients` (exact, in `space.basis`) say how it was chosen, `dimension` out of
+    `space` and `coefficients` say how it was chosen, `dimension` out of
     how many, by which `wishes`, and `energy` is its energy in the user's units.  `basis` is the space's
     where it does not follow from the problem.
     `timings` maps stages to seconds, `attempts` lists the degrees tried.  `find_space` gives the
@@ -55,7 +57,7 @@ class Blend(Shape):
 
     surface: PiecewiseSurface
     dimension: int
-    coefficients: tuple[Fraction, ...]
+    find_coefficients: Callable[[], Sequence[fmpq]]
     energy: float
     timings: dict[str, float]
     attempts: tuple[Attempt, ...]
@@ -77,11 +79,10 @@ class Blend(Shape):
     ) -> Blend:
         """The blend of a choice in a solution space."""
         fairing = space.fairing(as_energy(wishes.energy))
-        coefficients = (choice.working * fairing.basis.transform).entries()
         return cls(
             surface=choice.surface,
             dimension=space.dimension,
-            coefficients=tuple(map(to_fraction, coefficients)),
+            find_coefficients=partial(_entries, choice.working, fairing.basis.transform),
             energy=choice.energy,
             timings=timings,
             attempts=tuple(attempts),
@@ -90,6 +91,11 @@ class Blend(Shape):
             basis=space.given_basis,
             choice=choice,
         )
+
+    @cached_property
+    def coefficients(self) -> tuple[Fraction, ...]:
+        """The member's coefficients in `space.basis`, exact; worked out when first asked for."""
+        return tuple(map(to_fraction, self.find_coefficients()))
 
     @cached_property
     def space(self) -> SolutionSpace:
@@ -183,3 +189,8 @@ class Blend(Shape):
     def __repr__(self) -> str:
         s = self.surface
         return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}, {self.standing}>"
+
+
+def _entries(row: fmpq_mat, matrix: fmpq_mat) -> list[fmpq]:
+    """The entries of a product, as a function that can be called later."""
+    return list((row * matrix).entries())
