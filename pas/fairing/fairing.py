@@ -57,7 +57,6 @@ class Fairing:
 
     def __init__(self, placed: PlacedContacts, degree: int, patches: Sequence[fmpq_mat], energy: Energy) -> None:
         self.placed, self.partition, self.degree, self.energy = placed, placed.partition, degree, energy
-        self.patches = patches
         if not placed.partition.cells:
             raise ValueError(
                 "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
@@ -147,7 +146,7 @@ class Fairing:
             found = FairSearch(self, wishes, start).choice()
             if found is not None:
                 return found
-            fallback = Fairing(self.placed, self.degree, self.patches, as_energy(None))
+            fallback = self.of(as_energy(None))
             return replace(fallback.choose(wishes.changed(energy=fallback.energy)), by=fallback.energy)
         if wishes.prove:
             return self._proved(wishes)

@@ -49,7 +49,7 @@ def choose(
     certificate = choice.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
     if choice.by is not None:
-        outcome += f", by {choice.by.kind}: from the centre the surface could not be seen well enough to make it fair"
+        outcome += f", by {choice.by.kind}: none was seen from the centre and proved on the way to a fair one"
     attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began)
     result = Blend.of(space, choice, wishes, stages.seconds, (*attempts, attempt))
     if certificate is not None and not certificate.proved:
