@@ -25,9 +25,8 @@ LATTICES = (32, 64)
 """Subdivisions of the outer faces on whose rays members are to be clean; the finer where one is not proved."""
 
 
-CLOSER_LOOKS, BEYOND = 3, 4.0
-"""Times that a surface is looked at between the rays, and settled again where its curvature is hidden there; and the
-squares of what is beyond the limits at the rays from which on nobody needs to look for more."""
+CLOSER_LOOKS = 3
+"""Times that a surface is looked at between the rays, and settled again where its curvature is hidden there."""
 
 
 class FairSearch:
@@ -68,8 +67,6 @@ class FairSearch:
                 continue
             states = [state, *Settling(search).steps(state, STEPS)]
             for _ in range(CLOSER_LOOKS):
-                if states[-1].look.objective - states[-1].look.energy > BEYOND:
-                    break
                 closer = states[-1].landscape.closer(states[-1].look)
                 if closer is None:
                     break
