@@ -2,14 +2,10 @@
 
 The unknowns are the B-coefficients at the domain points, those on common faces shared by the
 cells around them, so that C^0 holds by construction.  Across a face with corners v1, v2, v3 the
-patches of the cells with the other corners a and b meet with C^r iff for all s <= r
-
-    c_b(s, i, j, k) = sum over |m| = s of  c_a(m0, i + m1, j + m2, k + m3) * (s! / m!) * lambda^m,
-
-lambda the barycentric coordinates of b with respect to a, v1, v2, v3 (Lai and Schumaker 2007,
-theorem 2.28).  The equations have few terms and only neighbours in common, so sparse elimination
-hardly fills in: for more than a few cells this is much faster than the construction of
-`pas.blending.conditions`, which is there for few cells and large orders.
+patches of the cells with the other corners a and b meet with C^r iff their B-coefficients satisfy
+the equations of `pas.blending.domain_points`.  These have few terms and only neighbours in common, so
+sparse elimination hardly fills in: for more than a few cells this is much faster than the
+construction of `pas.blending.conditions`, which is there for few cells and large orders.
 
 The basis is not the reduced one: each member has whole B-coefficients, and is not zero at just
 one of the domain points that elimination left free (a minimal determining set).
@@ -20,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial, lcm, prod
+from math import lcm, prod
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
 
@@ -28,12 +24,11 @@ from pas.algebra.monomials import Exponents, count, homogeneous_exponents, posit
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
-from pas.algebra.sparse import Solved, solve_sparse
+from pas.algebra.sparse import solve_sparse
+from pas.blending.domain_points import Point, Row, across, domain_point, members, multinomial, numbered
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.placed import PlacedContacts
-
-Row = dict[int, fmpq]
 
 
 @dataclass(frozen=True)
@@ -52,19 +47,15 @@ class Net:
         return self.placed.local
 
     @cached_property
-    def points(self) -> dict[tuple[tuple[int, int], ...], int]:
+    def points(self) -> dict[Point, int]:
         """The number of each domain point: its vertices with their multiplicities."""
-        numbers: dict[tuple[tuple[int, int], ...], int] = {}
-        for cell in self.partition.cells:
-            for index in homogeneous_exponents(self.degree, 4):
-                numbers.setdefault(_key(cell, index), len(numbers))
-        return numbers
+        return numbered(self.partition.cells, self.degree)
 
     def solve(self) -> tuple[fmpq_mat, ...]:
         """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
         solved = solve_sparse((row for row in self._rows() if row), len(self.points))
-        members = _members(solved, len(self.points))
-        return tuple(self._patch(piece, members, len(solved.free)) for piece in range(len(self.partition.pieces)))
+        found = members(solved, len(self.points))
+        return tuple(self._patch(piece, found, len(solved.free)) for piece in range(len(self.partition.pieces)))
 
     def _rows(self) -> Iterator[Row]:
         for number, (triangle, first, second) in enumerate(self.partition.inner_triangles):
@@ -80,15 +71,8 @@ class Net:
     def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
         """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
         a, b = (self._opposite(cell, triangle) for cell in (first, second))
-        corners = (a, *triangle)
-        weights = _power_weights(_barycentric(self.partition.corners(corners), self.partition.vertices[b]), s)
-        for index in homogeneous_exponents(self.degree - s, 3):
-            row: Row = {self.points[_key((b, *triangle), (s, *index))]: fmpq(-1)}
-            for shift, weight in weights:
-                there = (shift[0], *(i + m for i, m in zip(index, shift[1:], strict=True)))
-                number = self.points[_key(corners, there)]
-                row[number] = row.get(number, fmpq(0)) + weight
-            yield row
+        coordinates = _barycentric(self.partition.corners((a, *triangle)), self.partition.vertices[b])
+        yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
 
     def _contact_rows(self, form: NormalForm, piece: int) -> Iterator[Row]:
         images = form.images(self.degree)
@@ -126,7 +110,7 @@ class Net:
     def _numbers(self, piece: int) -> list[int]:
         """The unknowns on the first cell of a piece."""
         cell = self.partition.cells[self.partition.pieces[piece][0]]
-        return [self.points[_key(cell, index)] for index in homogeneous_exponents(self.degree, 4)]
+        return [self.points[domain_point(cell, index)] for index in homogeneous_exponents(self.degree, 4)]
 
     def _bernstein(self, piece: int) -> list[fmpq_mpoly]:
         """The Bernstein polynomials of the first cell of a piece, in x, y, z."""
@@ -137,33 +121,12 @@ class Net:
         ]
         powers = [[form**k for k in range(self.degree + 1)] for form in linear]
         return [
-            prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * _multinomial(index)
+            prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
             for index in homogeneous_exponents(self.degree, 4)
         ]
 
     def _opposite(self, cell: int, triangle: Exponents) -> int:
         return next(v for v in self.partition.cells[cell] if v not in triangle)
-
-
-def _members(solved: Solved, points: int) -> list[dict[int, int]]:
-    """The B-coefficients as {member: value} for each domain point, every member primitive."""
-    place = {number: i for i, number in enumerate(solved.free)}
-    scales = [1] * len(place)
-    for row in solved.bound.values():
-        for source, value in row.items():
-            scales[place[source]] = lcm(scales[place[source]], int(value.q))
-    members: list[dict[int, int]] = [{} for _ in range(points)]
-    for number, i in place.items():
-        members[number][i] = scales[i]
-    for number, row in solved.bound.items():
-        for source, value in row.items():
-            i = place[source]
-            members[number][i] = int(value.p) * (scales[i] // int(value.q))
-    return members
-
-
-def _key(cell: Exponents, index: Exponents) -> tuple[tuple[int, int], ...]:
-    return tuple(sorted((v, times) for v, times in zip(cell, index, strict=True) if times))
 
 
 def _inverse(corners: tuple[Vector, ...]) -> list[list[fmpq]]:
@@ -177,17 +140,3 @@ def _inverse(corners: tuple[Vector, ...]) -> list[list[fmpq]]:
 def _barycentric(corners: tuple[Vector, ...], point: Vector) -> list[fmpq]:
     x, y, z = point
     return [f[0] + f[1] * x + f[2] * y + f[3] * z for f in _inverse(corners)]
-
-
-def _power_weights(coordinates: list[fmpq], s: int) -> list[tuple[Exponents, fmpq]]:
-    """The terms of (sum of coordinates)^s that are not zero, by multi-index."""
-    weights = []
-    for index in homogeneous_exponents(s, 4):
-        value = prod((c**k for c, k in zip(coordinates, index, strict=True)), start=fmpq(1)) * _multinomial(index)
-        if value != 0:
-            weights.append((index, value))
-    return weights
-
-
-def _multinomial(index: Exponents) -> int:
-    return factorial(sum(index)) // prod(map(factorial, index))

@@ -27,6 +27,8 @@ from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot
 from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
+from pas.partition.layout import Layout
+from pas.partition.outline import outline
 
 Indices = tuple[int, ...]
 
@@ -61,7 +63,7 @@ class Partition:
     `vertices` are exact points (three numbers each), `cells` quadruples of vertex indices,
     `center` an exact point in the interior of the region from which every cell is seen
     undivided, or None for a mesh that has none.  `pieces` groups cells (tuples of their numbers)
-    that share one polynomial; by default each cell is a piece of its own.
+    that share one polynomial; by default each cell is a piece of its own.  `title` says in summaries what it is.
 
     Raises `GeometryError` for a flat cell, cells that overlap at a common face, or cells that do not
     surround the centre exactly once (so that none overlap; without a centre that is not looked into);
@@ -71,7 +73,8 @@ class Partition:
     name = "tetrahedra"
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {len(self.cells)} cells in {len(self.pieces)} pieces>"
+        called = f" {self.title!r}" if self.title != self.name else ""
+        return f"<{type(self).__name__}{called}: {len(self.cells)} cells in {len(self.pieces)} pieces>"
 
     def __init__(
         self,
@@ -79,7 +82,9 @@ class Partition:
         cells: Sequence[Sequence[int]],
         center: VectorLike | None = None,
         pieces: Sequence[Sequence[int]] | None = None,
+        title: str = "",
     ) -> None:
+        self.title = title or self.name
         self.vertices = tuple(vector(v, f"vertices[{i}]") for i, v in enumerate(vertices))
         self.cells = tuple(tuple(cell) for cell in cells)
         self.center = None if center is None else vector(center, "center")
@@ -100,7 +105,7 @@ class Partition:
             "vertices": [written(v) for v in self.vertices],
             "cells": [list(cell) for cell in self.cells],
             "pieces": [list(piece) for piece in self.pieces],
-        }
+        } | ({} if self.title == self.name else {"title": self.title})
 
     @classmethod
     def keys(cls) -> Mapping[str, bool]:
@@ -161,7 +166,12 @@ class Partition:
         """The same partition in local coordinates (centre, if any, 0; size about 1)."""
         points = [self.frame.local_point(v) for v in self.vertices]
         center = None if self.center is None else self.frame.local_point(self.center)
-        return Partition(points, self.cells, center, self.pieces)
+        return Partition(points, self.cells, center, self.pieces, self.title)
+
+    @cached_property
+    def layout(self) -> Layout | None:
+        """The directions in which the pieces lie; None without a centre or where a piece is no disc seen from it."""
+        return outline(self)
 
     @cached_property
     def piece_of(self) -> NDArray[np.intp]:

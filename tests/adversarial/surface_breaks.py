@@ -26,6 +26,9 @@ HOLDS, FAILS, UNKNOWN = Truth.HOLDS, Truth.FAILS, Truth.UNKNOWN
 VARIABLES = tuple(map(Polynomial, "xyz"))
 Break = Callable[[Random], Known]
 
+TRIES = 100
+"""Faces that are tried on one surface: some have none whose jump stays within the highest degree."""
+
 
 def jump(random: Random) -> Known:
     """One patch plus `c pi^m` times what vanishes to order k+1 on its other faces and its clips.
@@ -34,7 +37,7 @@ def jump(random: Random) -> Known:
     """
     known = with_faces(random, 6)
     surface, k = known.surface, known.surface.order
-    while True:
+    for _ in range(TRIES):
         number = random.randrange(len(surface.partition.interior_faces))
         face = surface.partition.interior_faces[number]
         piece = random.choice((face.first, face.second))
@@ -47,6 +50,8 @@ def jump(random: Random) -> Known:
             extra = Polynomial(1)
         if bump.degree + m + extra.degree <= HIGHEST_SURFACE_DEGREE:
             break
+    else:
+        return jump(random)
     c, tiny = amplitude(random)
     changed = added(surface, {piece: c * face.plane**m * bump * extra})
     faces = tuple(FAILS if i == number and m <= k else HOLDS for i in range(len(known.faces)))

@@ -1,21 +1,22 @@
 """ "linear": normal forms and remainders of all monomials are zero, one rational matrix.
 
-A single cell is solved in the user's coordinates, where the numbers are short.  On many cells the net
-of B-coefficients serves, with sparse elimination.
+A single cell is solved in the user's coordinates, where the numbers are short.  On many cells around a
+centre homogeneous splines serve, on others the net of B-coefficients, both with sparse elimination.
 """
 
 from __future__ import annotations
 
 from pas.algebra.polynomial import Polynomial
+from pas.blending import spherical
 from pas.blending.conditions import Conditions
 from pas.blending.method import Patches, SolvingMethod, patches_of
 from pas.blending.net import Net
 from pas.partition.single_cell import SingleCell
 from pas.surface.placed import PlacedContacts
 
-MANY_CELLS = 24
-"""Cells above which the net of B-coefficients serves: on C^1 quartics both take 10 to 20 ms with 6
-cells, with 48 cells 1.3 s and 17 s."""
+MANY_CELLS = 12
+"""Cells above which sparse elimination serves: on C^1 quartics both take 10 to 20 ms with 6 cells, with 48 cells the
+net 1.3 s and dense elimination 17 s.  Homogeneous splines take 0.1 s on a node of 48 cells."""
 
 
 def _solve(placed: PlacedContacts, degree: int) -> Patches:
@@ -25,7 +26,8 @@ def _solve(placed: PlacedContacts, degree: int) -> Patches:
         members = [Polynomial.from_row(row, degree).primitive() for row in found.tolist()]
         return patches_of(placed, degree, [(member,) for member in members])
     if len(placed.partition.cells) > MANY_CELLS:
-        return Net(placed, degree).solve()
+        layout = placed.partition.layout
+        return Net(placed, degree).solve() if layout is None else spherical.solve(placed, layout, degree)
     return Conditions(placed).solve(degree)
 
 

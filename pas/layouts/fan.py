@@ -1,0 +1,147 @@
+"""Fans: half-planes through one axis.
+
+The generalisation of the six tetrahedra: two opposite rays carry any number of arcs, and every contact lies between
+two neighbouring half-planes.  Each further half-plane adds freedom without a further point where arcs meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from math import asin, cos, degrees, gcd, pi, radians, sin, sqrt
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Vector
+from pas.errors import GeometryError
+from pas.layouts.fits import check_fits
+from pas.layouts.seen import Seen, across, turn, unit, whole_ray
+from pas.partition.layout import Layout, Ray
+
+LONGEST_AXIS = 4
+"""Largest entry of an axis: longer ones lengthen the numbers of the algebra, and gained little."""
+
+PRICE = 0.004
+"""Radians of gap that one more in an axis' entries is worth."""
+
+NEAR_AXIS = 0.97
+"""Sine of the azimuth that a disc may take up: those that reach an axis' pole lie between no two half-planes."""
+
+LEAST_GAP = radians(2.3)
+"""Azimuth between two discs below which no fan is made: there half-planes would nearly coincide."""
+
+EDGE, LEAST_SHARE, MOST_SHARE = 0.07, 0.15, 0.36
+"""Half-planes keep this angle (radians) from discs, but at least and at most these shares of a gap."""
+
+WIDE_GAP = 60
+"""Degrees of a gap for each of which, after the first, one more half-plane is put in."""
+
+WIDEST = radians(170)
+"""A piece between two half-planes must be clearly less than half a turn."""
+
+LENGTHS = (10, 16, 24, 40)
+"""Entries of the rays, tried in turn until every disc fits."""
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """The discs as they lie around an axis, in order: `middles` and `halves` of the azimuths (radians) they take up."""
+
+    axis: Ray
+    frame: Floats
+    middles: tuple[float, ...]
+    halves: tuple[float, ...]
+
+    @property
+    def sizes(self) -> list[float]:
+        """The azimuth (radians) from each disc to the next."""
+        after = [*self.middles[1:], self.middles[0] + 2 * pi]
+        widths = [*self.halves[1:], self.halves[0]]
+        return [n - m - h - g for m, n, h, g in zip(self.middles, after, self.halves, widths, strict=True)]
+
+
+def fan(discs: Sequence[Seen], center: Vector, each: int = 2) -> Layout:
+    """The fan around the axis with the largest smallest gap, with so many half-planes in `each` gap.
+
+    Raises `GeometryError` where no axis has room between all discs.
+    """
+    gaps = best_gaps(discs)
+    failure: GeometryError | None = None
+    for longest in LENGTHS:
+        try:
+            return _with_rays(discs, center, gaps, each, longest)
+        except GeometryError as error:
+            failure = error
+    assert failure is not None
+    raise failure
+
+
+def best_gaps(discs: Sequence[Seen]) -> Gaps:
+    """The axis with the largest smallest gap between discs; raises `GeometryError` where there is none."""
+    best: tuple[float, Gaps] | None = None
+    span = range(-LONGEST_AXIS, LONGEST_AXIS + 1)
+    for axis in product(span, span, span):
+        if axis <= (0, 0, 0) or gcd(*axis) != 1:
+            continue
+        gaps = gaps_around(discs, axis)
+        if gaps is None:
+            continue
+        worth = min(gaps.sizes) - PRICE * sum(map(abs, axis))
+        if best is None or worth > best[0] + 1e-9:
+            best = (worth, gaps)
+    if best is None or min(best[1].sizes) < LEAST_GAP:
+        found = "" if best is None else f" (the best leaves a gap of {degrees(min(best[1].sizes)):.2g} degrees)"
+        raise GeometryError(
+            f"no fan of half-planes through one axis keeps the {len(discs)} contacts apart{found}; clips further out "
+            "or smaller radii would make room"
+        )
+    return best[1]
+
+
+def gaps_around(discs: Sequence[Seen], axis: Ray) -> Gaps | None:
+    """The gaps around an axis, None where a disc reaches its pole."""
+    pole = unit(np.array(axis))
+    frame = across(pole)
+    found = []
+    for disc in discs:
+        height = float(disc.direction @ pole)
+        share = sin(disc.angle) / max(sqrt(max(0.0, 1 - height * height)), 1e-9)
+        if share > NEAR_AXIS or disc.angle > pi / 2:
+            return None
+        first, second = frame @ disc.direction
+        found.append((float(np.arctan2(second, first)), asin(share)))
+    middles, halves = zip(*sorted(found), strict=True)
+    return Gaps(axis, frame, middles, halves)
+
+
+def _with_rays(discs: Sequence[Seen], center: Vector, gaps: Gaps, each: int, longest: int) -> Layout:
+    rays = [whole_ray(np.array([cos(a), sin(a)]) @ gaps.frame, longest) for a in _azimuths(gaps, each)]
+    axis = gaps.axis
+    back = (-axis[0], -axis[1], -axis[2])
+    first, second = gaps.frame @ np.array(rays, dtype=float).T
+    turned = np.arctan2(second, first)
+    for a, b in pairwise([*turned, turned[0]]):
+        if not 0.01 < turn(a, b) < WIDEST:
+            raise GeometryError(f"two half-planes of a fan are {degrees(turn(a, b)):.2g} degrees apart")
+    count = len(rays)
+    layout = Layout(
+        [axis, back, *rays],
+        [(0, 2 + h, 1, 2 + (h + 1) % count) for h in range(count)],
+        center,
+        f"fan of {count} half-planes around {axis}",
+    )
+    check_fits(layout, discs)
+    return layout
+
+
+def _azimuths(gaps: Gaps, each: int) -> list[float]:
+    """Those of the half-planes."""
+    found = []
+    for middle, half, size in zip(gaps.middles, gaps.halves, gaps.sizes, strict=True):
+        number = each + max(0, int(degrees(size) // WIDE_GAP) - 1)
+        low = max(LEAST_SHARE, min(MOST_SHARE, EDGE / max(size, 1e-3)))
+        shares = [0.5] if number == 1 else [low + (1 - 2 * low) * i / (number - 1) for i in range(number)]
+        found += [middle + half + size * share for share in shares]
+    return found

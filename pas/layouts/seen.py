@@ -1,0 +1,145 @@
+"""Contacts as they are seen from the centre of a node: discs of directions, with the planes that end them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, pi
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Vector, dot, to_float, to_floats
+from pas.errors import GeometryError
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """One contact's curve: all relative to the centre, in the user's units.
+
+    It lies in the plane `normal . x = height`, both exact, with `normal` pointing outwards and `height` positive;
+    `points` (m, 3) go round it, `middle` (3,) is inside it.
+    """
+
+    number: int
+    normal: Vector
+    height: fmpq
+    points: Floats
+    middle: Floats
+
+    @classmethod
+    def of(cls, number: int, normal: Vector, point: Vector, points: Floats, middle: Floats, center: Vector) -> Seen:
+        """That of contact `number` (from 1) with a curve through exact places; raises `GeometryError` where the centre
+        lies in its plane."""
+        origin = to_floats(center)
+        height = dot(normal, tuple(p - c for p, c in zip(point, center, strict=True)))
+        if height == 0:
+            raise GeometryError(
+                f"the clip plane of contact {number} passes through the centre of the node; it must leave room for "
+                "the blend"
+            )
+        x, y, z = normal if height > 0 else (-c for c in normal)
+        return cls(number, (x, y, z), abs(height), np.asarray(points) - origin, np.asarray(middle) - origin)
+
+    @cached_property
+    def unit(self) -> Floats:
+        """The unit normal (3,)."""
+        return unit(to_floats(self.normal))
+
+    @cached_property
+    def direction(self) -> Floats:
+        """The unit vector (3,) towards the middle."""
+        return unit(self.middle)
+
+    @cached_property
+    def angle(self) -> float:
+        """The angle (radians) between that direction and the farthest point of the curve: its angular radius."""
+        return float(np.arccos(np.clip(units(self.points) @ self.direction, -1, 1)).max())
+
+    @cached_property
+    def radius(self) -> float:
+        """The largest distance of the curve from its middle."""
+        return float(np.linalg.norm(self.points - self.middle, axis=1).max())
+
+    @cached_property
+    def distance(self) -> float:
+        """From the centre to the middle."""
+        return float(np.linalg.norm(self.middle))
+
+    @property
+    def frame(self) -> Floats:
+        """Two unit vectors (2, 3) across the direction, which with it are right-handed."""
+        return across(self.direction)
+
+    def azimuths(self, vectors: Sequence[Floats] | Floats) -> Floats:
+        """The azimuths of vectors (N, 3) around the direction, (N,)."""
+        first, second = self.frame
+        found = np.asarray(vectors)
+        return np.arctan2(found @ second, found @ first)
+
+    def on_plane(self, place: Floats) -> Vector:
+        """An exact point of the plane near a place (3,) of it, with short numbers."""
+        normal = self.normal
+        axis = max(range(3), key=lambda i: abs(to_float(normal[i])))
+        step = power_of_two(self.radius / 64)
+        point = [fmpq(round(float(c) / to_float(step))) * step for c in place]
+        rest = sum((normal[i] * point[i] for i in range(3) if i != axis), fmpq(0))
+        point[axis] = (self.height - rest) / normal[axis]
+        x, y, z = point
+        return x, y, z
+
+
+def unit(vector: Floats) -> Floats:
+    """The unit vector (3,) of a direction."""
+    found: Floats = np.asarray(vector, dtype=float) / np.linalg.norm(vector)
+    return found
+
+
+def units(vectors: Floats) -> Floats:
+    """The unit vectors (N, 3) of directions."""
+    found: Floats = np.asarray(vectors, dtype=float)
+    return found / np.linalg.norm(found, axis=1)[:, None]
+
+
+def across(direction: Floats) -> Floats:
+    """Two unit vectors (2, 3) across a unit vector, right-handed with it."""
+    first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first)])
+
+
+def angle_between(a: Floats, b: Floats) -> float:
+    """The angle (radians) between two unit vectors (3,)."""
+    return atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+
+
+def turn(start: float, end: float) -> float:
+    """The angle (radians, 0 up to 2 pi) from one azimuth on to another."""
+    return float((end - start) % (2 * pi))
+
+
+def power_of_two(size: float) -> fmpq:
+    """The largest power of two up to a positive number."""
+    exponent = int(np.frexp(size)[1]) - 1
+    return fmpq(2) ** exponent if exponent >= 0 else fmpq(1, 2**-exponent)
+
+
+def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:
+    """A short whole vector near a direction (3,), with entries up to `largest`: longer ones must be nearer.
+
+    Short ones keep the numbers of the exact algebra short.
+    """
+    wanted = unit(direction)
+    price = 0.003 if largest <= 16 else 0.0004
+    best: tuple[float, tuple[int, int, int]] | None = None
+    for size in range(1, largest + 1):
+        x, y, z = np.round(wanted / np.abs(wanted).max() * size).astype(int).tolist()
+        off = angle_between(unit(np.array([x, y, z])), wanted) + price * size
+        if best is None or off < best[0] - 1e-12:
+            best = (off, (x, y, z))
+    assert best is not None
+    common = int(np.gcd.reduce(best[1]))
+    x, y, z = best[1]
+    return x // common, y // common, z // common

@@ -1,0 +1,234 @@
+"""Layouts: the sphere of directions around a centre, cut into pieces by arcs of great circles.
+
+Where all faces between pieces pass through one centre, piecewise polynomials see of a region only in which
+directions these faces lie.  A layout is that and nothing else; how far out a surface is proved and meshed is said
+by a region (see `pas.partition.cells` and `pas.layouts.region`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from math import gcd, hypot
+from typing import Any, Self
+
+from flint import fmpq
+
+from pas.algebra.inputs import shown
+from pas.algebra.rational import Vector, VectorLike, cross, plain, vector
+from pas.described import constructor_keys
+from pas.errors import GeometryError
+
+Ray = tuple[int, int, int]
+Triangle = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A part of a great circle between two rays (their numbers): piece `first` lies to its left, seen from outside,
+    `second` to its right; `normal` is that of its plane, positive on the side of `first`."""
+
+    start: int
+    end: int
+    first: int
+    second: int
+    normal: Ray
+
+
+class Layout:
+    """The directions around `center`, cut into pieces.
+
+    `rays` are directions (three exact numbers each, of any length); `pieces` go round each piece by the numbers of its
+    rays, counterclockwise seen from outside.  Two rays that follow one another are joined by the shorter arc of a great
+    circle, so they must not be opposite.  `name` says in summaries what it is.
+
+    Raises `GeometryError` where the pieces do not cover all directions exactly once, `ValueError` for wrong numbers.
+    """
+
+    def __init__(
+        self,
+        rays: Sequence[VectorLike],
+        pieces: Sequence[Sequence[int]],
+        center: VectorLike = (0, 0, 0),
+        name: str = "layout",
+    ) -> None:
+        self.rays: tuple[Ray, ...] = tuple(primitive(vector(ray, f"rays[{i}]"), i) for i, ray in enumerate(rays))
+        self.center: Vector = vector(center, "center")
+        self.name = str(name)
+        self.pieces = tuple(self._checked(number, piece) for number, piece in enumerate(pieces))
+        twice = next((i for i, ray in enumerate(self.rays) if ray in self.rays[:i]), None)
+        if twice is not None:
+            raise ValueError(f"rays[{twice}] has the direction of rays[{self.rays.index(self.rays[twice])}]")
+        self._check_cover()
+
+    def _checked(self, number: int, piece: Sequence[int]) -> tuple[int, ...]:
+        where, most = f"pieces[{number}]", len(self.rays)
+        indices = tuple(piece) if isinstance(piece, Sequence) and not isinstance(piece, str) else ()
+        if len(indices) < 3 or any(isinstance(i, bool) or not isinstance(i, int) for i in indices):
+            raise ValueError(f"{where} must be at least three numbers of rays, not {shown(piece)}")
+        if len(set(indices)) != len(indices) or not all(0 <= i < most for i in indices):
+            raise ValueError(f"{where} must be different numbers of rays below {most}, not {shown(list(indices))}")
+        for i, j in zip(indices, (*indices[1:], indices[0]), strict=True):
+            if not any(cross(self.rays[i], self.rays[j])):
+                raise GeometryError(
+                    f"{where}: rays {i} and {j} lie on one line through the centre, so no arc joins them; "
+                    "put a ray between them"
+                )
+        return indices
+
+    def _check_cover(self) -> None:
+        """That every arc has a piece on either side, and that all together are the sphere once."""
+        sides = self._sides()
+        for (start, end), piece in sides.items():
+            if (end, start) not in sides:
+                raise GeometryError(
+                    f"the arc from ray {start} to ray {end} of pieces[{piece}] has no piece on its other side: the "
+                    "pieces of a layout must cover all directions"
+                )
+        triangles = [t for piece in self.triangles for t in piece]
+        # every arc has triangles on both sides, so all directions are covered equally often: one is counted
+        times = _times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
+        if times != 1:
+            raise GeometryError(f"the pieces of a layout must cover all directions once; they do {times} times")
+
+    def _sides(self) -> dict[tuple[int, int], int]:
+        """The piece to the left of each arc."""
+        sides: dict[tuple[int, int], int] = {}
+        for number, piece in enumerate(self.pieces):
+            for edge in zip(piece, (*piece[1:], piece[0]), strict=True):
+                if edge in sides:
+                    raise GeometryError(
+                        f"pieces[{sides[edge]}] and pieces[{number}] lie on the same side of the arc from ray "
+                        f"{edge[0]} to ray {edge[1]}; go round every piece counterclockwise, seen from outside"
+                    )
+                sides[edge] = number
+        return sides
+
+    @cached_property
+    def arcs(self) -> tuple[Arc, ...]:
+        """The arcs between two pieces."""
+        sides = self._sides()
+        return tuple(
+            Arc(start, end, first, sides[end, start], _reduced(cross(self.rays[start], self.rays[end])))
+            for (start, end), first in sides.items()
+            if start < end and sides[end, start] != first
+        )
+
+    @cached_property
+    def all_rays(self) -> tuple[Ray, ...]:
+        """The rays, and those inside pieces that are cut into triangles from there."""
+        return self.rays + tuple(middle for middle, _ in self._cut if middle is not None)
+
+    @cached_property
+    def triangles(self) -> tuple[tuple[Triangle, ...], ...]:
+        """Each piece cut into spherical triangles, counterclockwise: numbers of `all_rays`."""
+        found, extra = [], len(self.rays)
+        for piece, (middle, start) in zip(self.pieces, self._cut, strict=True):
+            if middle is None:
+                turned = piece[start:] + piece[:start]
+                found.append(tuple((turned[0], a, b) for a, b in pairwise(turned[1:])))
+            else:
+                found.append(tuple((extra, a, b) for a, b in zip(piece, (*piece[1:], piece[0]), strict=True)))
+                extra += 1
+        return tuple(found)
+
+    @cached_property
+    def _cut(self) -> tuple[tuple[Ray | None, int], ...]:
+        """For each piece the ray inside it from which it is cut, or the place of one of its own."""
+        return tuple(self._way_to_cut(number) for number in range(len(self.pieces)))
+
+    def _way_to_cut(self, number: int) -> tuple[Ray | None, int]:
+        rays = [self.rays[i] for i in self.pieces[number]]
+        for start in range(len(rays)):
+            turned = rays[start:] + rays[:start]
+            if all(turns(turned[0], a, b) > 0 for a, b in pairwise(turned[1:])):
+                return None, start
+        middle = middle_ray(rays)
+        if any(middle) and all(turns(middle, a, b) > 0 for a, b in zip(rays, rays[1:] + rays[:1], strict=True)):
+            return middle, 0
+        raise GeometryError(
+            f"pieces[{number}] of the layout is not seen undivided from one of its rays or from its middle; go round "
+            "it counterclockwise, seen from outside, or cut it in two"
+        )
+
+    def contains(self, number: int, direction: Sequence[fmpq]) -> bool:
+        """Whether a direction (three exact numbers) lies inside a piece, or on an arc within it."""
+        return any(
+            min(turns(direction, b, c), turns(direction, c, a), turns(direction, a, b)) >= 0
+            for a, b, c in ([self.all_rays[i] for i in t] for t in self.triangles[number])
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Layout) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[Any, ...]:
+        return self.rays, self.pieces, tuple(map(plain, self.center))
+
+    def __repr__(self) -> str:
+        return f"<Layout {self.name!r}: {len(self.pieces)} pieces, {len(self.rays)} rays>"
+
+    def to_record(self) -> dict[str, Any]:
+        """The layout as a table of plain data."""
+        return {
+            "center": [plain(c) for c in self.center],
+            "rays": [list(ray) for ray in self.rays],
+            "pieces": [list(piece) for piece in self.pieces],
+            "name": self.name,
+        }
+
+    @classmethod
+    def keys(cls) -> Mapping[str, bool]:
+        """The keys of its tables, and whether they must have them."""
+        return constructor_keys(cls)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Self:
+        """The layout of a table; raises as the constructor does."""
+        return cls(**record)
+
+
+def primitive(direction: Vector, number: int | None = None) -> Ray:
+    """The shortest integer vector of a direction; raises `ValueError` for zero, with its `number` among the rays."""
+    common = 1
+    for c in direction:
+        common = common * int(c.q) // gcd(common, int(c.q))
+    if not any(direction):
+        raise ValueError(f"rays[{number}] must not be the zero vector")
+    x, y, z = (int((c * common).p) for c in direction)
+    return _reduced((x, y, z))
+
+
+def _reduced(v: Any) -> Ray:
+    common = gcd(*v)
+    return v[0] // common, v[1] // common, v[2] // common
+
+
+def turns(a: Any, b: Any, c: Any) -> Any:
+    """The determinant of three vectors: positive where a, b, c go round counterclockwise seen from outside."""
+    x, y, z = cross(b, c)
+    return a[0] * x + a[1] * y + a[2] * z
+
+
+def middle_ray(rays: Sequence[Ray]) -> Ray:
+    """A ray inside a convex piece: the sum of its rays, brought to about one length by whole factors."""
+    lengths = [hypot(*ray) for ray in rays]
+    factors = [max(1, round(max(lengths) / length)) for length in lengths]
+    x, y, z = (sum(k * r[axis] for k, r in zip(factors, rays, strict=True)) for axis in range(3))
+    return _reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
+
+
+def _times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:
+    """How many spherical triangles hold a direction that lies on none of their sides."""
+    a, b, c = triangles[0]
+    for step in range(2, 3 + 6 * len(triangles)):
+        way = tuple(x + step * y + step * step * z for x, y, z in zip(a, b, c, strict=True))
+        depths = [min(turns(way, q, r), turns(way, r, p), turns(way, p, q)) for p, q, r in triangles]
+        if all(depths):
+            return sum(depth > 0 for depth in depths)
+    raise AssertionError("of a parabola no more than two points lie in the plane of a side")
