@@ -12,14 +12,14 @@ from conftest import EQUAL, solved
 
 import pas
 from pas import cli, solid
+from pas.algebra.affine import rotation, translation
 from pas.exchange import container
 from pas.exchange.solid_records import function_record, read_function, storable
 from pas.mesh.mesh import Mesh
-from pas.solid.affine import rotation, translation
 from pas.solid.assembly import assembly
 from pas.solid.distance import Distance, Moved
 from pas.solid.solid import Solid, patch
-from pas.solid.tree import Atom, Node
+from pas.solid.tree import Atom, Node, image
 
 
 def doubled() -> Solid:
@@ -141,7 +141,7 @@ def test_functions_of_classes_that_say_how_are_saved(tmp_path, monkeypatch):
 def test_moved_functions_are_saved(tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.solid_records._named", {})
     storable(KeptSphere)
-    moved = rotation((1, 1, 0), 33, (1, 2, 3)).function(translation((1, "1/3", 0)).function(KeptSphere(0.5)))
+    moved = image(image(KeptSphere(0.5), translation((1, "1/3", 0))), rotation((1, 1, 0), 33, (1, 2, 3)))
     again = read_function(json.loads(json.dumps(function_record(moved))))
     assert isinstance(again, Moved) and isinstance(again.inner, Moved)
     assert (again.map, again.factor, again.inner.map) == (moved.map, moved.factor, moved.inner.map)

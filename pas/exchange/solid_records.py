@@ -14,12 +14,12 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, TypeVar
 
+from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.partition.kinds import read_partition
-from pas.solid.affine import Affine
 from pas.solid.distance import Distance, Moved
 from pas.solid.joints import Joint
 from pas.solid.pieces import Pieces

@@ -8,8 +8,8 @@ from itertools import product
 
 import numpy as np
 
+from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.solid.affine import Affine
 from pas.solid.tree import Bools
 
 CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))

@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.partition.cells import Partition
-from pas.solid.affine import Affine
 from pas.solid.bank import Bank
 from pas.solid.tree import Atom, Bools, Function, Node, Tree
 from pas.surface.piecewise import PiecewiseSurface

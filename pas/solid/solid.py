@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
@@ -26,7 +27,6 @@ from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.shape import Shape
-from pas.solid.affine import Affine, reflection, rotation, scaling, translation
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.joints import Joint, refuse_unknown
@@ -34,7 +34,7 @@ from pas.solid.measures import curved_measures
 from pas.solid.pieces import polynomials_of
 from pas.solid.proofs import prove
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, mapped
+from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
 
 DEFAULT_TOLERANCE = 1e-3
@@ -97,7 +97,7 @@ class Solid(Shape):
 
         def move(atom: Atom) -> Atom:
             if atom.function not in images:
-                images[atom.function] = map_.function(atom.function)
+                images[atom.function] = image(atom.function, map_)
             return replace(atom, function=images[atom.function])
 
         joints = tuple(

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-
-if TYPE_CHECKING:
-    from pas.solid.affine import Affine
 
 Bools = NDArray[np.bool_]
 
@@ -40,6 +38,11 @@ class Field(Protocol):
 
 
 Function = Polynomial | Field
+
+
+def image(function: Function, map_: Affine) -> Function:
+    """The function whose zero set is the image of that of `function`; raises `ValueError` where `moved` does."""
+    return map_.polynomial(function) if isinstance(function, Polynomial) else function.moved(map_)
 
 
 @dataclass(frozen=True)

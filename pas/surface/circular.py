@@ -9,11 +9,12 @@ from flint import fmpq
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
 from pas.surface.contact import Contact
+from pas.surface.movable import Movable
 
 ZERO = GENERATORS[0] * 0
 
 
-class Circular:
+class Circular(Movable):
     """Where `|w|^2 - u^2 |axis|^2 - (radius + slope (u - clip))^2` is zero, `w = x - point`, `u = w . axis / |axis|^2`.
 
     It ends where u is `clip`, the blend on the side of `point`.  To be inherited by frozen dataclasses.

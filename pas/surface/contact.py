@@ -14,10 +14,11 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.registry import Registry
+from pas.surface.movable import Movable
 
 
 @dataclass(frozen=True)
-class Contact:
+class Contact(Movable):
     """A surface and its clip, each anything that `Polynomial` takes.
 
     Raises `ValueError` where one of them is constant or they have a common factor (a clip that
@@ -38,6 +39,11 @@ class Contact:
                 f"the clip {self.clip} and the surface {self.surface} have the common factor "
                 f"{common}; a clip must cut its surface in a curve"
             )
+
+    @property
+    def contact(self) -> Contact:
+        """Itself."""
+        return self
 
     def __str__(self) -> str:
         return f"{self.surface} = 0 up to {self.clip} = 0"

@@ -13,7 +13,6 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational, to_float, vector
-from pas.solid.tree import Function
 
 LARGEST_DENOMINATOR = 10**9
 """Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
@@ -44,13 +43,14 @@ class Affine:
         ]
         return polynomial.compose(*images)
 
-    def function(self, function: Function) -> Function:
-        """The function whose zero set is the image of that of `function`."""
-        return self.polynomial(function) if isinstance(function, Polynomial) else function.moved(self)
-
     def exact(self, point: Vector) -> Vector:
         """The image of one exact point."""
         x, y, z = (dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
+        return x, y, z
+
+    def direction(self, vector: Vector) -> Vector:
+        """The image of one exact vector: the difference of the images of two points."""
+        x, y, z = (dot(row, vector) for row in self.matrix)
         return x, y, z
 
     def points(self, points: Floats) -> Floats:

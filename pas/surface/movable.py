@@ -1,0 +1,69 @@
+"""What all kinds of contacts can do: be moved exactly, and say along which closed curve they meet a blend."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import cached_property
+from typing import Any, Protocol, Self
+
+from pas.algebra.affine import Affine, rotation, translation
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Exact, VectorLike
+from pas.surface.rims import Rim, rim_of
+
+
+class Pair(Protocol):
+    """A contact by its polynomials."""
+
+    @property
+    def surface(self) -> Polynomial:
+        """The surface, negative inside."""
+
+    @property
+    def clip(self) -> Polynomial:
+        """The clip, negative on the blend's side."""
+
+
+class Movable:
+    """A kind of contact; to be inherited by frozen dataclasses whose fields are the arguments of their constructor.
+
+    A field is moved as what it is: polynomials by their zero sets, the field `point` as a point, other triples of numbers
+    and tuples of them as vectors; numbers stay.
+    """
+
+    @property
+    def contact(self) -> Pair:
+        """The surface and its clip as polynomials."""
+        raise NotImplementedError(f"{type(self).__name__} does not say which contact it stands for")
+
+    @cached_property
+    def rim(self) -> Rim:
+        """The closed plane curve along which the blend is met; `GeometryError` says why where there is none."""
+        return rim_of(self.contact.surface, self.contact.clip)
+
+    def translate(self, offset: VectorLike) -> Self:
+        """The contact moved by three numbers."""
+        return self._moved(translation(offset))
+
+    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> Self:
+        """The contact turned about an axis through `center`, counterclockwise seen from the axis' tip.
+
+        Exact rotations by rational matrices, as those of solids: the angle is `degrees` up to rounding, and exact for
+        multiples of 90 about an axis of rational length.
+        """
+        return self._moved(rotation(axis, degrees, center))
+
+    def _moved(self, map_: Affine) -> Self:
+        arguments = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        point = {name: map_.exact(value) for name, value in arguments.items() if name == "point"}
+        others = {name: _image(value, map_) for name, value in arguments.items() if name not in point}
+        return type(self)(**others, **point)
+
+
+def _image(value: Any, map_: Affine) -> Any:
+    if isinstance(value, Polynomial):
+        return map_.polynomial(value)
+    if isinstance(value, tuple):
+        inner = isinstance(value[0], tuple)
+        return tuple(_image(v, map_) for v in value) if inner else map_.direction(value)
+    return value
