@@ -6,14 +6,16 @@ the curve V(f, h), g is singular along it and continues nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.normal_form import NormalForm
+from pas.algebra.monomials import Exponents, exponents
+from pas.algebra.normal_form import NormalForm, Sparse
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import Polynomial
 from pas.blending.space import Space
+from pas.surface.contact import Contact
 
 
 def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
@@ -22,21 +24,44 @@ def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
     `g = alpha f + beta h^(k+1)` has alpha in `<f, h>` iff g lies in `<f^2, h>`.
     """
     join = space.placed.joins[contact]
-    form = NormalForm([join.contact.surface.raw**2, join.contact.clip.raw])
-    images = form.images(space.degree)
-    matrices = [space.patches[piece] for piece in join.pieces]
+    images = _form(join.contact).images(space.degree)
     rows: dict[Any, dict[int, fmpq]] = {}
-    for place, matrix in enumerate(matrices):
-        for number, coefficients in enumerate(matrix.tolist()):
-            patch = Polynomial.from_row(coefficients, space.degree)
-            for e, c in patch.raw.to_dict().items():
-                for target, value in images[e].items():
-                    row = rows.setdefault((place, target), {})
-                    row[number] = row.get(number, fmpq(0)) + c * value
-    return nullspace([{j: v for j, v in row.items() if v != 0} for row in rows.values()], space.dimension)
+    for piece in join.pieces:
+        for number, coefficients in enumerate(space.patches[piece].tolist()):
+            terms = zip(exponents(space.degree), coefficients, strict=True)
+            for target, value in _remainder(images, terms).items():
+                rows.setdefault((piece, target), {})[number] = value
+    return nullspace(rows.values(), space.dimension)
 
 
 def is_regular(space: Space) -> bool:
     """Whether some member meets every contact with alpha not identically zero on its curve."""
-    singular = (vanishing_alpha(space, i).nrows() for i in range(len(space.contacts)))
-    return space.dimension > 0 and all(found < space.dimension for found in singular)
+    return space.dimension > 0 and all(_some_alpha(space, i) for i in range(len(space.contacts)))
+
+
+def _some_alpha(space: Space, contact: int) -> bool:
+    """Whether some member has alpha not identically zero on a contact's curve: the first that is found will do."""
+    join = space.placed.joins[contact]
+    images = _form(join.contact).images(space.degree)
+    for piece in join.pieces:
+        matrix = space.patches[piece]
+        for member in range(space.dimension):
+            row = (matrix[member, column] for column in range(matrix.ncols()))
+            if _remainder(images, zip(exponents(space.degree), row, strict=True)):
+                return True
+    return False
+
+
+def _form(contact: Contact) -> NormalForm:
+    """Modulo `<f^2, h>`, in which members with alpha = 0 lie."""
+    return NormalForm([contact.surface.raw**2, contact.clip.raw])
+
+
+def _remainder(images: Mapping[Exponents, Sparse], terms: Iterable[tuple[Exponents, fmpq]]) -> Sparse:
+    """The normal form of a polynomial, given those of the monomials."""
+    found: Sparse = {}
+    for e, c in terms:
+        if c != 0:
+            for target, value in images[e].items():
+                found[target] = found.get(target, fmpq(0)) + c * value
+    return {target: value for target, value in found.items() if value != 0}

@@ -161,7 +161,8 @@ def least_squares(
         raise ValueError(f"weights must be {len(points)} positive numbers, one for each point")
     rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
     vectors = fmpq_mat(rows)
-    change, (basis,) = orthonormal((vectors,), lambda tables: tables[0].T)
+    change = orthonormal((vectors,), lambda tables: tables[0].T)[0].matrix
+    basis = change * vectors
     values = to_doubles(change * space.values(points).transpose()).T
     roots = np.sqrt([to_float(w) for w in given])
     measured = _gradient_rows(space, points, change, roots) if by_gradient else to_doubles(basis).T

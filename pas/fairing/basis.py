@@ -1,9 +1,10 @@
 """The one door from exact solution spaces to floating point: a well-conditioned working basis.
 
 The reduced basis of a solution space can be nearly dependent in floating point (condition
-numbers of 10^10 to 10^17 were measured on corners).  So the basis is first changed, exactly and by
-a rational matrix, to one that is orthonormal over the region up to rounding; that one is
-rounded to doubles.  Coefficients found for it go back exactly.
+numbers of 10^10 to 10^17 were measured on corners).  So the basis is first changed by a matrix of
+binary fractions to one that is orthonormal over the region up to rounding; that one is rounded to
+doubles.  The change is exact, and coefficients found go back exactly; the changed basis itself
+has numbers of hundreds of digits, is worked out to as many as its doubles need, and exactly on demand.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
@@ -32,21 +34,38 @@ Derivative = tuple[int, ...]
 ATTEMPTS = 6
 """Changes of basis before giving up; each gains about ten digits."""
 
+STEP_BITS, BITS, GUARD_BITS = 60, 128, 64
+"""Binary digits of a change of basis, below the largest number of each row; those that the members have to begin with,
+below 1; and those which they keep at least when a change makes sums of them that cancel."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of basis, exact: the matrix `numerators * 2^-shift`, a new member a row."""
+
+    numerators: fmpz_mat
+    shift: int
+
+    @cached_property
+    def matrix(self) -> fmpq_mat:
+        """The same as rationals."""
+        return fmpq_mat(self.numerators) * _power(-self.shift)
+
 
 @dataclass(frozen=True)
 class WorkingBasis:
     """A basis of a space of piecewise polynomials, exact and rounded, in local coordinates.
 
-    `patches[p]` (m, C(n+3, 3)) is exact; `coefficients` (pieces, m, C(n+3, 3)) are its doubles;
-    `transform` (m, m) gives the working basis in terms of the one it was made from.  `partition` is
-    that of the local coordinates, `frame` says where these are: `x = origin + scale * u`.
+    `members[p]` (m, C(n+3, 3)) are those that it was made from, and `change` gives it in terms of them;
+    `coefficients` (pieces, m, C(n+3, 3)) are its doubles.  `partition` is that of the local coordinates, `frame` says
+    where these are: `x = origin + scale * u`.
     """
 
     partition: Partition
     frame: Frame
     degree: int
-    transform: fmpq_mat
-    patches: tuple[fmpq_mat, ...]
+    members: tuple[fmpq_mat, ...]
+    change: Change
     coefficients: Floats
 
     @classmethod
@@ -59,10 +78,18 @@ class WorkingBasis:
             on_cells = zip((tables[piece] for piece in partition.piece_of), values, strict=True)
             return np.concatenate([c @ v for c, v in on_cells], axis=1).T
 
-        transform, exact = orthonormal(patches, samples)
-        return cls(
-            partition.local, partition.frame, degree, transform, exact, np.array([to_doubles(patch) for patch in exact])
-        )
+        change, doubles = orthonormal(patches, samples)
+        return cls(partition.local, partition.frame, degree, tuple(patches), change, np.array(doubles))
+
+    @property
+    def transform(self) -> fmpq_mat:
+        """The working basis in terms of the one it was made from: (m, m)."""
+        return self.change.matrix
+
+    @cached_property
+    def patches(self) -> tuple[fmpq_mat, ...]:
+        """The exact coefficients (m, C(n+3, 3)) of the working basis on each piece."""
+        return tuple(self.transform * matrix for matrix in self.members)
 
     @property
     def size(self) -> int:
@@ -89,15 +116,16 @@ class WorkingBasis:
         In integers over one denominator, several times faster than rationals.
         """
         numerators, denominator = working.numer_denom()
+        row, common = numerators * self.change.numerators, denominator * fmpz(2) ** self.change.shift
         result = []
         for matrix, scale in self._integers:
-            divisor = scale * denominator
-            result.append([fmpq(v, divisor) for v in (numerators * matrix).entries()])
+            divisor = scale * common
+            result.append([fmpq(v, divisor) for v in (row * matrix).entries()])
         return result
 
     @cached_property
     def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
-        return [patch.numer_denom() for patch in self.patches]
+        return [patch.numer_denom() for patch in self.members]
 
     def derivative(self, piece: int, points: Floats, variables: Derivative) -> Floats:
         """A partial derivative of the members on a piece at local points (N, 3), in local units: (N, m)."""
@@ -130,27 +158,86 @@ class WorkingBasis:
         return np.asarray(change @ self.coefficients[piece].T)
 
 
-def orthonormal(
-    matrices: Sequence[fmpq_mat], samples: Callable[[list[Floats]], Floats]
-) -> tuple[fmpq_mat, tuple[fmpq_mat, ...]]:
+def orthonormal(matrices: Sequence[fmpq_mat], samples: Callable[[list[Floats]], Floats]) -> tuple[Change, list[Floats]]:
     """Change a basis exactly to one whose samples are orthonormal columns up to `CONDITION`.
 
-    `matrices` hold the members as rows; `samples` maps their doubles to columns (N, m).  Returns
-    the change (m, m) and the changed matrices.
+    `matrices` hold the members as rows; `samples` maps doubles of them to columns (N, m).  Returns
+    the change (m, m), and the doubles of the changed matrices.
     """
-    change = _unit_scale(matrices)  # exact, since some spaces have members with coefficients beyond any double
-    exact = tuple(change * matrix for matrix in matrices)
+    members = _FixedPoint(matrices)
+    whole, shift, doubles = members.unit, 0, members.doubles()
     for _ in range(ATTEMPTS):
-        columns = samples([to_doubles(matrix) for matrix in exact])
+        columns = samples(doubles)
         norms = np.linalg.norm(columns, axis=0)
-        triangular, order = qr(columns / norms, mode="r", pivoting=True)  # dependent members come last
-        triangular = triangular[: len(order)]
-        if np.linalg.cond(triangular) < CONDITION and norms.max() < CONDITION * norms.min():
+        columns = columns / norms
+        angles = np.linalg.eigvalsh(columns.T @ columns)  # the squares of the singular values
+        if angles[-1] < CONDITION**2 * angles[0] and norms.max() < CONDITION * norms.min():
             break
-        step = _rational_matrix(_inverse(triangular).T / norms[order], order)
-        exact = tuple(step * matrix for matrix in exact)
-        change = step * change
-    return change, exact
+        triangular, order = qr(columns, mode="r", pivoting=True)  # dependent members come last
+        triangular = triangular[: len(order)]
+        step, binary = _whole(_inverse(triangular).T / norms[order], order)
+        whole, shift = step * whole, shift + binary
+        doubles = members.changed(whole, shift)
+    return members.change(whole, shift), doubles
+
+
+class _FixedPoint:
+    """Members, scaled by powers of two to coefficients of about 1, as whole numbers of 2^-bits.
+
+    Exact to the last of these digits, of which there are always as many as a change of basis leaves `GUARD_BITS` of:
+    some spaces have members with coefficients beyond any double, and more digits than are of use.
+    """
+
+    def __init__(self, matrices: Sequence[fmpq_mat]) -> None:
+        self.size, self.widths = matrices[0].nrows(), [matrix.ncols() for matrix in matrices]
+        parts = [matrix.numer_denom() for matrix in matrices]
+        self.rows = [[[int(v) for v in row] for row in numerators.tolist()] for numerators, _ in parts]
+        self.denominators = [int(denominator) for _, denominator in parts]
+        self.exponents = [self._exponent(member) for member in range(self.size)]
+        self.unit = fmpz_mat(self.size, self.size, [int(i == j) for i in range(self.size) for j in range(self.size)])
+        self._bits, self._table = BITS, self._rounded(BITS)
+
+    def _exponent(self, member: int) -> int:
+        """That of the power of two near the member's largest coefficient."""
+        sizes = zip((max(map(abs, rows[member]), default=0) for rows in self.rows), self.denominators, strict=True)
+        return max((n.bit_length() - d.bit_length() for n, d in sizes if n), default=0)
+
+    def doubles(self) -> list[Floats]:
+        """The doubles of the members, scaled."""
+        return self._split(self._table, self._bits)
+
+    def changed(self, whole: fmpz_mat, shift: int) -> list[Floats]:
+        """The doubles of the members, scaled and then changed by `whole * 2^-shift`."""
+        growth = max(int(v).bit_length() for v in whole.entries()) + self.size.bit_length() - shift
+        if self._bits < growth + GUARD_BITS:
+            self._bits = growth + GUARD_BITS
+            self._table = self._rounded(self._bits)
+        return self._split(whole * self._table, self._bits + shift)
+
+    def _split(self, whole: fmpz_mat, shift: int) -> list[Floats]:
+        """The doubles of a table of whole numbers of 2^-shift, piece by piece."""
+        entries = np.array([int(v) for v in whole.entries()], dtype=float)
+        table = np.ldexp(entries, -shift).reshape(self.size, -1)
+        ends = list(accumulate(self.widths))
+        return [table[:, end - width : end] for end, width in zip(ends, self.widths, strict=True)]
+
+    def change(self, whole: fmpz_mat, shift: int) -> Change:
+        """`whole * 2^-shift` as a change of the members as they were given."""
+        most = max(self.exponents)
+        entries = [[int(v) << (most - e) for v, e in zip(row, self.exponents, strict=True)] for row in whole.tolist()]
+        total = shift + most  # negative for members that are small
+        scaled = [v << max(-total, 0) for row in entries for v in row]
+        return Change(fmpz_mat(self.size, self.size, scaled), max(total, 0))
+
+    def _rounded(self, bits: int) -> fmpz_mat:
+        """All members, side by side on the pieces, in whole numbers of 2^-bits."""
+        entries = []
+        for member, exponent in enumerate(self.exponents):
+            up, down = max(bits - exponent, 0), max(exponent - bits, 0)
+            for rows, denominator in zip(self.rows, self.denominators, strict=True):
+                divisor = denominator << down
+                entries += [(v << up) // divisor for v in rows[member]]
+        return fmpz_mat(self.size, sum(self.widths), entries)
 
 
 def derivative_matrix(degree: int, variable: int) -> Floats:
@@ -171,16 +258,6 @@ def to_doubles(matrix: fmpq_mat) -> Floats:
     return np.array(entries).reshape(matrix.nrows(), matrix.ncols())
 
 
-def _unit_scale(matrices: Sequence[fmpq_mat]) -> fmpq_mat:
-    """The powers of two, as a diagonal matrix, that bring the largest coefficient of each member near 1."""
-    size = matrices[0].nrows()
-    scale = fmpq_mat(size, size)
-    for row, tables in enumerate(zip(*(matrix.tolist() for matrix in matrices), strict=True)):
-        bits = max((v.p.bit_length() - v.q.bit_length() for table in tables for v in table if v != 0), default=0)
-        scale[row, row] = fmpq(1, 2**bits) if bits >= 0 else fmpq(2**-bits)
-    return scale
-
-
 def _inverse(triangular: Floats) -> Floats:
     """The inverse, with pivots that vanished by rounding replaced by the rounding level."""
     diagonal = np.abs(np.diag(triangular))
@@ -189,9 +266,17 @@ def _inverse(triangular: Floats) -> Floats:
     return np.linalg.inv(safe)
 
 
-def _rational_matrix(matrix: Floats, order: NDArray[np.intp]) -> fmpq_mat:
-    """A matrix, exact, with its columns put at the places that `order` says."""
+def _whole(matrix: Floats, order: NDArray[np.intp]) -> tuple[fmpz_mat, int]:
+    """A matrix in whole numbers of a power of two, `STEP_BITS` in the row of the smallest numbers, and that power's
+    exponent; its columns are put at the places that `order` says."""
     placed = np.empty_like(matrix)
     placed[:, order] = matrix
+    shift = STEP_BITS - int(np.frexp(np.abs(placed).max(axis=1))[1].min())
+    entries = [int(value) for value in np.rint(np.ldexp(placed, shift)).ravel().tolist()]
     rows, columns = placed.shape
-    return fmpq_mat(rows, columns, [fmpq(*float(x).as_integer_ratio()) for x in placed.ravel()])
+    return fmpz_mat(rows, columns, entries), shift
+
+
+def _power(exponent: int) -> fmpq:
+    """A power of two."""
+    return fmpq(2**exponent) if exponent >= 0 else fmpq(1, 2**-exponent)

@@ -14,6 +14,7 @@ from pas.algebra.inputs import whole
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending.space import Member
 from pas.errors import GeometryError
+from pas.fairing.basis import Change
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.fairing import Choice
 from pas.fairing.refit import MOST_STEPS, refitted
@@ -82,7 +83,7 @@ class Blend(Shape):
         return cls(
             surface=choice.surface,
             dimension=space.dimension,
-            find_coefficients=partial(_entries, choice.working, fairing.basis.transform),
+            find_coefficients=partial(_entries, choice.working, fairing.basis.change),
             energy=choice.energy,
             timings=timings,
             attempts=tuple(attempts),
@@ -191,6 +192,6 @@ class Blend(Shape):
         return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}, {self.standing}>"
 
 
-def _entries(row: fmpq_mat, matrix: fmpq_mat) -> list[fmpq]:
-    """The entries of a product, as a function that can be called later."""
-    return list((row * matrix).entries())
+def _entries(row: fmpq_mat, change: Change) -> list[fmpq]:
+    """The entries of a changed row, as a function that can be called later."""
+    return list((row * change.matrix).entries())
