@@ -204,6 +204,10 @@ class Wishes:
         confined = seen and fitting and all(join.confined for join in placed.joins)
         return self.changed(energy=CurvatureVariation() if confined else as_energy(None))
 
+    def limits_at(self, order: int) -> FairnessLimits:
+        """Up to what a surface of this order counts as fair: what is wished, or what is usual."""
+        return self.limits or FairnessLimits.of_order(order)
+
     @property
     def near_weights(self) -> tuple[fmpq, ...]:
         """The weight of each point to be near."""

@@ -16,6 +16,7 @@ from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from pas.algebra.inputs import check_order
@@ -256,9 +257,7 @@ class _Measuring:
 
     def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
-        angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
-        directions = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
-        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, directions)
+        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
         jet = np.empty((len(local), 20))
         for piece, here in rays.slices:
@@ -270,8 +269,9 @@ class _Measuring:
         curvature = np.einsum("ni,nij,nj->n", tangent, jet[:, SECOND], tangent) / length / self.scale
         place = np.full(AROUND, -1)
         place[numbers] = np.arange(len(numbers))
-        for run in _runs(place >= 0):
-            yield curvature[place[run]]
+        for run in runs(place >= 0):
+            if len(run) >= SHORTEST_RUN:
+                yield curvature[place[run]]
 
 
 @lru_cache(maxsize=32)
@@ -321,6 +321,12 @@ def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
             yield first, rest / np.linalg.norm(rest)
 
 
+def circle(first: Floats, second: Floats) -> Floats:
+    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is looked at."""
+    angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
+    return np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
+
+
 def spiral(number: int) -> Floats:
     """Unit vectors (number, 3) spread evenly over the sphere along a spiral (Vogel 1979)."""
     place = np.arange(number) + 0.5
@@ -330,8 +336,8 @@ def spiral(number: int) -> Floats:
     return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
 
 
-def _runs(there: Any) -> list[Any]:
-    """Circular runs of True, as index arrays."""
+def runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Runs of True round a circle (n,), as index arrays."""
     if there.all():
         return [np.arange(len(there))]
     if not there.any():
@@ -340,4 +346,4 @@ def _runs(there: Any) -> list[Any]:
     order = (np.arange(len(there)) + start) % len(there)
     breaks = np.flatnonzero(np.diff(there[order].astype(int)))
     parts = np.split(order, breaks + 1)
-    return [part for part in parts if there[part[0]] and len(part) >= SHORTEST_RUN]
+    return [part for part in parts if there[part[0]]]
