@@ -21,19 +21,8 @@ from pas.fairing.basis import WorkingBasis
 from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
-from pas.surface.fairness import (
-    AROUND,
-    BULGE,
-    HOLLOW,
-    SHARP,
-    WRONG,
-    FairnessLimits,
-    Neighbour,
-    circle,
-    largest_arc,
-    planes,
-    runs,
-)
+from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc
+from pas.surface.sections import AROUND, circle, planes, runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
