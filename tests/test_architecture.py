@@ -77,6 +77,7 @@ BY_CLASS = {
     ("mesh/mesh.py", "Mesh"): "the same for those of meshes",
     ("solid/assembly.py", "Solid"): "a part is a solid or a mesh, and only solids have joints and contain points",
     ("solid/assembly.py", "Mesh"): "what a part may be is checked where an assembly is made",
+    ("render/scene.py", "Mesh"): "an argument is checked",
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
     ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 from conftest import EQUAL, ROOT, pipes, solved
 
@@ -40,6 +41,43 @@ CALLS = [
     (lambda: pas.read_problem("a\0b"), ValueError, "has a null character in it"),
     (lambda: pas.write_step(blend(), "a.step"), TypeError, "a piecewise algebraic surface has none; write its triang"),
     (lambda: pas.draw(None, "/proc/a.png"), ValueError, "nothing can be written to the folder /proc"),
+    (lambda: pas.blend(pipes(), 1, "lowset"), TypeError, "from 1 to 12, not 'lowset'; or \"lowest\""),
+    (
+        lambda: pas.blend(pipes(), 1, np.array([3, 4])),
+        TypeError,
+        "^degree must be a whole number from 1 to 12, not arr",
+    ),
+    (
+        lambda: pas.blend(pipes(), 1, wishes={"tension": 1}),
+        TypeError,
+        r"^wishes must be pas.Wishes\(...\) or None, not {",
+    ),
+    (lambda: blend().space.fit({"tension": 1}), TypeError, r"^wishes must be pas.Wishes\(...\) or None, not {"),
+    (lambda: pas.blend(pipes(), 1, prove="no"), TypeError, "^prove must be True or False, not 'no'"),
+    (lambda: pas.blend(pipes(), 1, guard=1), TypeError, "^guard must be True or False, not 1"),
+    (lambda: pas.blend(pipes(), 1, handles=5), ValueError, "^handles must map .* to values, .* not 5"),
+    (lambda: pas.blend(pipes(), 1, 3, basis=5), TypeError, "^basis must be a sequence of members, .* not 5"),
+    (lambda: pas.blend(pipes(), 1, 3, basis=[]), ValueError, "^basis must have at least one member"),
+    (
+        lambda: pas.blend(pipes(), 1, on_stage="x"),
+        TypeError,
+        "^on_stage must be a function of a stage's name and seconds",
+    ),
+    (lambda: pas.blend(pipes(), 1, tension="1e400"), ValueError, "^tension must be below 1.8e[+]308, not "),
+    (lambda: pas.FairnessLimits(bulge="1e400"), ValueError, "^bulge must be below 1.8e[+]308, not "),
+    (
+        lambda: blend().refit(energy=pas.ThinPlate()),
+        TypeError,
+        "^there is no option 'energy' here; there are inside, out",
+    ),
+    (lambda: blend().fairness.within({"bulge": 1}), TypeError, r"^limits must be pas.FairnessLimits\(...\), not {"),
+    (lambda: blend().space.least_squares(5), TypeError, "^points must be a sequence of points, each three numbers"),
+    (lambda: blend().draw("a.png", mesh=3), TypeError, "^mesh must be a pas.Mesh or map names of parts to such, not 3"),
+    (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, not 3"),
+    (lambda: blend().draw("a.png", size=(0, 1)), ValueError, r"^size\[0\] must be a whole number from 1 to"),
+    (lambda: blend().draw("a.png", view="top"), TypeError, "^view must be three numbers, not 'top'"),
+    (lambda: blend().draw("a.png", view=(0, 0, 0)), ValueError, "^view must not be the zero vector"),
+    (lambda: blend().draw("a.png", cut="x"), TypeError, "^cut must be True or False, not 'x'"),
 ]
 
 

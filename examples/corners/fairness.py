@@ -75,23 +75,16 @@ def measures(blend: pas.Blend) -> str:
 
 def inner_section(blend: pas.Blend) -> Any:
     """Curvatures (N,) along the elbow's inner section in the plane of its axes, times the radius of the largest arc."""
-    from pas.surface.geometry import FIRST, SECOND, jets
-
     surface = blend.surface
     angles = np.linspace(0, np.pi / 2, 721)[1:-1]
     directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
     distances = surface.intersect_rays(np.zeros(3), directions)
     met = np.isfinite(distances)
-    points = surface.partition.frame.local_points(directions[met] * distances[met, None])
-    pieces = surface.partition.piece_of[surface.local.locate(points, tolerance=np.inf)]
-    found = np.empty((len(points), 20))
-    for piece in np.unique(pieces):
-        here = pieces == piece
-        found[here] = jets(points[here], surface.patches[int(piece)].dense(surface.degree), surface.degree)
-    slope, hessian = found[:, FIRST][:, :2], found[:, SECOND][:, :2, :2]
+    points = directions[met] * distances[met, None]
+    slope, hessian = surface.gradient(points)[:, :2], surface.hessian(points)[:, :2, :2]
     length = np.linalg.norm(slope, axis=1)
     tangent = np.stack([-slope[:, 1], slope[:, 0]], axis=1) / length[:, None]
-    curvature = np.einsum("ni,nij,nj->n", tangent, hessian, tangent) / length / float(surface.partition.frame.scale)
+    curvature = np.einsum("ni,nij,nj->n", tangent, hessian, tangent) / length
     return curvature * ARC
 
 

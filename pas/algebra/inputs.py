@@ -15,6 +15,8 @@ from collections.abc import Sequence
 from math import comb
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
 
@@ -93,12 +95,22 @@ def whole(value: Any, name: str, least: int, most: int, words: str = "") -> int:
     """
     meaning = f" ({words})" if words else ""
     sentence = f"{name} must be a whole number from {least} to {most}{meaning}, not {shown(value)}"
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
+    if isinstance(value, bool):
         raise TypeError(sentence)
-    number = operator.index(value)
+    try:
+        number = operator.index(value)
+    except TypeError:  # an array has an index where it has one entry
+        raise TypeError(sentence) from None
     if not least <= number <= most:
         raise ValueError(sentence)
     return number
+
+
+def check_flag(value: Any, name: str) -> bool:
+    """A truth value, of Python or numpy; raises `TypeError` for anything else, which might mean the opposite."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, not {shown(value)}")
+    return bool(value)
 
 
 def check_order(order: Any, name: str = "order") -> int:

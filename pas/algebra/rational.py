@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
+import sys
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
@@ -79,6 +80,16 @@ def rational(value: Any, name: str = "number") -> fmpq:
     if hasattr(value, "is_Number") or hasattr(value, "free_symbols"):
         raise ValueError(f"{name} must be a rational number, not {shown(value)}")
     raise TypeError(f"{name} must be a number or a string such as '1/3', not {shown(value)}")
+
+
+def amount(value: Any, name: str) -> fmpq:
+    """The number that `value` stands for, not negative and within doubles; raises as `rational` does."""
+    number = rational(value, name)
+    if number < 0:
+        raise ValueError(f"{name} must not be negative, not {shown(plain(number))}")
+    if to_float(number) == math.inf:
+        raise ValueError(f"{name} must be below {sys.float_info.max:.2g}, not {shown(value)}")
+    return number
 
 
 def written(text: str) -> fmpq:

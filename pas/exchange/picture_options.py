@@ -39,6 +39,14 @@ def check_style(name: Any) -> str:
     return name
 
 
+def check_view(value: Any) -> View:
+    """A direction to look along; raises `ValueError` and `TypeError`."""
+    x, y, z = map(to_float, vector(value, "view"))
+    if x == y == z == 0:
+        raise ValueError("view must not be the zero vector")
+    return x, y, z
+
+
 class PictureReader(TableReader):
     """Readers of files with a table [picture] (style, view, combs) and a tolerance."""
 
@@ -66,9 +74,6 @@ class PictureReader(TableReader):
         if "view" not in table:
             return None
         try:
-            x, y, z = map(to_float, vector(table["view"], "view"))
+            return check_view(table["view"])
         except (ValueError, TypeError) as error:
             raise self.error(str(error), "picture", 0, "view") from None
-        if x == y == z == 0:
-            raise self.error("view must not be the zero vector", "picture", 0, "view")
-        return x, y, z

@@ -14,13 +14,15 @@ from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
-from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc, planes
+from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc
+from pas.surface.sections import AROUND, circle, planes, runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -29,9 +31,9 @@ MARGIN = 0.1
 """By how much the soft limit of hollowness is inside the limit: between samples curvature is larger than at them.  What
 the other limits leave, beyond a pipe itself, is halved."""
 
-AROUND, ENDS, EVERY = 720, 6, 8
-"""Directions of a plane section, of which those at the ends are kept, where neighbours are foreshortened, and every
-eighth."""
+ENDS, EVERY = 6, 8
+"""Directions that are kept of a part of a plane section: those at its ends, where neighbours are foreshortened, and
+every eighth."""
 
 TURNED = 0.2
 """Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
@@ -120,14 +122,13 @@ class SectionExcess:
     ) -> None:
         self.limits = limits
         self.widest = max(n.radius for n in neighbours)
-        angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
         pairs = list(planes([n.mean for n in neighbours]))
-        units = np.concatenate(
-            [np.empty((0, 3)), *(np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * b for a, b in pairs)]
-        )
+        units = np.concatenate([np.empty((0, 3)), *(circle(*pair) for pair in pairs)])
         across = np.array([np.cross(a, b) for a, b in pairs]).reshape(-1, 3)
         met = Directions.along(basis.partition, columns, basis.degree, units)[1]
-        kept = [_thinned(run) for run in runs(met, len(pairs))]
+        there = np.zeros((len(pairs), AROUND), dtype=bool)
+        there.ravel()[met] = True
+        kept = [_thinned(plane * AROUND + run) for plane, row in enumerate(there) for run in runs(row)]
         chosen = np.concatenate([np.empty(0, dtype=np.intp), *kept])
         self.rays, order = Directions.along(basis.partition, columns, basis.degree, units[chosen])
         self.across = across[chosen[order] // AROUND] if len(order) else np.empty((0, 3))
@@ -163,9 +164,10 @@ class SectionExcess:
 
 
 def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, Floats]:
-    """Curvatures (N,) of plane sections with unit normals `across` (N, 3), and their derivatives (N, 14).
+    """Curvatures (N,) of plane sections with unit normals `across` (N, 3), and their derivatives (N, 10).
 
-    By Meusnier's theorem that of the surface in the section's direction, over the cosine between normal and plane.
+    These are by place, normal, gradient and shape operator (see `SurfacePoints`).  By Meusnier's theorem it is that of
+    the surface in the section's direction, over the cosine between normal and plane.
     """
     inner = (points.normals * across).sum(axis=1)
     cosine = np.sqrt(np.maximum(1 - inner * inner, 1e-12))
@@ -182,20 +184,6 @@ def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, F
     return along / cosine, slopes
 
 
-def runs(met: NDArray[np.intp], planes: int) -> list[NDArray[np.intp]]:
-    """The directions that meet the surface, plane after plane, as runs of neighbours in order round the plane."""
-    there = np.zeros((planes, AROUND), dtype=bool)
-    there.ravel()[met] = True
-    found = []
-    for plane, row in enumerate(there):
-        starts = np.flatnonzero(row & ~np.roll(row, 1))
-        for start in starts:
-            turned = np.roll(row, -start)
-            length = int(np.argmin(turned)) if not turned.all() else AROUND
-            found.append(plane * AROUND + (start + np.arange(length)) % AROUND)
-    return found
-
-
 def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
     places = np.minimum(np.arange(len(run)), np.arange(len(run))[::-1])  # from the nearer end: symmetric
     return run[(places < ENDS) | (places % EVERY == 0)]
@@ -203,8 +191,6 @@ def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def _hull(units: Floats, neighbours: Sequence[Neighbour], widest: float) -> tuple[Floats, Floats]:
     """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball."""
-    from scipy.spatial import ConvexHull
-
     # the rays have the symmetries of the partition, and so has the hull
     hull = ConvexHull(np.concatenate([widest * units, *(n.curve for n in neighbours)]))
     far = (units @ hull.equations[:, :3].T) / -hull.equations[:, 3]

@@ -12,10 +12,8 @@ from pas.errors import InfeasibleError
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER, Margins, Rows
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.quadrature import tetrahedra_rule
-from pas.fairing.settling import STEPS, Settling, State
+from pas.fairing.settling import Settling, State
 from pas.fairing.wishes import Wishes
-from pas.surface.fairness import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
 
 LATTICES = (32, 64)
 """Subdivisions of the outer faces on whose rays members are to be clean; the finer where one is not proved."""
-
 
 CLOSER_LOOKS = 3
 """Times that a surface is looked at between the rays, and settled again where its curvature is hidden there."""
@@ -35,7 +32,7 @@ class FairSearch:
     def __init__(self, fairing: Fairing, wishes: Wishes, start: PiecewiseSurface | None = None) -> None:
         self.fairing, self.wishes = fairing, wishes
         self.programme = MemberProgramme(fairing, wishes)
-        self.limits = wishes.limits or FairnessLimits.of_order(fairing.placed.order)
+        self.limits = wishes.limits_at(fairing.placed.order)
         self.start = None if start is None else coordinates(fairing, start)
 
     def choice(self) -> Choice | None:
@@ -65,13 +62,13 @@ class FairSearch:
             state = state or self._begun(search)
             if state is None:
                 continue
-            states = [state, *Settling(search).steps(state, STEPS)]
+            states = [state, *Settling(search).steps(state)]
             for _ in range(CLOSER_LOOKS):
                 closer = states[-1].landscape.closer(states[-1].look)
                 if closer is None:
                     break
                 states.append(State(*closer, states[-1].rows))
-                states += Settling(search).steps(states[-1], STEPS)
+                states += Settling(search).steps(states[-1])
             found = next(self._choices(states, margins), None)
             if found is not None and (best is None or found[0].energy <= best.energy):
                 best, state = found
@@ -106,12 +103,11 @@ class FairSearch:
 
 def coordinates(fairing: Fairing, surface: PiecewiseSurface) -> Floats:
     """The working coefficients (m,) of the member nearest to a surface of no higher degree, normalised."""
-    rules = tetrahedra_rule(fairing.partition.local, 2 * fairing.degree)
     left, right = [], []
-    for piece, (points, weights) in zip(fairing.partition.piece_of, rules, strict=True):
+    for piece, points, weights in fairing.basis.quadrature(2 * fairing.degree):
         root = np.sqrt(weights)
-        column = surface.patches[int(piece)].dense(surface.degree)
-        left.append(fairing.basis.values(int(piece), points) * root[:, None])
+        column = surface.patches[piece].dense(surface.degree)
+        left.append(fairing.basis.values(piece, points) * root[:, None])
         right.append(column @ monomial_values(points, surface.degree) * root)
     member = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
     return np.asarray(member / float(fairing.guard.mean_alpha @ member))

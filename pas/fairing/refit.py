@@ -9,11 +9,11 @@ from pas.errors import InfeasibleError
 from pas.fairing.basis import to_doubles
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.fair import coordinates
-from pas.fairing.guard import SLIM, Rows
+from pas.fairing.guard import SLIM
+from pas.fairing.landscape import Landscape, Look
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.settling import STEPS, Settling, State
 from pas.fairing.wishes import Wishes
-from pas.surface.fairness import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
@@ -41,8 +41,7 @@ def refitted(
         return fairing.under(wishes, rows, margins)
     programme = MemberProgramme(fairing, wishes)
     live = steps is not None
-    state = _begun(fairing, surface, choice, wishes, live)
-    state = State(state.landscape, state.look, rows)
+    state = State(*_seen(fairing, surface, choice, wishes, live), rows)
     search = Search(Exchange(programme, fairing.guard, margins or SLIM), LIVE_LATTICE if live else LATTICE)
     settling = Settling(search)
     if not programme.holds(state.member):
@@ -56,12 +55,14 @@ def refitted(
     return replace(found, state=state if live else None)
 
 
-def _begun(fairing: Fairing, surface: PiecewiseSurface, choice: Choice | None, wishes: Wishes, live: bool) -> State:
+def _seen(
+    fairing: Fairing, surface: PiecewiseSurface, choice: Choice | None, wishes: Wishes, live: bool
+) -> tuple[Landscape, Look]:
     """The surface as it is seen: as the last step left it, or anew."""
     if live and choice is not None and choice.state is not None:
-        return State(*choice.state.landscape.of(fairing.energy, choice.state.look), choice.rows)
+        return choice.state.landscape.of(fairing.energy, choice.state.look)
     member = coordinates(fairing, surface) if choice is None else to_doubles(choice.working)[0]
-    landscape = fairing.landscape(wishes.limits or FairnessLimits.of_order(fairing.placed.order), member, live)
+    landscape = fairing.landscape(wishes.limits_at(fairing.placed.order), member, live)
     if landscape.first is None:
         raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")
-    return State(landscape, landscape.first, Rows.none(fairing.basis.size))
+    return landscape, landscape.first

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypedDict, Unpack
 
@@ -13,12 +13,12 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import shown
-from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, vector
+from pas.algebra.inputs import check_flag, shown
+from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, rational, vector
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
-from pas.surface.fairness import FairnessLimits
+from pas.surface.fairness import FairnessLimits, check_limits
 from pas.surface.placed import PlacedContacts
 
 Points = tuple[Vector, ...]
@@ -111,9 +111,11 @@ class Options(Sliders, total=False):
 
 def check_point_options(options: Mapping[str, Any], known: type = PointOptions) -> None:
     """Raise `TypeError` for an option that is none of `PointOptions`, or of a class with more."""
+    there = known.__annotations__
     for name in options:
-        if name not in known.__annotations__:
-            raise TypeError(f"there is no option {name!r} here{meant(name, known.__annotations__)}")
+        if name not in there:
+            guess = "" if name in Options.__annotations__ else meant(name, there)
+            raise TypeError(f"there is no option {name!r} here" + (guess or f"; there are {', '.join(there)}"))
 
 
 @dataclass(frozen=True, init=False)
@@ -169,19 +171,17 @@ class Wishes:
 
     def _settle(self) -> None:
         """Bring what the user wrote into its exact form, checked."""
-        settled: dict[str, Any] = {kind: _points(getattr(self, kind), kind) for kind in POINTS}
+        settled: dict[str, Any] = {kind: exact_points(getattr(self, kind), kind) for kind in POINTS}
         settled["near_weight"] = _weights(self.near_weight, len(settled["near"]))
         settled["handles"] = _handles(self.handles)
-        settled["margin"] = None if self.margin is None else rational(self.margin, "margin")
+        settled["margin"] = None if self.margin is None else amount(self.margin, "margin")
         settled["normalize"] = MeanAlpha() if self.normalize is None else self.normalize
         settled["energy"] = None if self.energy is None else as_energy(self.energy)
-        settled["basis"] = None if self.basis is None else tuple(self.basis)
+        settled["limits"] = None if self.limits is None else check_limits(self.limits)
+        settled["basis"] = None if self.basis is None else _members(self.basis)
+        settled |= {name: check_flag(getattr(self, name), name) for name in ("prove", "guard")}
         for name, value in settled.items():
             object.__setattr__(self, name, value)
-        if self.margin is not None and self.margin < 0:
-            raise ValueError("margin must not be negative")
-        if not isinstance(self.limits, FairnessLimits | None):
-            raise TypeError(f"limits must be pas.FairnessLimits(...) or None, not {shown(self.limits)}")
         if not isinstance(self.normalize, Normalization):
             raise TypeError(
                 "normalize must be pas.MeanAlpha(), pas.SumOfCoefficients(), pas.UnitCoefficients() or "
@@ -203,6 +203,10 @@ class Wishes:
         fitting = self.guard and not isinstance(self.normalize, UnitCoefficients)
         confined = seen and fitting and all(join.confined for join in placed.joins)
         return self.changed(energy=CurvatureVariation() if confined else as_energy(None))
+
+    def limits_at(self, order: int) -> FairnessLimits:
+        """Up to what a surface of this order counts as fair: what is wished, or what is usual."""
+        return self.limits or FairnessLimits.of_order(order)
 
     @property
     def near_weights(self) -> tuple[fmpq, ...]:
@@ -246,9 +250,17 @@ def tensed(energy: Energy | None, tension: Exact) -> Energy:
     return replace(energy or CurvatureVariation(), tension=tension)
 
 
-def _points(value: Any, name: str) -> Points:
+def as_wishes(wishes: Any) -> Wishes:
+    """The wishes given, or those without any; raises `TypeError` for anything else."""
+    if not isinstance(wishes, Wishes | None):
+        raise TypeError(f"wishes must be pas.Wishes(...) or None, not {shown(wishes)}")
+    return wishes or Wishes()
+
+
+def exact_points(value: Any, name: str) -> Points:
+    """Points of three exact numbers each, or a single one; raises `TypeError` and `ValueError`, which name them."""
     if isinstance(value, str) or not hasattr(value, "__len__"):
-        raise TypeError(f"{name} must be a sequence of points, each three numbers, not {value!r}")
+        raise TypeError(f"{name} must be a sequence of points, each three numbers, not {shown(value)}")
     if len(value) == 3 and not any(hasattr(entry, "__len__") and not isinstance(entry, str) for entry in value):
         return (vector(value, name),)
     return tuple(vector(point, f"{name}[{i}]") for i, point in enumerate(value))
@@ -257,22 +269,29 @@ def _points(value: Any, name: str) -> Points:
 def _weights(value: Any, count: int) -> fmpq | tuple[fmpq, ...]:
     """One weight, or where they differ one for each point."""
     if not hasattr(value, "__len__") or isinstance(value, str):
-        weights: tuple[fmpq, ...] = (rational(value, "near_weight"),)
+        weights: tuple[fmpq, ...] = (amount(value, "near_weight"),)
     elif len(value) != count:
         raise ValueError(f"near_weight must be one number, or one for each of the {count} near points")
     else:
-        weights = tuple(rational(w, f"near_weight[{i}]") for i, w in enumerate(value))
-    if any(w < 0 for w in weights):
-        raise ValueError("near_weight must not be negative")
+        weights = tuple(amount(w, f"near_weight[{i}]") for i, w in enumerate(value))
     if not weights:
         return DEFAULT_NEAR_WEIGHT
     return weights[0] if all(w == weights[0] for w in weights) else weights
 
 
+def _members(value: Any) -> tuple[Any, ...]:
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"basis must be a sequence of members, each one polynomial a piece, not {shown(value)}")
+    members = tuple(value)
+    if not members:
+        raise ValueError("basis must have at least one member")
+    return members
+
+
 def _handles(value: Any) -> tuple[tuple[Handle, fmpq], ...]:
     items = value.items() if isinstance(value, Mapping) else value
     result = []
-    for item in items:
+    for item in items if isinstance(items, Iterable) else (items,):
         try:
             (cell, (i, j, k, m)), number = item
             handle = (int(cell), (int(i), int(j), int(k), int(m)))

@@ -17,7 +17,7 @@ from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
-from pas.fairing.wishes import Options, Wishes
+from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.limits import Report, limited
 from pas.partition.cells import Partition
 from pas.pipeline.fit import choose
@@ -76,7 +76,7 @@ def blend(
     `InfeasibleError` (constraints that contradict), `NotProvedError`; `ValueError` and
     `TypeError` for wrong arguments.
     """
-    wished = (wishes or Wishes()).changed(**options)
+    wished = as_wishes(wishes).changed(**options)
     wanted = check_wanted_degree(degree)
     given = None if wanted is None or wanted == "lowest" else wanted
     if wished.basis is not None and given is None:
@@ -122,9 +122,12 @@ def blend(
 
 def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
     """A degree, "lowest" for the lowest that is proved, or None for that at which the surface is fair."""
-    if degree is None or degree == "lowest":
+    if degree is None or (isinstance(degree, str) and degree == "lowest"):
         return cast(Literal["lowest"] | None, degree)
-    return check_degree(degree)
+    try:
+        return check_degree(degree)
+    except TypeError as error:
+        raise TypeError(f'{error}; or "lowest", the lowest that is proved') from None
 
 
 def judged(found: Blend) -> Blend:

@@ -124,7 +124,7 @@ class Blend(Shape):
     @property
     def limits(self) -> FairnessLimits:
         """Up to what it counts as fair: what was wished, or the usual ones of its order."""
-        return self.wishes.limits or FairnessLimits.of_order(self.surface.order)
+        return self.wishes.limits_at(self.surface.order)
 
     @property
     def standing(self) -> str:

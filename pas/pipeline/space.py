@@ -19,7 +19,7 @@ from pas.blending.space import Space
 from pas.blending.trivial import TrivialPart, trivial_part
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.fairing import Fairing
-from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes
+from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes, as_wishes, exact_points
 from pas.limits import Report, checkpoint, limited
 from pas.partition.cells import Partition
 from pas.pipeline.fit import fit
@@ -108,7 +108,7 @@ class SolutionSpace(Space):
         `NoSolutionError` for an empty space, `InfeasibleError` for wishes that contradict,
         `NotProvedError` where the choice does not pass the proofs that were wished for.
         """
-        return fit(self, (wishes or Wishes()).changed(**options), Stages(on_stage))
+        return fit(self, as_wishes(wishes).changed(**options), Stages(on_stage))
 
     @limited("finding the optimum", "a lower degree")
     def optimum(
@@ -153,7 +153,7 @@ class SolutionSpace(Space):
 
         Raises `ValueError` for fewer points than dimensions less one.
         """
-        return least_squares(self, list(points), weights, by_gradient=by_gradient)
+        return least_squares(self, exact_points(points, "points"), weights, by_gradient=by_gradient)
 
 
 @limited("solving for all surfaces", "a lower degree")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from pas.algebra.inputs import shown
 from pas.limits import checkpoint, note, stage_line
 
 OnStage = Callable[[str, float], None]
@@ -19,6 +20,10 @@ class Stages:
 
     listener: OnStage | None = None
     seconds: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.listener is not None and not callable(self.listener):
+            raise TypeError(f"on_stage must be a function of a stage's name and seconds, not {shown(self.listener)}")
 
     @contextmanager
     def stage(self, name: str, detail: str = "") -> Iterator[None]:

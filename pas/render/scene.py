@@ -9,16 +9,19 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.inputs import check_flag, check_tolerance, shown, whole
 from pas.algebra.monomials import Floats
 from pas.errors import meant
-from pas.exchange.picture_options import STYLES, check_style
+from pas.exchange.picture_options import STYLES, check_style, check_view
 from pas.mesh.mesh import Mesh
 from pas.render.coloring import Coloring
 from pas.render.layers import Layer
 from pas.shape import Kind, Shape, kind_of
 
 SIZE = (1200, 900)
+
+MOST_PIXELS = 16384
+"""Width and height of a picture, as graphics libraries have it."""
 
 
 class Style(Enum):
@@ -75,8 +78,14 @@ class Picture:
 
     def __post_init__(self) -> None:
         check_style(self._name)
-        if not isinstance(self.combs, bool):
-            raise TypeError(f"combs must be True or False, not {self.combs!r}")
+        for name in ("combs", "four_views", "exploded", "cut"):
+            check_flag(getattr(self, name), name)
+        if not isinstance(self.size, Sequence) or isinstance(self.size, str) or len(self.size) != 2:
+            raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
+        for i, pixels in enumerate(self.size):
+            whole(pixels, f"size[{i}]", 1, MOST_PIXELS)
+        if self.view is not None:
+            check_view(self.view)
         if self.tolerance is not None:
             check_tolerance(self.tolerance)
 
@@ -148,6 +157,8 @@ def scene_of(shapes: Shape | Sequence[Shape], picture: Picture, mesh: Mesh | Map
     for kind in kinds:
         _check_curved(kind, picture)
     known = {} if mesh is None else mesh if isinstance(mesh, Mapping) else {"": mesh}
+    if not all(isinstance(part, Mesh) for part in known.values()):
+        raise TypeError(f"mesh must be a pas.Mesh or map names of parts to such, not {shown(mesh)}")
     scene = Scene(picture, known)
     for item, kind in zip(items, kinds, strict=True):
         kind.layers(item, scene)

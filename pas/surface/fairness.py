@@ -18,23 +18,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, shown
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import amount, to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, SECOND, Geometry, jets
 from pas.surface.joins import Join
+from pas.surface.sections import AROUND, circle, planes, runs
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
-
-AROUND = 720
-"""Points of a plane section."""
 
 STRAIGHT = 0.03
 """Curvature of a section, times the largest radius, below which it counts as straight: no inflection there."""
@@ -84,16 +82,20 @@ class FairnessLimits:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            number = to_float(rational(value, name))
-            if number < 0:
-                raise ValueError(f"{name} must not be negative, not {plain(rational(value))}")
-            object.__setattr__(self, name, number)
+            object.__setattr__(self, name, to_float(amount(value, name)))
 
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:
         """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
         order = check_order(order)
         return cls(1.02 if order < 3 else 1.05, {1: 1.6, 2: 1.5}.get(order, 1.8))
+
+
+def check_limits(limits: Any) -> FairnessLimits:
+    """What is given as limits; raises `TypeError` for anything else."""
+    if not isinstance(limits, FairnessLimits):
+        raise TypeError(f"limits must be pas.FairnessLimits(...), not {shown(limits)}")
+    return limits
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ class Fairness:
         }
 
     def within(self, limits: FairnessLimits) -> bool:
-        """Whether all measures are within limits."""
+        """Whether all measures are within limits; raises `TypeError` for what is none."""
         return not self.beyond(limits)
 
     def beyond(self, limits: FairnessLimits) -> tuple[str, ...]:
@@ -150,6 +152,7 @@ class Fairness:
         return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits) if not isnan(value))
 
     def _checks(self, limits: FairnessLimits) -> tuple[tuple[str, float, float, float], ...]:
+        check_limits(limits)
         return (
             ("sharpness", self.sharpness, limits.sharpness, SHARP),
             ("hollowness", self.hollowness, limits.hollowness, HOLLOW),
@@ -256,9 +259,7 @@ class _Measuring:
 
     def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
-        angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
-        directions = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
-        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, directions)
+        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
         jet = np.empty((len(local), 20))
         for piece, here in rays.slices:
@@ -270,8 +271,9 @@ class _Measuring:
         curvature = np.einsum("ni,nij,nj->n", tangent, jet[:, SECOND], tangent) / length / self.scale
         place = np.full(AROUND, -1)
         place[numbers] = np.arange(len(numbers))
-        for run in _runs(place >= 0):
-            yield curvature[place[run]]
+        for run in runs(place >= 0):
+            if len(run) >= SHORTEST_RUN:
+                yield curvature[place[run]]
 
 
 @lru_cache(maxsize=32)
@@ -312,15 +314,6 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
     return found
 
 
-def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
-    """Orthonormal pairs that span the planes of two neighbours' directions each."""
-    for a, b in combinations(means, 2):
-        first = a / np.linalg.norm(a)
-        rest = b - (b @ first) * first
-        if np.linalg.norm(rest) > 1e-6 * np.linalg.norm(b):
-            yield first, rest / np.linalg.norm(rest)
-
-
 def spiral(number: int) -> Floats:
     """Unit vectors (number, 3) spread evenly over the sphere along a spiral (Vogel 1979)."""
     place = np.arange(number) + 0.5
@@ -328,16 +321,3 @@ def spiral(number: int) -> Floats:
     turn = place * np.pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - height**2)
     return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
-
-
-def _runs(there: Any) -> list[Any]:
-    """Circular runs of True, as index arrays."""
-    if there.all():
-        return [np.arange(len(there))]
-    if not there.any():
-        return []
-    start = int(np.flatnonzero(~there)[0])
-    order = (np.arange(len(there)) + start) % len(there)
-    breaks = np.flatnonzero(np.diff(there[order].astype(int)))
-    parts = np.split(order, breaks + 1)
-    return [part for part in parts if there[part[0]] and len(part) >= SHORTEST_RUN]

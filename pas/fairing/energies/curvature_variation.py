@@ -17,7 +17,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Exact, plain, rational, to_float
+from pas.algebra.rational import Exact, amount, rational, to_float
 from pas.fairing.energy import Energy
 from pas.fairing.surface_points import QUANTITIES, Sizes, SurfacePoints
 
@@ -43,10 +43,7 @@ class CurvatureVariation(Energy):
 
     def __post_init__(self) -> None:
         for name in ("tension", "gauge"):
-            value = rational(getattr(self, name), name)
-            if value < 0:
-                raise ValueError(f"{name} must not be negative, not {plain(value)}")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, amount(getattr(self, name), name))
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
         """What is squared and integrated over the surface, (N, 6)."""

@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.inputs import MOST_PIECES, shown, whole
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import amount, plain, to_float
 from pas.fairing.basis import Derivative, WorkingBasis
 from pas.fairing.energy import Energy, Members
 from pas.fairing.quadrature import Box, box_products, box_rule, tetrahedron_products
@@ -39,10 +39,8 @@ class SquaredDerivatives(Energy):
     weight: fmpq = fmpq(1)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "weight", rational(self.weight, "weight"))
+        object.__setattr__(self, "weight", amount(self.weight, "weight"))
         whole(self.piece, "piece", 0, MOST_PIECES - 1)
-        if self.weight < 0:
-            raise ValueError(f"weight must not be negative, and is {self.weight}")
         if self.domain is not None and not isinstance(self.domain, Box):
             raise TypeError(f"domain must be a pas.Box or None, not {shown(self.domain)}")
 
