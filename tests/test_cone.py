@@ -1,29 +1,12 @@
-"""Cones as contacts, and the tables of contacts that problem files know."""
+"""Cones as contacts."""
 
 from __future__ import annotations
 
 import pytest
 
 import pas
-from pas.surface.contact import CONTACTS
 
-SAMPLES = {
-    "pipes": {"axis": (1, 0, 0), "radius": "1/3", "clip": 1},
-    "cones": {"axis": (1, 0, 0), "radius": "1/3", "clip": 1, "slope": "1/10"},
-    "contacts": {"surface": "y^2 + z^2 - 1/9", "clip": "x - 1"},
-}
-
-
-@pytest.mark.parametrize("table", CONTACTS)
-def test_every_kind_of_contact_is_read_from_its_table(table, tmp_path):
-    text = "\n".join(f"{key} = {list(v) if isinstance(v, tuple) else repr(v)}" for key, v in SAMPLES[table].items())
-    path = tmp_path / "problem.toml"
-    path.write_text(f"order = 1\n[[{table}]]\n{text}\n")
-    (found,) = pas.read_problem(path).contacts
-    assert found == CONTACTS[table](**SAMPLES[table])
-    path.write_text(f"order = 1\n[[{table}]]\n{text}\nnothing = 1\n")
-    with pytest.raises(pas.ProblemFileError, match="nothing"):
-        pas.read_problem(path)
+CONE = {"axis": (1, 0, 0), "radius": "1/3", "clip": 1, "slope": "1/10"}
 
 
 def test_a_cone_is_what_it_says():
@@ -39,7 +22,7 @@ def test_a_cone_is_what_it_says():
     )
     for wrong, words in (({"axis": (0, 0, 0)}, "axis"), ({"radius": 0}, "radius must be positive")):
         with pytest.raises(ValueError, match=words):
-            pas.Cone(**(SAMPLES["cones"] | wrong))
+            pas.Cone(**(CONE | wrong))
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -122,7 +122,7 @@ def test_errors_have_lines(tmp_path, old, new, line, words):
 def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(FileNotFoundError):
         pas.read_problem(tmp_path / "none.toml")
-    with pytest.raises(pas.ProblemFileError, match="no \\[\\[pipes\\]\\]"):
+    with pytest.raises(pas.ProblemFileError, match="gives no contacts: none of \\[\\[pipes\\]\\]"):
         read(tmp_path, "order = 1\n")
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(pas.ProblemFileError, match="UTF-8"):

@@ -5,7 +5,8 @@
     # tension = 5                  # optional, instead of [energy]: from 0 (full) over 23/5 (as usual) up (slim)
     tolerance = 1e-3               # optional; of the mesh, in the model's units
 
-    [[pipes]]                      # or [[cones]], with a slope, or [[contacts]], surface and clip as polynomials
+    [[pipes]]                      # or any other table of pas.surface.contact.CONTACTS, whose keys are the arguments
+                                   # of its class: [[cones]], [[spheres]], ..., [[contacts]] of bare polynomials
     axis = [1, 0, 0]
     radius = "1/3"                 # exact: a string, an integer, or the decimal as written
     clip = 1
@@ -156,7 +157,7 @@ class _Reader(PictureReader):
         self.check(data, "", 0)
         items = [self._item(table, i, entry) for table in CONTACTS for i, entry in enumerate(data.get(table, []))]
         if not items:
-            raise self.error(f"gives no {' and no '.join(f'[[{t}]]' for t in CONTACTS)}; a corner needs three", "", 0)
+            raise self.error(f"gives no contacts: none of {', '.join(f'[[{t}]]' for t in CONTACTS)}", "", 0)
         return CornerProblem(
             name=self.name(data),
             contacts=tuple(items),
@@ -192,7 +193,7 @@ class _Reader(PictureReader):
         except (ValueError, TypeError, PasError) as error:
             places = {k: found.start() for k in entry if (found := re.search(rf"\b{k}\b", str(error)))}
             key = min(places, key=places.__getitem__) if places else None
-            raise self.error(f"{kind[:-1]} {index + 1}: {error}", kind, index, key) from None
+            raise self.error(f"{_noun(kind)} {index + 1}: {error}", kind, index, key) from None
         return made
 
     def _made(self, table: str, data: dict[str, Any], make: Callable[[dict[str, Any]], Any]) -> Any:
@@ -223,6 +224,11 @@ class _Reader(PictureReader):
             return tuple(tuple(Polynomial(p) for p in member) for member in members)
         except (ValueError, TypeError) as error:
             raise self.error(f"basis: {error}", "", 0, "basis") from None
+
+
+def _noun(table: str) -> str:
+    """What one entry of a table of contacts is called."""
+    return str(getattr(CONTACTS[table], "noun", table.removesuffix("s").replace("_", " ")))
 
 
 def _fits(data: dict[str, Any]) -> bool:

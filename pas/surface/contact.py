@@ -68,7 +68,19 @@ ContactLike: TypeAlias = "Contact | HasContact | tuple[PolynomialLike, Polynomia
 
 CONTACTS: Registry[type[Any]] = Registry(
     "table of contacts",
-    {"pipes": "pas.surface.pipe:Pipe", "cones": "pas.surface.cone:Cone", "contacts": Contact},
+    {
+        "pipes": "pas.surface.contacts.pipe:Pipe",
+        "cones": "pas.surface.contacts.cone:Cone",
+        "elliptic_pipes": "pas.surface.contacts.elliptic_pipe:EllipticPipe",
+        "paraboloids": "pas.surface.contacts.paraboloid:Paraboloid",
+        "hyperboloids": "pas.surface.contacts.hyperboloid:Hyperboloid",
+        "spheres": "pas.surface.contacts.sphere:Sphere",
+        "ellipsoids": "pas.surface.contacts.ellipsoid:Ellipsoid",
+        "tori": "pas.surface.contacts.torus:Torus",
+        "plates": "pas.surface.contacts.plate:Plate",
+        "quadrics": "pas.surface.contacts.quadric:QuadricContact",
+        "contacts": Contact,
+    },
     key="table",
 )
 """What problem files may have for contacts, by the names of their tables."""

@@ -27,8 +27,8 @@ class Pair(Protocol):
 class Movable:
     """A kind of contact; to be inherited by frozen dataclasses whose fields are the arguments of their constructor.
 
-    A field is moved as what it is: polynomials by their zero sets, the field `point` as a point, other triples of numbers
-    and tuples of them as vectors; numbers stay.
+    A field is moved as what it is: polynomials by their zero sets, the field `point` as a point, other triples of
+    numbers and tuples of them as vectors; numbers stay.
     """
 
     @property
@@ -40,6 +40,10 @@ class Movable:
     def rim(self) -> Rim:
         """The closed plane curve along which the blend is met; `GeometryError` says why where there is none."""
         return rim_of(self.contact.surface, self.contact.clip)
+
+    def check_rim(self) -> None:
+        """Raise `GeometryError` where there is no closed plane curve."""
+        _ = self.rim
 
     def translate(self, offset: VectorLike) -> Self:
         """The contact moved by three numbers."""

@@ -104,7 +104,9 @@ def ovals(curve: Polynomial, normal: Floats, strips: Sequence[Strip]) -> tuple[l
     """The closed branches of a curve, each once, and whether there was an open one, too.
 
     `curve` is constant along the `normal` (3,) of its plane; the `strips` of two directions hold all regular points at
-    which their direction is greatest or least nearby.  Raises `GeometryError` where a branch runs into a singular point.
+    which their direction is greatest or least nearby.
+
+    Raises `GeometryError` where a branch runs into a singular point.
     """
     found: list[Floats] = []
     closed, opened = [], False

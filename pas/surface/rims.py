@@ -2,7 +2,8 @@
 
 A contact (f, h) meets its blend along V(f, h).  Where one of the two is a plane, as the clip of a pipe or a plate
 itself, the other is restricted to it and taken apart over the rationals.  An ellipse has an exact centre, and its
-semi-axes follow from two eigenvalues (Salmon 1879); ovals of factors of higher degree are followed (see `pas.surface.ovals`).
+semi-axes follow from two eigenvalues (Salmon 1879); ovals of factors of higher degree are followed (see
+`pas.surface.ovals`).
 
 Guaranteed: plane and centre are exact, and points are on the curve to rounding.
 """

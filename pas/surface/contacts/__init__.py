@@ -1,0 +1,1 @@
+"""Kinds of contacts beside pipes and cones, one short file each."""
