@@ -6,16 +6,20 @@ touch one another or do not fit the faces they belong to.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
-from typing import Any
+from typing import Any, TypeAlias
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
-from pas.errors import GeometryError
+from pas.errors import GeometryError, meant
+from pas.layouts.nodes import KINDS, Node
+from pas.layouts.region import region
 from pas.partition.cells import Partition
+from pas.partition.layout import Layout
+from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.circular import Circular
 from pas.surface.contact import Contact, as_contact
 from pas.surface.contact_proofs import check_join, clip_sided
@@ -23,14 +27,26 @@ from pas.surface.joins import Join, joins
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 
+PartitionLike: TypeAlias = "Partition | Layout | str"
+"""What is taken for a partition: one, a layout that gets a region, or the name of a kind of layouts."""
 
-def place(items: Sequence[Any], order: int, partition: Partition | None = None) -> PlacedContacts:
+SIX = SixTetrahedra.name
+
+
+def place(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> PlacedContacts:
+    """Pipes or contacts in place on a partition, with their clips turned: the first of `places`."""
+    return next(places(items, order, partition))
+
+
+def places(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> Iterator[PlacedContacts]:
     """Pipes or contacts in place on a partition, with their clips turned.
 
     A clip is turned so that it is negative on the region's side of its faces; one without a face, so
     that it is negative at the centre.
 
-    Without a partition two or three perpendicular pipes or contacts get the six-tetrahedra corner.
+    Without a partition two or three perpendicular pipes or contacts that meet in one point get the six-tetrahedra
+    corner, others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
+    them, gets a region around the contacts.
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
     for anything that is no contact or no partition, `ValueError` for an order that is none.
     """
@@ -40,15 +56,62 @@ def place(items: Sequence[Any], order: int, partition: Partition | None = None) 
     items = list(items)
     contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
     pipes = [item if isinstance(item, Circular) else None for item in items]
-    if partition is not None and not isinstance(partition, Partition):
+    if isinstance(partition, Partition):
+        if not contacts and len(partition.pieces) == 1:
+            raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
+        yield _placed(contacts, pipes, order, partition)
+    elif isinstance(partition, Layout):
+        yield _placed(contacts, pipes, order, region(partition, Node.of(contacts, partition.center).discs))
+    elif partition == SIX:
+        yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
+    elif partition is None or (isinstance(partition, str) and partition in KINDS):
+        corner = _corner(contacts, pipes, order) if partition is None else None
+        yield from [corner] if corner is not None else _on_layouts(contacts, pipes, order, partition)
+    elif isinstance(partition, str):
+        names = ", ".join(map(repr, (SIX, *KINDS)))
+        guess = meant(partition, (SIX, *KINDS)) or f"; there are {names}"
+        raise ValueError(f"there is no partition {partition!r}{guess}")
+    else:
         raise TypeError(
-            f"partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), "
-            f"not {partition!r}"
+            "partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), a pas.Layout or "
+            f"the name of a kind of layouts, not {partition!r}"
         )
-    if not contacts and partition is not None and len(partition.pieces) == 1:
-        raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
-    if partition is None:
-        partition = six_tetrahedra(contacts, pipes)
+
+
+def _on_layouts(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
+) -> Iterator[PlacedContacts]:
+    """The contacts on the regions of all layouts that fit; raises the error of the last where none does."""
+    if len(contacts) < 2:
+        raise GeometryError(
+            f"a blend joins two contacts or more, and here {'is one' if contacts else 'are none'}; for a surface "
+            "that meets one contact give a partition, such as pas.SingleCell(lower, upper)"
+        )
+    failure: GeometryError | None = None
+    found = False
+    for made in Node.of(contacts).regions(order, kind):
+        try:
+            placed = _placed(contacts, pipes, order, made)
+        except GeometryError as error:
+            failure = error
+            continue
+        found = True
+        yield placed
+    if not found and failure is not None:
+        raise failure
+
+
+def _corner(contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int) -> PlacedContacts | None:
+    """The contacts on six tetrahedra; None where they make no such corner, or do not fit its faces."""
+    try:
+        return _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
+    except GeometryError:
+        return None
+
+
+def _placed(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, partition: Partition
+) -> PlacedContacts:
     turned = tuple(map(_turned, joins(partition, contacts)))
     for number, (join, pipe) in enumerate(zip(joins(partition, turned), pipes, strict=True), start=1):
         if join.faces:

@@ -32,7 +32,7 @@ class FairSearch:
     def __init__(self, fairing: Fairing, wishes: Wishes, start: PiecewiseSurface | None = None) -> None:
         self.fairing, self.wishes = fairing, wishes
         self.programme = MemberProgramme(fairing, wishes)
-        self.limits = wishes.limits_at(fairing.placed.order)
+        self.limits = wishes.limits_at(fairing.placed)
         self.start = None if start is None else coordinates(fairing, start)
 
     def choice(self) -> Choice | None:

@@ -62,7 +62,7 @@ def _seen(
     if live and choice is not None and choice.state is not None:
         return choice.state.landscape.of(fairing.energy, choice.state.look)
     member = coordinates(fairing, surface) if choice is None else to_doubles(choice.working)[0]
-    landscape = fairing.landscape(wishes.limits_at(fairing.placed.order), member, live)
+    landscape = fairing.landscape(wishes.limits_at(fairing.placed), member, live)
     if landscape.first is None:
         raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")
     return landscape, landscape.first

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_flag, shown
-from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, rational, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, rational, to_float, vector
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
-from pas.surface.fairness import FairnessLimits, check_limits
+from pas.surface.fairness import FairnessLimits, check_limits, neighbour
 from pas.surface.placed import PlacedContacts
 
 Points = tuple[Vector, ...]
@@ -204,9 +204,14 @@ class Wishes:
         confined = seen and fitting and all(join.confined for join in placed.joins)
         return self.changed(energy=CurvatureVariation() if confined else as_energy(None))
 
-    def limits_at(self, order: int) -> FairnessLimits:
-        """Up to what a surface of this order counts as fair: what is wished, or what is usual."""
-        return self.limits or FairnessLimits.of_order(order)
+    def limits_at(self, placed: PlacedContacts) -> FairnessLimits:
+        """Up to what a surface in a place counts as fair: what is wished, or what is usual."""
+        if self.limits is not None:
+            return self.limits
+        if len(placed.partition.pieces) < 2:
+            return FairnessLimits.of_order(placed.order)
+        scale = to_float(placed.partition.frame.scale)
+        return FairnessLimits.of_node(placed.order, [neighbour(join, scale) for join in placed.joins])
 
     @property
     def near_weights(self) -> tuple[fmpq, ...]:

@@ -39,7 +39,7 @@ SOLUTION = Table(
         "attempts": List(Row((WHOLE, WHOLE, TEXT))),
         "seconds": TableOf(REAL),
     },
-    {"attempt_seconds": List(REAL), "fairness": Maybe(OpenTable({}))},
+    {"attempt_seconds": List(REAL), "attempt_partitions": List(TEXT), "fairness": Maybe(OpenTable({}))},
 )
 LIMITS = Table({}, dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL))
 CONTENT = Table(
@@ -70,6 +70,7 @@ def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
             "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
             "seconds": blend.timings,
             "attempt_seconds": [a.seconds for a in blend.attempts],
+            "attempt_partitions": [a.partition for a in blend.attempts],
             "fairness": blend.fairness.to_record() if blend.fairness is not None else None,
         },
         "certificate": blend.certificate.to_record(),
@@ -93,8 +94,13 @@ def read(content: dict[str, Any]) -> Blend:
         energy=float(solution["energy"]),
         timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
         attempts=tuple(
-            Attempt(n, m, outcome, spent)
-            for (n, m, outcome), spent in zip(solution["attempts"], spent_on(solution), strict=True)
+            Attempt(n, m, outcome, float(spent), where)
+            for (n, m, outcome), spent, where in zip(
+                solution["attempts"],
+                of_attempts(solution, "attempt_seconds", 0.0),
+                of_attempts(solution, "attempt_partitions", ""),
+                strict=True,
+            )
         ),
         wishes=Wishes(
             energy=read_energy(problem["energy"]),
@@ -106,13 +112,13 @@ def read(content: dict[str, Any]) -> Blend:
     )
 
 
-def spent_on(solution: dict[str, Any]) -> list[float]:
-    """The seconds of the attempts, which older files do not have."""
+def of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
+    """What is said of each attempt, which older files do not have."""
     attempts = solution["attempts"]
-    spent = solution.get("attempt_seconds", [0.0] * len(attempts))
-    if len(spent) != len(attempts):
-        raise ValueError(f"solution.attempt_seconds must have {len(attempts)} entries, one for each attempt")
-    return [float(s) for s in spent]
+    found = solution.get(key, [usual] * len(attempts))
+    if len(found) != len(attempts):
+        raise ValueError(f"solution.{key} must have {len(attempts)} entries, one for each attempt")
+    return list(found)
 
 
 def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:

@@ -1,18 +1,17 @@
 """The whole method on one screen: problem -> contacts in place -> space -> fit -> proved surface.
 
-`blend` raises the degree until a member of the solution space passes every proof, so the degree
-it returns is the lowest at which this program found one.
+`blend` raises the degree until a member of the solution space passes every proof and is fair, and goes on to other
+layouts where that fails; what was tried is said in its summary.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from itertools import chain
 from typing import Any, Literal, Unpack, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
-from pas.blending.place import place
+from pas.blending.place import PartitionLike, places
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
@@ -20,21 +19,12 @@ from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.limits import Report, limited
 from pas.partition.cells import Partition
-from pas.pipeline.fit import choose
+from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.pipeline.ladder import FEWEST_UNKNOWNS, Ladder
 from pas.pipeline.result import Attempt, Blend
-from pas.pipeline.space import SolutionSpace
 from pas.pipeline.stages import OnStage, Stages
 from pas.surface.contact import ContactLike
 from pas.surface.placed import PlacedContacts
-
-DEGREES_TRIED = 4
-"""Degrees with regular members that are tried before giving up; corners needed at most three."""
-
-DEGREES_FOR_FAIRNESS = 2
-"""Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
-
-MOST_UNKNOWNS = 160
-"""Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
 
 
 @limited("finding a blend", "a lower order")
@@ -42,7 +32,7 @@ def blend(
     contacts: Sequence[ContactLike],
     order: int,
     degree: int | Literal["lowest"] | None = None,
-    partition: Partition | None = None,
+    partition: PartitionLike | None = None,
     *,
     wishes: Wishes | None = None,
     on_stage: OnStage | None = None,
@@ -50,9 +40,11 @@ def blend(
     progress: Report | None = None,
     **options: Unpack[Options],
 ) -> Blend:
-    """Find, choose and prove the blend of two or three pipes or contacts.
+    """Find, choose and prove the blend of two contacts or more.
 
-    `contacts` are pipes, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
+    `contacts` are pipes or other primitives, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
+    `partition`, layouts of pieces around the node are tried in turn; it may be a `pas.Partition`, a `pas.Layout`, or
+    the name of a kind of layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a
     `degree` it is raised until the proofs pass, and by default further while the surface is not fair (see
     `pas.FairnessLimits`): the fairest is returned.  With degree="lowest" the first that is proved is.
 
@@ -83,7 +75,8 @@ def blend(
         raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(on_stage)
     with stages.stage("partition"):
-        placed = place(contacts, order, partition)
+        candidates = places(contacts, order, partition)
+        placed = next(candidates)
         check_wishes(wished, placed)
         wished = wished.settled(placed)
     if order == 0 and len(placed.partition.pieces) > 1:
@@ -91,33 +84,17 @@ def blend(
             "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
         )
     raised = degree is None and wished.energy is not None and wished.energy.on_surface
-    attempts: list[Attempt] = []
-    failure: InfeasibleError | NotProvedError | None = None
-    fairest: Blend | None = None
-    for space in _spaces(placed, given, attempts, stages):
-        if fairest is not None and space.dimension > MOST_UNKNOWNS:
-            attempts.append(Attempt(space.degree, space.dimension, f"not tried: more than {MOST_UNKNOWNS} unknowns"))
-            break
-        began = time.perf_counter()
-        try:
-            found = choose(space, wished, attempts, stages, None if fairest is None else fairest.surface)
-        except (InfeasibleError, NotProvedError) as error:
-            attempts.append(Attempt(space.degree, space.dimension, str(error), time.perf_counter() - began))
-            failure = error
-            continue
-        if not raised:
+    ladder = Ladder(wished, given, raised, stages)
+    own = isinstance(partition, Partition) or isinstance(placed.partition, SixTetrahedra)
+    for place in chain([placed], candidates):
+        found = ladder.climb(place, 0 if own or not raised else FEWEST_UNKNOWNS)
+        if found is not None:
             return found
-        with stages.stage("measure", f" (degree {space.degree})"):
-            found = judged(found)
-            attempts.append(found.attempts[-1])
-            fairest = found if fairest is None or excess(found) < excess(fairest) else fairest
-        if not excess(found) or found.surface.degree >= _first_proved(attempts) + DEGREES_FOR_FAIRNESS:
-            break
-    if fairest is not None:
-        return replace(fairest, attempts=tuple(attempts))
-    if failure is None and given is not None:
-        raise _too_low(attempts[-1], _lowest(placed, given), order)
-    raise _given_up(attempts, failure, order)
+    if ladder.best is not None:
+        return ladder.best
+    if ladder.failure is None and given is not None:
+        raise _too_low(ladder.attempts[-1], _lowest(placed, given), order)
+    raise _given_up(ladder.attempts, ladder.failure, order)
 
 
 def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
@@ -128,43 +105,6 @@ def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
         return check_degree(degree)
     except TypeError as error:
         raise TypeError(f'{error}; or "lowest", the lowest that is proved') from None
-
-
-def judged(found: Blend) -> Blend:
-    """The same blend with what its last attempt came to in fairness."""
-    beyond = found.surface.fairness().beyond(found.limits)
-    last = found.attempts[-1]
-    words = f"{last.outcome}, not fair: {', '.join(beyond)}" if beyond else f"{last.outcome}, fair"
-    return replace(found, attempts=(*found.attempts[:-1], replace(last, outcome=words)))
-
-
-def excess(found: Blend) -> float:
-    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
-    return found.surface.fairness().excess(found.limits)
-
-
-def _first_proved(attempts: Sequence[Attempt]) -> int:
-    return next(a.degree for a in attempts if a.outcome.startswith(("proved", "fitted")))
-
-
-def _spaces(
-    placed: PlacedContacts, degree: int | None, attempts: list[Attempt], stages: Stages
-) -> Iterator[SolutionSpace]:
-    """Solution spaces with regular members, of rising degree; others are noted as attempts."""
-    degrees = range(1, HIGHEST_DEGREE + 1) if degree is None else [check_degree(degree)]
-    yielded = 0
-    for candidate in degrees:
-        with stages.stage("solve", f" (degree {candidate})"):
-            space = SolutionSpace.of(solve(placed, candidate))
-            usable = space.regular
-        if usable:
-            yield space
-            yielded += 1
-            if yielded == DEGREES_TRIED:
-                return
-        else:
-            reason = "no solution" if space.dimension == 0 else "all members have alpha = 0 on a contact curve"
-            attempts.append(Attempt(candidate, space.dimension, reason))
 
 
 def _lowest(placed: PlacedContacts, degree: int) -> int | None:

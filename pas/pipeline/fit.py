@@ -50,7 +50,7 @@ def choose(
     outcome = "fitted" if certificate is None else "proved"
     if choice.by is not None:
         outcome += f", by {choice.by.kind}: none was seen from the centre and proved on the way to a fair one"
-    attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began)
+    attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)
     result = Blend.of(space, choice, wishes, stages.seconds, (*attempts, attempt))
     if certificate is not None and not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)

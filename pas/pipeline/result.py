@@ -36,12 +36,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Attempt:
-    """One degree that was tried: the dimension of its space, what came of it, and the seconds it took."""
+    """One degree that was tried: the dimension of its space, what came of it, the seconds it took, and on which
+    `partition`, by its title."""
 
     degree: int
     dimension: int
     outcome: str
     seconds: float = 0.0
+    partition: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,7 @@ class Blend(Shape):
     @property
     def limits(self) -> FairnessLimits:
         """Up to what it counts as fair: what was wished, or the usual ones of its order."""
-        return self.wishes.limits_at(self.surface.order)
+        return self.wishes.limits_at(self.surface.placed)
 
     @property
     def standing(self) -> str:

@@ -11,7 +11,7 @@ from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending.generators import Generator, generators
 from pas.blending.multipliers import Consistency, Multipliers, consistency
-from pas.blending.place import place
+from pas.blending.place import PartitionLike, place
 from pas.blending.regularity import is_regular
 from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_squares, optimum
 from pas.blending.solving import check_method, solve
@@ -21,7 +21,6 @@ from pas.fairing.energy import Energy, as_energy
 from pas.fairing.fairing import Fairing
 from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes, as_wishes, exact_points
 from pas.limits import Report, checkpoint, limited
-from pas.partition.cells import Partition
 from pas.pipeline.fit import fit
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage, Stages
@@ -161,7 +160,7 @@ def solutions(
     contacts: Sequence[ContactLike],
     order: int,
     degree: int | None = None,
-    partition: Partition | None = None,
+    partition: PartitionLike | None = None,
     *,
     method: str = "linear",
     regular: bool = False,

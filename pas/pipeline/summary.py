@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from pas.algebra.rational import plain
 from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     surface = blend.surface
     rows = [(f"contact {i}", str(contact)) for i, contact in enumerate(surface.contacts, start=1)]
     rows += [
-        ("partition", surface.partition.name),
+        ("partition", _partition(surface)),
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
@@ -37,6 +38,14 @@ def _between(surface: PiecewiseSurface) -> str:
     return f", C^{surface.order} between pieces" if len(surface.patches) > 1 else ""
 
 
+def _partition(surface: PiecewiseSurface) -> str:
+    """What the pieces are, and around which point where the program found it."""
+    region = surface.partition
+    if region.title == region.name or region.center is None:
+        return region.title
+    return f"{region.title}, centre ({', '.join(map(plain, region.center))})"
+
+
 def _tried(blend: Blend) -> str:
     others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
     return f"; tried as well: {', '.join(others)}" if others else ""
@@ -44,8 +53,12 @@ def _tried(blend: Blend) -> str:
 
 def _fairness(blend: Blend) -> list[tuple[str, str]]:
     """What was measured, and why a degree was not enough."""
+    several = len({a.partition for a in blend.attempts}) > 1
     rows = [
-        (f"degree {a.degree}", f"dimension {a.dimension}: {a.outcome}, {a.seconds:.2f} s")
+        (
+            f"degree {a.degree}",
+            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s",
+        )
         for a in blend.attempts
         if a.seconds
     ]

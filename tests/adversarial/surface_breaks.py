@@ -17,6 +17,7 @@ from adversarial.surface_bases import Known, Truth, base, quadric, sound, with_c
 from adversarial.surface_disguises import extreme
 from adversarial.surface_factors import SIZES, ball_factor, cubed, plane_factor, point_factor, positive_factor, turned
 from adversarial.surface_places import circle_point, distance2, in_hull, mean, walls
+from flint import fmpq
 
 import pas
 from pas import Contact, Partition, PiecewiseSurface, Polynomial
@@ -25,6 +26,10 @@ from pas.algebra.inputs import HIGHEST_SURFACE_DEGREE
 HOLDS, FAILS, UNKNOWN = Truth.HOLDS, Truth.FAILS, Truth.UNKNOWN
 VARIABLES = tuple(map(Polynomial, "xyz"))
 Break = Callable[[Random], Known]
+
+NEGLIGIBLE = 10**20
+"""What is added changes no inequality if it is so many times smaller than the surface's values: planes with long
+coefficients make even 10^-30 large."""
 
 TRIES = 100
 """Faces that are tried on one surface: some have none whose jump stays within the highest degree."""
@@ -53,7 +58,9 @@ def jump(random: Random) -> Known:
     else:
         return jump(random)
     c, tiny = amplitude(random)
-    changed = added(surface, {piece: c * face.plane**m * bump * extra})
+    term = c * face.plane**m * bump * extra
+    tiny = tiny and negligible(term, surface)
+    changed = added(surface, {piece: term})
     faces = tuple(FAILS if i == number and m <= k else HOLDS for i in range(len(known.faces)))
     others = HOLDS if tiny else UNKNOWN
     return known.but(
@@ -265,6 +272,14 @@ def untouched(known: Known, piece: int, leave: int | None = None) -> Polynomial 
         return None
     clips = {c.clip.primitive() for c, join in zip(f.contacts, f.joins, strict=True) if piece in join.pieces}
     return prod((p ** (k + 1) for p in planes | clips), start=Polynomial(1))
+
+
+def negligible(term: Polynomial, surface: PiecewiseSurface) -> bool:
+    """Whether what is added is, everywhere in the region, nothing beside the surface's largest value at its corners."""
+    corners = surface.partition.vertices
+    reach = max(abs(c) for v in corners for c in v)
+    bound = sum((abs(c) * reach ** sum(e) for e, c in term.raw.to_dict().items()), fmpq(0))
+    return bool(bound * NEGLIGIBLE < max(abs(p.raw(*v)) for p in surface.polynomials for v in corners))
 
 
 def amplitude(random: Random) -> tuple[Fraction, bool]:

@@ -1,0 +1,162 @@
+"""Nodes: any number of contacts seen from one centre, and the layouts that serve them, the likeliest first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import degrees, tan
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.rational import Vector, plain, to_floats
+from pas.errors import GeometryError
+from pas.layouts.center import center_of
+from pas.layouts.fan import fan
+from pas.layouts.planes import planes
+from pas.layouts.region import WALLS, region
+from pas.layouts.seen import Seen, angle_between
+from pas.layouts.strips import strips
+from pas.partition.cells import Partition
+from pas.partition.layout import Layout
+from pas.surface.contact import Contact
+from pas.surface.rims import Rim, rim_of
+
+CURVE_POINTS = 96
+"""Points of a contact's curve by which a layout is fitted to it."""
+
+SPREAD = 0.95
+"""Share of the angle between two contacts that their curves may take up."""
+
+Maker = Callable[[Sequence[Seen], Vector], Layout]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One way to lay out a node: the layout's kind, what makes it, and how far out its walls are."""
+
+    kind: str
+    make: Maker
+    walls: float = WALLS
+
+
+def _fan(each: int) -> Maker:
+    return lambda discs, center: fan(discs, center, each)
+
+
+LADDERS: dict[int, tuple[Rung, ...]] = {
+    1: (
+        Rung("planes", planes),
+        Rung("fan", _fan(2)),
+        Rung("fan", _fan(3)),
+        Rung("strips", strips),
+        Rung("strips", strips, 1.6),
+    ),
+    2: (
+        Rung("planes", planes, 1.15),
+        Rung("fan", _fan(2)),
+        Rung("fan", _fan(2), 1.15),
+        Rung("fan", _fan(3)),
+        Rung("strips", strips),
+    ),
+}
+"""By the order of contact, that of 2 for higher ones too: full planes where the node is symmetric, then fans; strips
+where no fan has room, as around five and six contacts with near clips."""
+
+KINDS = tuple(dict.fromkeys(rung.kind for rungs in LADDERS.values() for rung in rungs))
+"""What layouts may be asked for by name."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """Contacts as they are seen from their centre."""
+
+    center: Vector
+    discs: tuple[Seen, ...]
+
+    @classmethod
+    def of(cls, contacts: Sequence[Contact], center: Vector | None = None) -> Node:
+        """The node of contacts with closed plane curves; around `center` where that is given.
+
+        Raises `GeometryError` for a contact without such a curve, curves that are seen across one another, or a
+        centre that lies beyond a clip.
+        """
+        rims = [_rim(number, contact) for number, contact in enumerate(contacts, start=1)]
+        place = center_of(rims) if center is None else center
+        discs = tuple(
+            Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), place)
+            for number, rim in enumerate(rims, start=1)
+        )
+        for disc, rim in zip(discs, rims, strict=True):
+            if rim.plane.at(place) > 0 and len(contacts) > 1:
+                words = ", ".join(map(plain, place))
+                raise GeometryError(
+                    f"the centre of the node, ({words}), lies beyond the clip of contact {disc.number}; the blend must "
+                    "be on the inner side of every clip"
+                )
+        _check_apart(discs)
+        return cls(place, discs)
+
+    def regions(self, order: int, kind: str | None = None) -> Iterator[Partition]:
+        """The regions of all layouts that fit, of one kind only where that is said.
+
+        Raises `GeometryError` where none does, with the reason of the last.
+        """
+        failure: GeometryError | None = None
+        found = False
+        for rung in LADDERS[min(max(order, 1), max(LADDERS))]:
+            if kind not in (None, rung.kind):
+                continue
+            try:
+                made = region(rung.make(self.discs, self.center), self.discs, rung.walls)
+            except GeometryError as error:
+                failure = error
+                continue
+            found = True
+            yield made
+        if not found and failure is not None:
+            raise failure
+
+
+def _rim(number: int, contact: Contact) -> Rim:
+    try:
+        return rim_of(contact.surface, contact.clip)
+    except GeometryError as error:
+        raise GeometryError(f"contact {number}: {error}") from None
+
+
+def _check_apart(discs: Sequence[Seen]) -> None:
+    """That no two curves are seen across one another from the centre."""
+    for a, b in combinations(discs, 2):
+        between = angle_between(a.direction, b.direction)
+        if a.angle + b.angle < SPREAD * between:
+            continue
+        words = (
+            f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, and "
+            f"their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"
+        )
+        factor = _outwards(a, b, between)
+        if factor is None:
+            raise GeometryError(f"{words}; no clips are far enough out for directions as close as these")
+        raise GeometryError(
+            f"{words}; clips at distances of at least {factor * a.distance:.4g} and {factor * b.distance:.4g} from the "
+            "centre would leave room"
+        )
+
+
+def _outwards(a: Seen, b: Seen, between: float) -> float | None:
+    """By which factor the clips of two contacts must be moved outwards."""
+    low, high = 1.0, 2.0**20
+    fits = lambda s: sum(float(np.arctan(tan(min(d.angle, 1.5)) / s)) for d in (a, b)) < SPREAD * between  # noqa: E731
+    if not fits(high):
+        return None
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
+
+
+def title(partition: Any) -> str:
+    """What a partition is called in summaries."""
+    return str(partition.title)

@@ -1,0 +1,122 @@
+"""The ladder: layouts one after the other, on each the degrees, until a surface is proved and fair."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
+from pas.blending.solving import solve
+from pas.errors import InfeasibleError, NotProvedError
+from pas.fairing.wishes import Wishes
+from pas.pipeline.fit import choose
+from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.space import SolutionSpace
+from pas.pipeline.stages import Stages
+from pas.surface.placed import PlacedContacts
+
+DEGREES_TRIED = 4
+"""Degrees with regular members that are tried before giving up; corners needed at most three."""
+
+DEGREES_FOR_FAIRNESS = 2
+"""Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
+
+FEWEST_UNKNOWNS, MOST_UNKNOWNS = 15, 160
+"""Spaces of smaller dimension are not tried on layouts that the program chose: there is always a larger one, and
+none of these was fair.  Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+
+LAYOUTS_FOR_FAIRNESS = 2
+"""Layouts on which a proved surface may be sought that is fairer than the first."""
+
+
+@dataclass
+class Ladder:
+    """What was tried, and the fairest blend so far.
+
+    `degree` is the only one to try, or None; `raised` says whether degrees and layouts are tried for fairness too.
+    """
+
+    wishes: Wishes
+    degree: int | None
+    raised: bool
+    stages: Stages
+    attempts: list[Attempt] = field(default_factory=list)
+    failure: InfeasibleError | NotProvedError | None = None
+    fairest: Blend | None = None
+    layouts: int = 0
+
+    def climb(self, placed: PlacedContacts, fewest: int = 0) -> Blend | None:
+        """The blend on one layout that needs no other beside it; None where another may be better.
+
+        Spaces of fewer than `fewest` unknowns are left out.
+        """
+        below: Blend | None = None  # the fairest on this layout
+        first = 0
+        for space in self._spaces(placed, fewest):
+            if below is not None and space.dimension > MOST_UNKNOWNS:
+                self._note(space, f"not tried: more than {MOST_UNKNOWNS} unknowns")
+                break
+            began = time.perf_counter()
+            try:
+                found = choose(space, self.wishes, self.attempts, self.stages, below and below.surface)
+            except (InfeasibleError, NotProvedError) as error:
+                self._note(space, str(error), time.perf_counter() - began)
+                self.failure = error
+                continue
+            if not self.raised:
+                return found
+            with self.stages.stage("measure", f" (degree {space.degree})"):
+                found = judged(found)
+                self.attempts.append(found.attempts[-1])
+                below = found if below is None or excess(found) < excess(below) else below
+                first = first or space.degree
+            if not excess(found) or found.surface.degree >= first + DEGREES_FOR_FAIRNESS:
+                break
+        if below is None:
+            return None
+        self.layouts += 1
+        if self.fairest is None or excess(below) < excess(self.fairest):
+            self.fairest = below
+        return self.best if not excess(below) or self.layouts >= LAYOUTS_FOR_FAIRNESS else None
+
+    @property
+    def best(self) -> Blend | None:
+        """The fairest blend found, with all that was tried."""
+        return self.fairest and replace(self.fairest, attempts=tuple(self.attempts))
+
+    def _spaces(self, placed: PlacedContacts, fewest: int) -> Iterator[SolutionSpace]:
+        """Solution spaces with regular members, of rising degree; others are noted as attempts."""
+        degrees = range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]
+        yielded = 0
+        for candidate in degrees:
+            with self.stages.stage("solve", f" (degree {candidate})"):
+                space = SolutionSpace.of(solve(placed, candidate))
+                small = 0 < space.dimension < fewest
+                usable = not small and space.regular
+            if usable:
+                yield space
+                yielded += 1
+                if yielded == DEGREES_TRIED:
+                    return
+            elif space.dimension == 0:
+                self._note(space, "no solution")
+            else:
+                reason = f"not tried: fewer than {fewest} unknowns"
+                self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
+
+    def _note(self, space: SolutionSpace, outcome: str, seconds: float = 0.0) -> None:
+        self.attempts.append(Attempt(space.degree, space.dimension, outcome, seconds, space.partition.title))
+
+
+def judged(found: Blend) -> Blend:
+    """The same blend with what its last attempt came to in fairness."""
+    beyond = found.surface.fairness().beyond(found.limits)
+    last = found.attempts[-1]
+    words = f"{last.outcome}, not fair: {', '.join(beyond)}" if beyond else f"{last.outcome}, fair"
+    return replace(found, attempts=(*found.attempts[:-1], replace(last, outcome=words)))
+
+
+def excess(found: Blend) -> float:
+    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
+    return found.surface.fairness().excess(found.limits)
