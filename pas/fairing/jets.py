@@ -49,8 +49,8 @@ class MovingGeometry(Geometry):
         for row, axes in enumerate(_TRIPLES):
             variation[row, 2] = -c[axes]
             variation[row, 8 + row] = 1
-            for (x, y), z in zip(((1, 2), (0, 2), (0, 1)), axes, strict=True):
-                x, y = axes[x], axes[y]
+            for place, z in enumerate(axes):
+                x, y = axes[:place] + axes[place + 1 :]
                 variation[row, z] -= self.third[x, y, 2] * inverse
                 variation[row] -= shape[x + y] * h[z, 2] + mixed[z] * s[x, y]
         variation *= inverse

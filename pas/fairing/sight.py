@@ -177,8 +177,8 @@ class Change:
 
     def some(self, chosen: NDArray[np.intp]) -> Change:
         """The same for some of the points, by rising numbers."""
-        arrays = (self.points, self.distances, self.by_jet, self.frame_to_jet, self.jets_along, self.steepness)
-        return Change(self.sight, *(array[chosen] for array in arrays))
+        arrays = (self.distances, self.by_jet, self.frame_to_jet, self.jets_along, self.steepness)
+        return Change(self.sight, self.points[chosen], *(array[chosen] for array in arrays))
 
     def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.

@@ -104,7 +104,7 @@ class Geometry:
 
 
 def _along(form: Floats, vectors: Floats) -> Floats:
-    """A multilinear form (..., 3, N) with vectors (k, 3, N) for its last argument, which comes first then: (k, ..., N)."""
+    """A multilinear form (..., 3, N) with vectors (k, 3, N) for its last argument, which then comes first."""
     between = (1,) * (form.ndim - 2)
     return (form * vectors.reshape(len(vectors), *between, 3, -1)).sum(axis=-2)
 
@@ -125,7 +125,7 @@ def derivatives(degree: int) -> tuple[NDArray[np.intp], Floats]:
 
 @cache
 def _scattered(degree: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
-    """Where in a table (20, C(n+3, 3)) the coefficients of derivatives stand, of which they are multiples, and by what."""
+    """Where in a table (20, C(n+3, 3)) the coefficients of derivatives stand, and of which they are what multiples."""
     indices, factors = derivatives(degree)
     rows, sources = np.nonzero(factors)
     return rows * factors.shape[1] + indices[rows, sources], sources, factors[rows, sources]
