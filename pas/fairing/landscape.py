@@ -146,7 +146,8 @@ class Landscape:
         return Look(view, tuple(views), energy, energy + sum(squares))
 
     def linearised(self, look: Look) -> tuple[Floats, Floats]:
-        """Residuals (R,), whose squares add up to the objective, and their derivatives by the member (R, m)."""
+        """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
+        derivatives J by the member."""
         view = look.view
         r = self.energy.residuals(view.points, self.sizes)
         root = np.sqrt(view.areas)[:, None]
@@ -154,15 +155,13 @@ class Landscape:
         slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(view.points, self.sizes)
         slopes[:, :, AREA] = root * r / 2
         change = self.sight.change(view)
-        blocks, values = [change.jacobian(slopes)], [(root * r).ravel()]
+        normal, gradient = change.normal_equations(root * r, slopes)
         for term, seen in zip(self.terms, look.views, strict=True):
-            excesses = list(term.beyond.values(seen))
-            if not excesses:
-                continue
-            own = change if term.sight is self.sight else term.sight.change(seen)
-            blocks += [own.jacobian(excess.slopes[:, None], excess.chosen) for excess in excesses]
-            values += [excess.values for excess in excesses]
-        return np.concatenate(values), np.concatenate(blocks)
+            for excess in term.beyond.values(seen):
+                at = change.some(excess.chosen) if seen is view else term.sight.change(seen, excess.chosen)
+                more = at.normal_equations(excess.values[:, None], excess.slopes[:, None])
+                normal, gradient = normal + more[0], gradient + more[1]
+        return normal, gradient
 
     def closer(self, look: Look) -> tuple[Landscape, Look] | None:
         """The same with rays where curvature is beyond limits between those that there are; None where it is not."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, count, homogeneous_exponents, monomial_values
+from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, monomial_values
 from pas.fairing.guard import Guard, Rows, lattice_weights
 
 SAMPLES = 32
@@ -47,21 +47,34 @@ class Rays:
         self.ends = np.concatenate([np.empty((0, 3)), *(ends[piece] for piece in self.pieces)])
         self.piece_of = np.repeat(self.pieces, [len(ends[piece]) for piece in self.pieces])
         self._monomials = {piece: monomial_values(points, self.degree) for piece, points in ends.items()}
-        self._starts = [count(d - 1) for d in range(self.degree + 1)]
+        degrees = [sum(e) for e in exponents(self.degree)]
+        self._degrees = np.equal.outer(np.arange(self.degree + 1), degrees).astype(float)
+        self._lengths = np.sqrt((self.ends * self.ends).sum(axis=1))
         self._shares = np.arange(SAMPLES + 1) / SAMPLES
         self._powers = self._shares ** np.arange(self.degree + 1)[:, None]
 
     def crossings(self, unknowns: Floats, band: float) -> Crossings:
         """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
         profiles = self._profiles(unknowns)
-        values = profiles @ self._powers
-        found = [self._level(profiles, values, level) for level in (-band, 0.0, band)]
+        values = self._powers.T @ profiles  # (samples, rays)
+        rung = (values >= -band).view(np.int8) + (values >= 0.0).view(np.int8) + (values >= band).view(np.int8)
+        steps, rays = np.divmod(np.flatnonzero(rung[:-1] != rung[1:]), values.shape[1])
+        first, second, low, high = (
+            values[steps, rays],
+            values[steps + 1, rays],
+            rung[steps, rays],
+            rung[steps + 1, rays],
+        )
+        found = []
+        for number, level in enumerate((-band, 0.0, band)):
+            here = (low > number) != (high > number)
+            a, b = first[here] - level, second[here] - level
+            found.append((rays[here], self._shares[steps[here]] + a / (a - b) / SAMPLES))
         rays, shares = (np.concatenate(parts) for parts in zip(*found, strict=True))
         slopes = np.zeros(len(rays))  # of f in the share of the ray
         for power in range(self.degree, 0, -1):
-            slopes = slopes * shares + power * profiles[rays, power]
-        lengths = np.sqrt((self.ends * self.ends).sum(axis=1))[rays]
-        return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * lengths))
+            slopes = slopes * shares + power * profiles[power, rays]
+        return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
 
     def rows(self, crossings: Crossings, margin: float) -> Rows:
         """Rows that ask for the sheet condition at crossings."""
@@ -72,18 +85,12 @@ class Rays:
         return rows
 
     def _profiles(self, unknowns: Floats) -> Floats:
-        """The coefficients of the member as a polynomial in the share of each ray: (rays, n + 1)."""
+        """The coefficients of the member as a polynomial in the share of each ray: (n + 1, rays)."""
         blocks = [np.empty((self.degree + 1, 0))]
         for piece in self.pieces:
-            terms = (unknowns @ self.guard.basis.coefficients[piece])[:, None] * self._monomials[piece]
-            blocks.append(np.add.reduceat(terms, self._starts, axis=0))
-        return np.concatenate(blocks, axis=1).T
-
-    def _level(self, profiles: Floats, values: Floats, level: float) -> tuple[NDArray[np.intp], Floats]:
-        below = values < level
-        rays, steps = np.nonzero(below[:, :-1] != below[:, 1:])
-        first, second = values[rays, steps] - level, values[rays, steps + 1] - level
-        return rays, self._shares[steps] + first / (first - second) / SAMPLES
+            terms = self._degrees * (unknowns @ self.guard.basis.coefficients[piece])
+            blocks.append(terms @ self._monomials[piece])
+        return np.concatenate(blocks, axis=1)
 
 
 def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:

@@ -84,9 +84,9 @@ class Settling:
 
     def _linearised(self, state: State) -> tuple[Floats, Floats]:
         """The matrix `J^T J` and the slope `J^T r` of half of the objective at a state."""
-        residuals, jacobian = state.landscape.linearised(state.look)
+        normal, slope = state.landscape.linearised(state.look)
         half = self.programme.quadratic_part / 2
-        return jacobian.T @ jacobian + half, jacobian.T @ residuals + half @ state.member
+        return normal + half, slope + half @ state.member
 
     def _step(self, state: State, damping: float) -> tuple[State | None, float]:
         normal, slope = self._linearised(state)

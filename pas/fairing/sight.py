@@ -8,20 +8,23 @@ are exact, none are differences.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents, monomial_values
-from pas.fairing.basis import WorkingBasis, derivative_matrix
+from pas.fairing.basis import WorkingBasis
 from pas.fairing.jets import COLUMNS, MovingGeometry
 from pas.fairing.surface_points import QUANTITIES, SurfacePoints
 from pas.surface.directions import Directions
-from pas.surface.geometry import JETS, ORDERS, Geometry, derivatives
+from pas.surface.geometry import JETS, ORDERS, derivatives, derived
 
 HIT_STEPS, HIT, LONGEST_STEP = 12, 1e-8, 0.2
 """Newton steps along rays, the last of which is to be this short, and the first at most this share of the distance."""
+
+MET = 1e-11
+"""A step of Newton's as short as this is the last: the next would be beyond rounding."""
 
 GRAZING = 1e-3
 """The least cosine between ray and normal at which a surface is looked at."""
@@ -32,12 +35,13 @@ AREA = QUANTITIES
 
 @dataclass(frozen=True)
 class View:
-    """A member as its rays meet it: `distances` (N,), local, `jets` (N, 20) there, also local, the `points`, and the
-    `areas` (N,) that they stand for."""
+    """A member as its rays meet it: `distances` (N,), local, `jets` (N, 20) there and their `geometry`, also local, the
+    `points`, and the `areas` (N,) that they stand for."""
 
     member: Floats
     distances: Floats
     jets: Floats
+    geometry: MovingGeometry
     points: SurfacePoints
     areas: Floats
 
@@ -52,21 +56,19 @@ class Sight:
     def __init__(self, basis: WorkingBasis, rays: Directions, center: Floats, slope: float) -> None:
         self.basis, self.rays, self.scale, self.center = basis, rays, basis.scale, center
         self.slope = slope * basis.scale
-        n = basis.degree
-        self._degrees = np.array([sum(e) for e in exponents(n)])
-        indices, factors = derivatives(n)
-        table = monomial_values(rays.directions, n)
-        self._jets = np.ascontiguousarray((table[indices] * factors[:, :, None]).transpose(2, 0, 1))  # (N, 20, C)
-        self._profiles = self._along_rays(table)
+        self.degrees = np.array([sum(e) for e in exponents(basis.degree)])
+        self._powers = np.equal.outer(np.arange(basis.degree + 1), self.degrees).astype(float)
+        self._monomials = monomial_values(rays.directions, basis.degree)
 
-    def _along_rays(self, table: Floats) -> Floats:
-        """The members' coefficients as polynomials in the distance: (N, n + 1, m)."""
-        profiles = np.zeros((len(self.rays.directions), self.basis.degree + 1, self.basis.size))
-        for power in range(self.basis.degree + 1):
-            columns = np.flatnonzero(self._degrees == power)
-            for piece, here in self.rays.slices:
-                profiles[here, power] = table[columns][:, here].T @ self.basis.coefficients[piece][:, columns].T
-        return profiles
+    @cached_property
+    def jets(self) -> Floats:
+        """The jets of the monomials at the rays' directions: (N, 20, C(n+3, 3))."""
+        indices, factors = derivatives(self.basis.degree)
+        table = self._monomials.T
+        result = np.empty((len(table), *factors.shape))
+        for row, (index, factor) in enumerate(zip(indices, factors, strict=True)):
+            result[:, row] = table[:, index] * factor
+        return result
 
     def view(self, member: Floats, near: Floats) -> View | None:
         """What is to be seen of a member, found from distances near by; None where a ray misses or grazes it."""
@@ -74,122 +76,135 @@ class Sight:
         if t is None:
             return None
         found = self._jets_of(member, t)
-        geometry = Geometry(found)
-        cosines = (geometry.normals * self.rays.directions).sum(axis=1)
+        geometry = MovingGeometry(found)
+        cosines = (geometry.axes[2] * self.rays.directions.T).sum(axis=0)
         if not bool((cosines > GRAZING).all()):
             return None
         areas = self.rays.solid_angles * t * t / cosines * self.scale**2
-        return View(member, t, found, self._seen(geometry, t), areas)
+        return View(member, t, found, geometry, self._seen(geometry, t), areas)
 
     def _distances(self, member: Floats, start: Floats) -> Floats | None:
-        profile = self._profiles @ member
+        profile = np.empty((self.basis.degree + 1, len(start)))
+        for piece, here in self.rays.slices:
+            column = member @ self.basis.coefficients[piece]
+            profile[:, here] = (self._powers * column) @ self._monomials[:, here]
         t = start
         step = slope = np.zeros_like(t)
         for _ in range(HIT_STEPS):
             value, slope = np.zeros_like(t), np.zeros_like(t)
-            for power in range(self.basis.degree, -1, -1):
+            for coefficients in profile[::-1]:
                 slope = slope * t + value
-                value = value * t + profile[:, power]
+                value = value * t + coefficients
             with np.errstate(all="ignore"):
                 step = value / slope
             t = t - np.clip(step, -LONGEST_STEP * t, LONGEST_STEP * t)
-            if np.abs(step).max(initial=0.0) < HIT * HIT:
+            if np.abs(step).max(initial=0.0) < MET:
                 break
         met = (np.abs(step) < HIT) & (slope > 0)
         return t if bool(met.all()) else None
 
     def _jets_of(self, member: Floats, t: Floats) -> Floats:
         """The jets (N, 20) of a member at distances."""
-        powers = t[:, None] ** self._degrees
-        result = np.empty((len(t), len(JETS)))
-        for piece, here in self.rays.slices:
-            column = powers[here] * (member @ self.basis.coefficients[piece])
-            result[here] = np.matmul(self._jets[here], column[:, :, None])[:, :, 0]
-        return result * t[:, None] ** -ORDERS.astype(float)
+        return self._evaluated(member, t, np.ones_like(self.degrees))
 
     def _jets_along(self, member: Floats, t: Floats) -> Floats:
         """The derivatives of the jets along the rays (N, 20)."""
-        powers = t[:, None] ** self._degrees
-        result = np.empty((len(t), len(JETS)))
-        for piece, here in self.rays.slices:
-            column = member @ self.basis.coefficients[piece]
-            slopes = np.stack([matrix @ column for matrix in _derivative_matrices(self.basis.degree)])
-            along = self.rays.directions[here] @ slopes
-            result[here] = np.matmul(self._jets[here], (powers[here] * along)[:, :, None])[:, :, 0]
-        return result * t[:, None] ** -ORDERS.astype(float)
+        return self._evaluated(member, t, self.degrees) / t[:, None]
 
-    def _seen(self, geometry: Geometry, t: Floats) -> SurfacePoints:
+    def _evaluated(self, member: Floats, t: Floats, times: NDArray[np.intp]) -> Floats:
+        """The jets of a member at distances, with the monomials of each as often as `times` says."""
+        result = np.empty((len(t), len(JETS)))
+        powers = self.power_table(t)
+        for piece, here in self.rays.slices:
+            forms = derived(member @ self.basis.coefficients[piece], self.basis.degree)
+            result[here] = ((forms * times) @ (self._monomials[:, here] * powers[:, here])).T
+        return result
+
+    def power_table(self, t: Floats) -> Floats:
+        """The powers of distances by which monomials are multiplied there: (C(n+3, 3), N)."""
+        return (t ** np.arange(self.basis.degree + 1)[:, None])[self.degrees]
+
+    def _seen(self, geometry: MovingGeometry, t: Floats) -> SurfacePoints:
         s = self.scale
-        c = geometry.variation / s**2
+        shape, variation = geometry.shape, geometry.variation / s**2
         return SurfacePoints(
             self.center + s * t[:, None] * self.rays.directions,
-            geometry.normals,
+            np.ascontiguousarray(geometry.normals),
             geometry.length / self.slope,
-            np.stack([geometry.shape[:, 0, 0], geometry.shape[:, 0, 1], geometry.shape[:, 1, 1]], axis=1) / s,
-            np.stack([c[:, 0, 0, 0], c[:, 0, 0, 1], c[:, 0, 1, 1], c[:, 1, 1, 1]], axis=1),
-            geometry.frame[:, :, :2],
+            np.stack([shape[:, 0, 0], shape[:, 0, 1], shape[:, 1, 1]], axis=1) / s,
+            np.stack([variation[:, a, b, c] for a, b, c in ((0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1))], axis=1),
+            np.ascontiguousarray(geometry.frame[:, :, :2]),
         )
 
-    def change(self, view: View) -> Change:
-        """How what is seen changes with the member."""
-        t = view.distances
-        geometry = MovingGeometry(view.jets)
-        normal, gradient, shape, variation = geometry.changes()
-        inner = np.einsum("nia,ni->na", geometry.frame, self.rays.directions)
-        by_jet = np.zeros((len(t), AREA + 1, COLUMNS + 1))  # the last column is the movement along the ray
-        by_jet[:, :3, COLUMNS] = self.scale * self.rays.directions
-        by_jet[:, 3:6, :COLUMNS] = normal
-        by_jet[:, 6, :COLUMNS] = gradient / self.slope
-        by_jet[:, 7:10, :COLUMNS] = shape / self.scale
-        by_jet[:, 10:14, :COLUMNS] = variation / self.scale**2
-        by_jet[:, AREA, :2] = -inner[:, :2] / (geometry.length * inner[:, 2])[:, None]
-        by_jet[:, AREA, COLUMNS] = 2 / t
-        steepness = geometry.length * inner[:, 2]
-        return Change(self, t, by_jet, geometry.frame_to_jet(), self._jets_along(view.member, t), steepness)
+    def change(self, view: View, chosen: NDArray[np.intp] | None = None) -> Change:
+        """How what is seen changes with the member; at some points, by rising numbers, or at all."""
+        points = np.arange(len(view.distances)) if chosen is None else chosen
+        geometry = view.geometry if chosen is None else MovingGeometry(view.jets[chosen])
+        t, directions = view.distances[points], self.rays.directions[points].T
+        normal, shape, variation = geometry.changes()
+        inner = (geometry.axes * directions).sum(axis=1)
+        steepness = geometry.length * inner[2]
+        by_jet = np.zeros((AREA + 1, COLUMNS + 1, len(t)))  # the last column is the movement along the ray
+        by_jet[:3, COLUMNS] = self.scale * directions
+        by_jet[3:6, :COLUMNS] = normal
+        by_jet[6, 2] = 1 / self.slope
+        by_jet[7:10, :COLUMNS] = shape / self.scale
+        by_jet[10:14, :COLUMNS] = variation / self.scale**2
+        by_jet[AREA, :2] = -inner[:2] / steepness
+        by_jet[AREA, COLUMNS] = 2 / t
+        along = self._jets_along(view.member, view.distances)[points]
+        return Change(self, points, t, _points_first(by_jet), _points_first(geometry.frame_to_jet()), along, steepness)
+
+
+def _points_first(table: Floats) -> Floats:
+    return np.ascontiguousarray(table.transpose(2, 0, 1))
 
 
 @dataclass(frozen=True)
 class Change:
-    """The derivatives of what is seen at N points by the member, as products that are multiplied out when needed.
+    """The derivatives of what is seen at some points (K,) by the member, as products multiplied out when needed.
 
-    `by_jet` (N, 15, 13): quantities and log of area by framed jets and by the movement along the ray.
+    `by_jet` (K, 15, 13): quantities and log of area by framed jets and by the movement along the ray.
     """
 
     sight: Sight
+    points: NDArray[np.intp]
     distances: Floats
     by_jet: Floats
     frame_to_jet: Floats
     jets_along: Floats
     steepness: Floats
 
-    def jacobian(self, slopes: Floats, chosen: NDArray[np.intp] | None = None) -> Floats:
-        """The derivatives (N * R, m) by the member of residuals with `slopes` (N, R, 15) by what is seen.
+    def some(self, chosen: NDArray[np.intp]) -> Change:
+        """The same for some of the points, by rising numbers."""
+        arrays = (self.distances, self.by_jet, self.frame_to_jet, self.jets_along, self.steepness)
+        return Change(self.sight, self.points[chosen], *(array[chosen] for array in arrays))
 
-        `chosen`, rising, are the points (K,) to which slopes (K, R, 15) belong where these are not all.
+    def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+        """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.
+
+        By the coefficients of each piece first: there are fewer of these products than there are residuals.
         """
-        points = slice(None) if chosen is None else chosen
-        sight, t = self.sight, self.distances[points]
-        by_frame = np.matmul(slopes, self.by_jet[points])
-        by_jet = np.matmul(by_frame[:, :, :COLUMNS], self.frame_to_jet[points])
-        moved = np.matmul(by_jet, self.jets_along[points][:, :, None])[:, :, 0] + by_frame[:, :, COLUMNS]
-        by_jet[:, :, 0] -= moved / self.steepness[points, None]
-        by_jet *= (t[:, None] ** -ORDERS.astype(float))[:, None, :]
-        by_coefficient = np.matmul(by_jet, sight._jets[points]) * (t[:, None] ** sight._degrees)[:, None, :]
-        result = np.empty((*slopes.shape[:2], sight.basis.size))
-        for piece, here in self._slices(chosen):
-            block = by_coefficient[here]
-            rows = block.reshape(-1, block.shape[2]) @ sight.basis.coefficients[piece].T
-            result[here] = rows.reshape(*block.shape[:2], -1)
-        return result.reshape(-1, sight.basis.size)
+        basis = self.sight.basis
+        gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
+        for piece, here in self.sight.rays.slices:
+            first, last = np.searchsorted(self.points, (here.start, here.stop))
+            if first < last:
+                rows = self._by_coefficient(slopes, slice(first, last))
+                members = basis.coefficients[piece]
+                gram += members @ (rows.T @ rows) @ members.T
+                gradient += members @ (values[first:last].ravel() @ rows)
+        return (gram + gram.T) / 2, gradient
 
-    def _slices(self, chosen: NDArray[np.intp] | None) -> list[tuple[int, slice]]:
-        slices = self.sight.rays.slices
-        if chosen is None:
-            return list(slices)
-        ends = [(p, *np.searchsorted(chosen, (here.start, here.stop)).tolist()) for p, here in slices]
-        return [(p, slice(a, b)) for p, a, b in ends if b > a]
-
-
-@cache
-def _derivative_matrices(degree: int) -> tuple[Floats, ...]:
-    return tuple(derivative_matrix(degree, axis) for axis in range(3))
+    def _by_coefficient(self, slopes: Floats, here: slice) -> Floats:
+        """The derivatives (K R, C(n+3, 3)) of residuals at points of one piece by its coefficients."""
+        by_frame = np.matmul(slopes[here], self.by_jet[here])
+        by_jet = np.matmul(by_frame[:, :, :COLUMNS], self.frame_to_jet[here])
+        moved = np.matmul(by_jet, self.jets_along[here, :, None])[:, :, 0] + by_frame[:, :, COLUMNS]
+        by_jet[:, :, 0] -= moved / self.steepness[here, None]
+        distances = self.distances[here]
+        by_jet *= (distances[:, None] ** -ORDERS.astype(float))[:, None, :]
+        all_points = len(self.points) == len(self.sight.jets)
+        by_coefficient = np.matmul(by_jet, self.sight.jets[here if all_points else self.points[here]])
+        by_coefficient *= self.sight.power_table(distances).T[:, None, :]
+        return by_coefficient.reshape(-1, by_coefficient.shape[2])

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, count, monomial_values
+from pas.algebra.monomials import Floats, count, exponents, monomial_values
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.geometry import FIRST, derivatives
@@ -161,11 +161,11 @@ def _values(columns: Sequence[Floats], degree: int, points: Floats, pieces: Piec
 
 def _met(columns: Sequence[Floats], degree: int, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
     """Where rays to given ends meet the member, 0 for those that end inside, and the area for a unit of solid angle."""
-    starts = [count(d - 1) for d in range(degree + 1)]
+    degrees = np.equal.outer(np.arange(degree + 1), [sum(e) for e in exponents(degree)])
     profiles = np.empty((degree + 1, len(ends)))
     for piece in np.unique(pieces):
         here = pieces == piece
-        profiles[:, here] = np.add.reduceat(columns[piece][:, None] * monomial_values(ends[here], degree), starts)
+        profiles[:, here] = (degrees * columns[piece]) @ monomial_values(ends[here], degree)
     shares = _roots(profiles)
     lengths = np.linalg.norm(ends, axis=1)
     values = profiles.sum(axis=0)

@@ -37,49 +37,76 @@ THIRD = np.array([[[_place(i, j, k) for k in range(3)] for j in range(3)] for i 
 
 def jets(points: Floats, column: Floats, degree: int) -> Floats:
     """The jets (N, 20) at points (N, 3) of the polynomial with coefficients (C(n+3, 3),)."""
-    indices, factors = derivatives(degree)
-    table = monomial_values(points, degree)
-    return np.stack([(factors[row] * column) @ table[indices[row]] for row in range(len(JETS))], axis=1)
+    return (derived(column, degree) @ monomial_values(points, degree)).T
+
+
+def derived(column: Floats, degree: int) -> Floats:
+    """The coefficients (20, C(n+3, 3)) of a polynomial and its derivatives, in the order of `JETS`."""
+    places, sources, factors = _scattered(degree)
+    result = np.zeros((len(JETS), len(column)))
+    result.ravel()[places] = factors * column[sources]
+    return result
 
 
 class Geometry:
-    """Frames, shape operators and their covariant derivatives, of jets (N, 20)."""
+    """Frames, shape operators and their covariant derivatives, of jets (N, 20).
+
+    Inside, the points come last, so that all components are worked out for all points at once: `axes` (3, 3, N), the
+    vectors of the frame as rows, `second` (3, 3, N) and `third` (2, 2, 3, N), the derivatives in the frame.
+    """
 
     def __init__(self, jets: Floats) -> None:
-        g, hessian, third = jets[:, FIRST], jets[:, SECOND], jets[:, THIRD]
-        self.length = np.linalg.norm(g, axis=1)
-        n = g / self.length[:, None]
-        other = np.where((np.abs(n[:, 0]) < 0.6)[:, None], [1.0, 0, 0], [0, 1.0, 0])
-        t1 = np.cross(n, other)
-        t1 /= np.linalg.norm(t1, axis=1)[:, None]
-        frame = np.stack([t1, np.cross(n, t1), n], axis=2)
-        tangent = np.matmul(frame.transpose(0, 2, 1), np.matmul(hessian, frame))
-        angle = 0.5 * np.arctan2(2 * tangent[:, 0, 1], tangent[:, 0, 0] - tangent[:, 1, 1])
-        cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
-        turned = [cos * frame[:, :, 0] + sin * frame[:, :, 1], cos * frame[:, :, 1] - sin * frame[:, :, 0]]
-        self.frame = np.stack([*turned, n], axis=2)
-        self.hessian = np.matmul(self.frame.transpose(0, 2, 1), np.matmul(hessian, self.frame))
-        partly = np.matmul(third.reshape(len(g), 9, 3), self.frame).reshape(len(g), 3, 3, 3)  # ijc
-        partly = np.matmul(partly.transpose(0, 1, 3, 2), self.frame[:, None])  # icb
-        self.third = np.matmul(partly.transpose(0, 3, 2, 1), self.frame[:, None])  # bca, symmetric
-        self.shape = self.hessian[:, :2, :2] / self.length[:, None, None]
-        s, h = self.shape, self.hessian[:, :2, 2]
-        self.variation = (
-            self.third[:, :2, :2, :2]
-            - s[:, :, :, None] * h[:, None, None, :]
-            - s[:, :, None, :] * h[:, None, :, None]
-            - s[:, None, :, :] * h[:, :, None, None]
-        ) / self.length[:, None, None, None]
+        jet = np.ascontiguousarray(jets.T)
+        g, hessian, third = jet[FIRST], jet[SECOND], jet[THIRD]
+        self.length = np.sqrt((g * g).sum(axis=0))
+        n = g / self.length
+        zero = np.zeros_like(self.length)
+        t1 = np.where(np.abs(n[0]) < 0.6, [zero, n[2], -n[1]], [-n[2], zero, n[0]])  # across the first or second axis
+        t1 /= np.sqrt((t1 * t1).sum(axis=0))
+        t2 = np.stack([n[1] * t1[2] - n[2] * t1[1], n[2] * t1[0] - n[0] * t1[2], n[0] * t1[1] - n[1] * t1[0]])
+        along, across = (hessian * t1).sum(axis=1), (hessian * t2).sum(axis=1)
+        angle = 0.5 * np.arctan2(2 * (along * t2).sum(axis=0), (along * t1).sum(axis=0) - (across * t2).sum(axis=0))
+        cos, sin = np.cos(angle), np.sin(angle)
+        self.axes = np.stack([cos * t1 + sin * t2, cos * t2 - sin * t1, n])
+        self.second = _along(_along(hessian, self.axes), self.axes)
+        tangents = self.axes[:2]
+        self.third = _along(_along(_along(third, self.axes), tangents), tangents)
+        self._shape = self.second[:2, :2] / self.length
+        s, h = self._shape, self.second[:2, 2]
+        self._variation = (
+            self.third[:, :, :2] - s[:, :, None] * h - s[:, None] * h[:, None] - s * h[:, None, None]
+        ) / self.length
+
+    @property
+    def frame(self) -> Floats:
+        """The vectors T1, T2, n of the frame as columns (N, 3, 3)."""
+        return self.axes.transpose(2, 1, 0)
+
+    @property
+    def shape(self) -> Floats:
+        """The shape operator in the frame (N, 2, 2)."""
+        return self._shape.transpose(2, 0, 1)
+
+    @property
+    def variation(self) -> Floats:
+        """Its covariant derivative in the frame (N, 2, 2, 2)."""
+        return self._variation.transpose(3, 0, 1, 2)
 
     @property
     def normals(self) -> Floats:
         """Outward unit normals (N, 3)."""
-        return self.frame[:, :, 2]
+        return self.axes[2].T
 
     @property
     def principal(self) -> Floats:
         """Principal curvatures (N, 2), the larger first."""
-        return np.stack([self.shape[:, 0, 0], self.shape[:, 1, 1]], axis=1)
+        return np.stack([self._shape[0, 0], self._shape[1, 1]], axis=1)
+
+
+def _along(form: Floats, vectors: Floats) -> Floats:
+    """A multilinear form (..., 3, N) with vectors (k, 3, N) for its last argument, which then comes first."""
+    between = (1,) * (form.ndim - 2)
+    return (form * vectors.reshape(len(vectors), *between, 3, -1)).sum(axis=-2)
 
 
 @cache
@@ -94,3 +121,11 @@ def derivatives(degree: int) -> tuple[NDArray[np.intp], Floats]:
                 indices[row, column] = where[lower]
                 factors[row, column] = np.prod([float(p - k) for p, q in zip(e, jet, strict=True) for k in range(q)])
     return indices, factors
+
+
+@cache
+def _scattered(degree: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """Where in a table (20, C(n+3, 3)) the coefficients of derivatives stand, and of which they are what multiples."""
+    indices, factors = derivatives(degree)
+    rows, sources = np.nonzero(factors)
+    return rows * factors.shape[1] + indices[rows, sources], sources, factors[rows, sources]

@@ -197,12 +197,18 @@ def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
 
 def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
     """Points of a triangle's uniform lattice (m, 3), and the edges of its small triangles."""
-    n = subdivisions
+    weights, pairs = _lattice(subdivisions)
+    return weights @ corners, pairs
+
+
+@cache
+def _lattice(n: int) -> tuple[Floats, np.ndarray]:
+    """Barycentric coordinates of the points of a triangle's uniform lattice, and the edges."""
     index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
     weights = np.array([(i, j, n - i - j) for i, j in index]) / n
     steps = ((1, 0), (0, 1), (1, -1))
     pairs = [(k, index[i + di, j + dj]) for (i, j), k in index.items() for di, dj in steps if (i + di, j + dj) in index]
-    return weights @ corners, np.array(pairs)
+    return weights, np.array(pairs)
 
 
 def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) -> tuple[Floats, Floats]:
