@@ -20,11 +20,17 @@ ROOT = Path(__file__).parent.parent
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 EQUAL = ("1/3", "1/3", "1/3")
 UNEQUAL = ("1/3", "1/4", "2/5")
+ELBOW = ("1/3", "1/3")
 
 
 def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) -> list[pas.Pipe]:
     """Three pipes along the axes."""
     return [pas.Pipe(axis=a, radius=r, clip=h) for a, r, h in zip(AXES, radii, clips, strict=True)]
+
+
+def corner(radii: tuple[str, ...]) -> list[pas.Pipe]:
+    """Pipes along the first axes, as many as there are radii."""
+    return [pas.Pipe(axis=a, radius=r, clip=1) for a, r in zip(AXES, radii, strict=False)]
 
 
 @cache
@@ -36,7 +42,7 @@ def solved(radii: tuple[str, ...], order: int, degree: int | None = None) -> pas
 @cache
 def fair(radii: tuple[str, ...], order: int) -> pas.Blend:
     """A blend of a unit corner, or of an elbow for two radii, as users get it, solved once for all tests."""
-    return pas.blend(pipes(radii) if len(radii) == 3 else pipes((*radii, "1/3"))[:2], order)
+    return pas.blend(corner(radii), order)
 
 
 @pytest.fixture(scope="session")

@@ -56,7 +56,7 @@ draw = runpy.run_path(str(ROOT / "benchmarks/random_corners.py"))["draw"]
 """Three pipes with circles that fit their faces with 10% to spare, from a random generator."""
 
 
-@pytest.mark.parametrize(("order", "count"), [(1, 12), (2, 8), (3, 3)])
+@pytest.mark.parametrize(("order", "count"), [(1, 8), (2, 4), (3, 1)])
 def test_random_corners(order, count):
     generator = random.Random(7)
     for _ in range(count):
@@ -81,12 +81,14 @@ def test_points_shape_the_surface():
     direction = np.array([-1.0, -1, -1]) / np.sqrt(3)
     before = float(free.surface.intersect_rays(np.zeros(3), direction))
     through = Fraction(round(1000 * (before + 0.1) / np.sqrt(3)), -1000)
-    moved = pas.blend(pipes(UNEQUAL), 1, degree=4, through=[(through,) * 3])
+    plate = pas.ThinPlate()  # as of the free one
+    moved = pas.blend(pipes(UNEQUAL), 1, degree=4, energy=plate, through=[(through,) * 3])
     assert moved.certificate.proved
     cell = moved.surface.cells[0]
     assert cell.polynomial.at((through,) * 3) == 0
     assert moved.energy > free.energy
-    outside = pas.blend(pipes(UNEQUAL), 1, degree=4, inside=[("-1/4",) * 3], outside=[("-13/40",) * 3])
+    points = {"inside": [("-1/4",) * 3], "outside": [("-13/40",) * 3]}
+    outside = pas.blend(pipes(UNEQUAL), 1, degree=4, energy=plate, **points)
     assert outside.certificate.proved
     assert outside.surface.contains([[-0.25] * 3, [-0.325] * 3]).tolist() == [True, False]
     assert outside.surface.cells[0].polynomial.at(("-1/4",) * 3) <= -Fraction(9, 10**5)
@@ -95,7 +97,11 @@ def test_points_shape_the_surface():
 def test_near_points_are_approached_with_their_weight():
     point = ("-3/10", "-3/10", "-3/10")
     values = [
-        abs(float(pas.blend(pipes(UNEQUAL), 1, 4, near=[point], near_weight=w).surface([-0.3] * 3)))
+        abs(
+            float(
+                pas.blend(pipes(UNEQUAL), 1, 4, energy=pas.ThinPlate(), near=[point], near_weight=w).surface([-0.3] * 3)
+            )
+        )
         for w in (0, 10, 10**4)
     ]
     assert values[0] > 1.2 * values[1] > 10 * values[2]
@@ -166,7 +172,9 @@ def test_refit_is_the_same_problem_with_other_points():
 
 
 def test_without_proof_the_certificate_waits_until_asked():
-    blend = pas.blend(pipes(EQUAL), 1, prove=False)
+    blend = pas.blend(
+        pipes(EQUAL), 1, prove=False, limits=pas.FairnessLimits(2, 3, 1, 1)
+    )  # the first degree keeps them
     assert set(blend.timings) == {"partition", "solve", "fit", "measure"}
     assert blend.certificate.proved
 

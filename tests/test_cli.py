@@ -172,7 +172,7 @@ def test_unprovable_problems_write_what_they_found(tmp_path, capsys):
 @pytest.mark.parametrize("command", ["blend", "parametric"])
 @pytest.mark.parametrize(
     ("path", "wanted"),
-    [("corners/equal_gc1", 0), ("parametric/example_1", 1), ("parametric/generatrix/quadrics", 0)],
+    [("corners/published_proved", 0), ("parametric/example_1", 1), ("parametric/generatrix/quadrics", 0)],
 )
 def test_both_commands_take_every_problem(command, path, wanted, tmp_path, capsys):
     file = ROOT / f"examples/{path}.toml"

@@ -44,7 +44,7 @@ def test_cones_make_a_corner_like_pipes():
         pas.Cone(axis=(0, 1, 0), radius="1/3", clip=1, slope="-1/20", point=(5, 1, 0)),
         pas.Pipe(axis=(0, 0, 1), radius="1/3", clip=1, point=(5, 1, 0)),
     ]
-    blend = pas.blend(cones, 1)
+    blend = pas.blend(cones, 1, energy=pas.ThinPlate())
     assert blend.surface.partition.vertices == pas.SixTetrahedra((5, 1, 0)).vertices
     assert blend.certificate.proved
     wide = pas.Cone(axis=(0, 1, 0), radius="4/5", clip=1, slope=0, point=(5, 1, 0))

@@ -7,7 +7,7 @@ import runpy
 import numpy as np
 import pytest
 import trimesh
-from conftest import ROOT
+from conftest import EQUAL, ROOT, solved
 
 import pas
 from pas import solid
@@ -18,11 +18,9 @@ from pas.exchange.parts import TRIANGLES
 HOLDS = {"triangles", "patches", "cells", "tetrahedra"}
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def shapes():
-    ball = solid.ball((0, 0, 0), 1)
-    pipes = [pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
-    blend = pas.blend(pipes, 1)
+    ball, blend = solid.ball((0, 0, 0), 1), solved(EQUAL, 1)
     return {
         "solid": ball,
         "mesh": ball.mesh(0.1),

@@ -5,18 +5,16 @@ from __future__ import annotations
 import meshio
 import numpy as np
 import pytest
+from conftest import UNEQUAL, fair
 from igl.copyleft import cgal
 
 import pas
 from pas import solid
 from pas.designs.teapot import teapot
 
-AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-
 
 def corner(order: int) -> solid.Solid:
-    pipes = [pas.Pipe(a, r, 1) for a, r in zip(AXES, ("1/3", "1/4", "2/5"), strict=True)]
-    return pas.blend(pipes, order=order).solid("1/2")
+    return fair(UNEQUAL, order).solid("1/2")
 
 
 SOLIDS = {

@@ -65,7 +65,7 @@ def test_moved_surfaces_are_kept_exactly(tmp_path):
     center = (1000, "-2000/3", 77)
     items = [pas.Pipe(a, "1/3", 1, point=center) for a in ((3, 4, 0), (-4, 3, 0), (0, 0, 5))]
     items = [pas.Pipe(p.axis, 1, 1, point=center) for p in items]
-    blend = pas.blend(items, 1)
+    blend = pas.blend(items, 1, energy=pas.ThinPlate())
     again = pas.load(blend.save(tmp_path / "moved.pas.json"))
     assert again.surface.patches == blend.surface.patches
     assert again.surface.certify().proved

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from flint import fmpq, fmpz
 
-from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, shown
+from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, short, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -86,7 +86,7 @@ def amount(value: Any, name: str) -> fmpq:
     """The number that `value` stands for, not negative and within doubles; raises as `rational` does."""
     number = rational(value, name)
     if number < 0:
-        raise ValueError(f"{name} must not be negative, not {shown(plain(number))}")
+        raise ValueError(f"{name} must not be negative, not {short(plain(number))}")
     if to_float(number) == math.inf:
         raise ValueError(f"{name} must be below {sys.float_info.max:.2g}, not {shown(value)}")
     return number

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from conftest import ROOT
+from conftest import EQUAL, ROOT, solved
 
 import pas
 from pas import solid
@@ -51,15 +52,22 @@ def _pipes(*_: Any) -> list[pas.Pipe]:
 
 def _corner(folder: Path) -> pas.Blend:
     """A blend without proofs yet."""
-    return pas.load(_saved(folder, lambda path: pas.blend(_pipes(), 1, prove=False).save(path)))
+    return pas.load(_saved_blend(folder))
 
 
-def _blend(*_: Any) -> pas.Blend:
+def _blend(folder: Path) -> pas.Blend:
+    """A fair one, whose space is solved again."""
+    return pas.load(_saved(folder, lambda path: fairest().save(path)))
+
+
+@cache
+def fairest() -> pas.Blend:
+    """The blend of degree 3 that is chosen by curvature variation."""
     return pas.blend(_pipes(), 1, 3, prove=False)
 
 
-def _surface(*_: Any) -> pas.PiecewiseSurface:
-    return pas.blend(_pipes(), 1, prove=False).surface
+def _surface(folder: Path) -> pas.PiecewiseSurface:
+    return _corner(folder).surface
 
 
 def _saved(folder: Path, save: Callable[[Path], Any]) -> Path:
@@ -117,7 +125,7 @@ def _ends(*_: Any) -> list[pas.Boundary]:
 
 
 def _saved_blend(folder: Path) -> Path:
-    return _saved(folder, lambda path: pas.blend(_pipes(), 1, prove=False).save(path))
+    return _saved(folder, lambda path: solved(EQUAL, 1).save(path))
 
 
 def _saved_shell(folder: Path) -> Path:
@@ -145,8 +153,11 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
 }
 """The commands by name, what they read, and their arguments, of which {} is what they read."""
 
+LAX = pas.FairnessLimits(2, 3, 1, 1)
+"""What the first degree keeps, so that it is measured and no other is tried."""
+
 LONG_CALLS = {
-    "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, **k)),
+    "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, limits=LAX, **k)),
     "PiecewiseSurface.curvature_below": LongCall(_surface, lambda p, f, **k: p.curvature_below(20, **k)),
     "Blend.refit": LongCall(_blend, lambda p, f, **k: p.refit(tension=6, steps=None, **k)),
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),

@@ -19,6 +19,7 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -86,7 +87,7 @@ class Worker:
         return self.process
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def worker() -> Iterator[Worker]:
     made = Worker()
     yield made
@@ -94,9 +95,10 @@ def worker() -> Iterator[Worker]:
 
 
 @cache
-def bases(folder: Path) -> tuple[Base, ...]:
-    folder.mkdir(parents=True, exist_ok=True)
-    return (*problems(), *projects(folder))
+def bases() -> tuple[Base, ...]:
+    """The good files, made once for all tests of this process."""
+    with TemporaryDirectory() as folder:
+        return (*problems(), *projects(Path(folder)))
 
 
 def case(number: int, known: tuple[Base, ...]) -> tuple[Base, tuple[str, ...], bytes]:
@@ -202,7 +204,7 @@ def _contradicted(worker: Worker, reply: dict[str, Any], base: Base, content: by
 
 def hunt(numbers: range, worker: Worker, folder: Path) -> list[str]:
     """What went wrong in the cases of these numbers."""
-    known, found = bases(folder / "bases"), []
+    known, found = bases(), []
     for number in numbers:
         base, command, content = case(number, known)
         reply, file = run(worker, base, command, content, folder / "case")
@@ -226,7 +228,7 @@ def test_ten_thousand_changed_files(chunk, worker, tmp_path):
 
 
 def test_the_files_are_good_before_they_are_changed(worker, tmp_path):
-    for base in bases(tmp_path / "bases"):
+    for base in bases():
         for command in base.commands:
             reply, file = run(worker, base, command, base.text.encode(), tmp_path / "case", None)
             assert not judged(reply, file)
