@@ -208,7 +208,7 @@ class Wishes:
         """Up to what a surface in a place counts as fair: what is wished, or what is usual."""
         if self.limits is not None:
             return self.limits
-        if len(placed.partition.pieces) < 2:
+        if placed.partition.title == placed.partition.name:  # a classical partition, or a user's own
             return FairnessLimits.of_order(placed.order)
         scale = to_float(placed.partition.frame.scale)
         return FairnessLimits.of_node(placed.order, [neighbour(join, scale) for join in placed.joins])

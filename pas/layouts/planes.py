@@ -1,8 +1,8 @@
 """Full planes through the centre, for symmetric nodes.
 
 Where a few whole planes keep all contacts apart, the pieces are the regions of their arrangement.  Such planes
-rarely exist, but for the six directions of a cube the four planes `+-x +-y + z = 0` do: fourteen pieces that share the symmetry
-of the node, which no fan has.
+rarely exist, but for the six directions of a cube the four planes `+-x +-y + z = 0` do: fourteen pieces that share the
+symmetry of the node, which no fan has.
 """
 
 from __future__ import annotations

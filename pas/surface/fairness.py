@@ -52,9 +52,6 @@ CURVE = 96
 SHARP, HOLLOW, BULGE, WRONG = 0.02, 0.5, 0.1, 0.05
 """Units in which what is beyond the limits counts: of sharpness, hollowness, bulge and wrong-sign curvature."""
 
-SQUARE = 1e-6
-"""Cosine up to which neighbours count as perpendicular."""
-
 NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE, NODE_WRONG = 1.15, 1.5, 1.6, 0.1, 1.0
 """Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge; and wrong
 sign, which sections across the plane of no symmetry may have."""
@@ -104,13 +101,9 @@ class FairnessLimits:
     def of_node(cls, order: int, neighbours: Sequence[Neighbour]) -> FairnessLimits:
         """The usual ones around neighbours in any directions.
 
-        Perpendicular ones may come as close to their fillets as a corner does.  Others leave room for arcs of the
-        radius `largest_arc` only, beside which no fillet can be flatter.
+        They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter.
         """
         usual = cls.of_order(order)
-        units = np.array([n.mean / n.distance for n in neighbours])
-        if np.abs(np.triu(units @ units.T, 1)).max(initial=0.0) < SQUARE:
-            return usual
         tightest = 1 / (largest_arc(neighbours) * max(n.curvature for n in neighbours))
         sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
         return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, NODE_WRONG)

@@ -165,7 +165,7 @@ class _View:
         if slope >= 0:
             return False
         step = 4 * abs(f(fmpq(1)) / slope) + _fmpq(Fraction(1, 2**50))
-        return step < fmpq(1, 10**6) and f(1 - step) > 0 > f(1 + step)
+        return step < fmpq(1, 10**2) and f(1 - step) > 0 > f(1 + step)  # a change of signs shows it, however far
 
     def enclosure_fails(self, point: Point) -> bool:
         """Whether f is not positive on a wall, or not of the contact's sign on a clip face, at a point."""
