@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pas import Polynomial, Status
 from pas.algebra.monomials import count, evaluate, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
-from pas.bernstein.forms import b_form, on_simplex, rounded, rounded_forms
+from pas.bernstein.forms import LARGEST_ERROR, UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex, rounded, rounded_forms
 from pas.bernstein.gram import gram
 from pas.bernstein.signs import Limits, prove_apart, prove_positive, rounding_bound
 from pas.bernstein.subdivision import edges, halved, halves, halving
@@ -148,6 +148,40 @@ def signs(p: str | None, *zeros: str | None):
 
 
 CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))]
+
+
+@pytest.mark.parametrize("corners", [2, 3, 4])
+@pytest.mark.parametrize("degree", [0, 1, 4, 7])
+def test_forms_in_doubles_are_as_near_as_they_say(degree, corners):
+    """Each its own polynomial on its own simplex; hardly worse than the rounding of single steps."""
+    polynomials = [dense(degree, seed) / 10**seed for seed in range(5)]
+    simplices = [[vector([c * (i + 1) for c in v]) for v in TETRAHEDRON[:corners]] for i in range(5)]
+    forms, error = nearby_forms([p.raw for p in polynomials], simplices, degree)
+    assert UNIT_ROUNDOFF <= error < 1e-11
+    for p, simplex, form in zip(polynomials, simplices, forms, strict=True):
+        exact = b_form(on_simplex(p.raw, simplex), degree, corners - 1)
+        largest = max(map(abs, exact))
+        off = [abs(to_fraction(v / largest) - Fraction(f)) for v, f in zip(exact, form.tolist(), strict=True)]
+        assert max(off) <= error and np.abs(form).max() == pytest.approx(1)
+
+
+@pytest.mark.parametrize("size", [1, Fraction(1, 10**320), 10**400, Fraction(1, 10**205)])
+def test_forms_that_cancel_or_leave_the_range_of_doubles_are_rounded(size):
+    near = [vector([1 + c / 10**6 for c in v]) for v in TETRAHEDRON]
+    for p in (Polynomial("(x - 1)^4 + (y - 1)^4") * size, Polynomial("x + y + 1") * size, Polynomial(0)):
+        degree = max(p.degree, 0)
+        forms, error = nearby_forms([p.raw], [near], degree)
+        exact = rounded_forms(p.raw, [near], degree)
+        assert np.abs(forms - exact).max() <= error < LARGEST_ERROR + UNIT_ROUNDOFF
+    cancelled = Polynomial("(x - 1)^4 + (y - 1)^4").raw
+    assert np.array_equal(nearby_forms([cancelled], [near], 4)[0], rounded_forms(cancelled, [near], 4))
+
+
+def test_an_error_before_the_halvings_counts():
+    """x + 1/10 on a segment is positive, and cannot be told from what is not where forms may be off by 1/10."""
+    form, corners = rounded_forms(Polynomial("x + 1/10").raw, [SEGMENT]), np.array([[to_floats(v) for v in SEGMENT]])
+    assert prove_positive(form, corners).status is Status.PROVED
+    assert prove_positive(form, corners, limits=Limits(halvings=8), error=0.1).status is Status.UNDECIDED
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from math import factorial, lcm, prod
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
-from pas.algebra.polynomial import GENERATORS, RING
-from pas.algebra.rational import Vector
+from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.algebra.rational import Vector, to_floats
+
+UNIT_ROUNDOFF = 2.0**-53
+
+LARGEST_ERROR, SMALLEST = 2.0**-36, 1e-200
+"""What forms in doubles may be off by, over their largest coefficient, which is to be far from underflow."""
 
 LARGEST_TABLE = 14
 """Up to this degree B-forms are made by a table of integers, which is kept; it would be too large beyond."""
@@ -106,10 +112,16 @@ def rounded(values: Sequence[fmpq]) -> Floats:
 
     The scale is positive, so signs are kept, and each result errs by at most 2^-53.
     """
-    largest = max((abs(v) for v in values), default=fmpq(0))
+    denominator = lcm(*(int(v.q) for v in values))
+    return _rounded([int(v.p) * (denominator // int(v.q)) for v in values])
+
+
+def _rounded(whole: Sequence[int]) -> Floats:
+    """The same of whole numbers."""
+    largest = max(map(abs, whole), default=0)
     if largest == 0:
-        return np.zeros(len(values))
-    return np.array([int(q.p) / int(q.q) for q in (v / largest for v in values)])
+        return np.zeros(len(whole))
+    return np.array([v / largest for v in whole])
 
 
 def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]], degree: int | None = None) -> Floats:
@@ -118,4 +130,76 @@ def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]],
     As of degree `degree`, by default the polynomial's own.
     """
     degree = max(int(polynomial.total_degree()), 0) if degree is None else degree
-    return np.array([rounded(b_form(on_simplex(polynomial, s), degree, len(s) - 1)) for s in simplices])
+    return np.array([_rounded_form(polynomial, s, degree) for s in simplices])
+
+
+def _rounded_form(polynomial: fmpq_mpoly, simplex: Sequence[Vector], degree: int) -> Floats:
+    return rounded(b_form(on_simplex(polynomial, simplex), degree, len(simplex) - 1))
+
+
+def nearby_forms(
+    polynomials: Sequence[fmpq_mpoly], simplices: Sequence[Sequence[Vector]], degree: int
+) -> tuple[Floats, float]:
+    """B-coefficients (N, m) of a polynomial on each of N simplices of one dimension, and by how much each may be off.
+
+    Scaled as by `rounded`, but worked out in doubles, for all simplices at once, by polar forms (Ramshaw 1989) whose
+    arguments are put in one after the other.  Where that may be off by more than `LARGEST_ERROR`, they are `rounded`.
+
+    Each of the `degree` steps multiplies by coordinates, which are rounded, and adds four products; the first factors
+    are coefficients times weights, both rounded.  So a B-coefficient is a sum of products, each with at most
+    `5 degree + 3` factors 1 + e, |e| <= 2^-53, and is off by at most 1.01 times so many 2^-53 of the sum of their sizes
+    (Higham 2002, section 3.1).  That sum is found in the same way and with the same relative error: the bound is
+    doubled.  Scaling adds 2^-53.
+    """
+    if not polynomials:
+        return np.empty((0, 0)), UNIT_ROUNDOFF
+    table = np.stack([_polar_table(p, degree) for p in polynomials], axis=1)
+    places = np.array([[(1.0, *to_floats(corner)) for corner in s] for s in simplices]).transpose(1, 2, 0)
+    with np.errstate(all="ignore"):  # what is not finite is rounded
+        forms = np.stack(list(_blossom(table, degree, places)), axis=1)
+        sizes = np.stack(list(_blossom(np.abs(table), degree, np.abs(places))), axis=1)
+        largest = np.abs(forms).max(axis=1)
+        errors = 2 * (5 * degree + 3) * UNIT_ROUNDOFF * sizes.max(axis=1) / largest + UNIT_ROUNDOFF
+        forms /= largest[:, None]
+    near = (errors <= LARGEST_ERROR) & (largest > SMALLEST)
+    for i in np.flatnonzero(~near).tolist():
+        forms[i] = _rounded_form(polynomials[i], simplices[i], degree)
+    return forms, float(errors[near].max(initial=UNIT_ROUNDOFF))
+
+
+def _polar_table(polynomial: fmpq_mpoly, degree: int) -> Floats:
+    """The polar form at unit vectors and 0, in the order of `exponents`."""
+    return Polynomial.from_raw(polynomial).dense(degree) * _polar_weights(degree)
+
+
+@cache
+def _polar_weights(degree: int) -> Floats:
+    """What coefficients are multiplied with to be values of the polar form: 1 over multinomial coefficients."""
+    parts = ((degree - sum(e), *e) for e in exponents(degree))
+    return np.array([prod(map(factorial, part)) / factorial(degree) for part in parts])
+
+
+def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:
+    """A polar form with all choices of `degree` of the places (d + 1, 4, N), in descending lexicographic order."""
+    place, rest = places[0], places[1:]
+    forms = [table]
+    for left in range(degree, 0, -1):
+        forms.append(_with(forms[-1], left, place))
+    if not len(rest):
+        yield forms[-1][0]
+        return
+    for times in range(degree, -1, -1):
+        yield from _blossom(forms[times], degree - times, rest)
+
+
+def _with(table: Floats, degree: int, place: Floats) -> Floats:
+    """The polar form of `degree` arguments, one of which is a place (4, N): that of the others."""
+    result: Floats = (table[_steps(degree - 1)] * place).sum(axis=1)
+    return result
+
+
+@cache
+def _steps(degree: int) -> NDArray[np.intp]:
+    """Where monomials of degree <= `degree`, times 1, x, y and z, stand: (C(n+3, 3), 4)."""
+    where, units = positions(degree + 1), ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+    return np.array([[where[a + i, b + j, c + k] for i, j, k in units] for a, b, c in exponents(degree)])

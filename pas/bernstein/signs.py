@@ -9,10 +9,11 @@ any other simplex is halved at its longest edge.  Several polynomials may change
 without a common zero: with them a claim is proved or left undecided.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
-2^-53).  One halving is a product with rows of at most n+1 nonzero nonnegative weights of sum 1,
-whose computed value errs by at most (n+2) 2^-53 (Higham 2002, section 3.1), and does not
-enlarge the errors before it.  After m halvings every coefficient is within
-`(1 + m (n+2)) 2^-53` of the true one, here doubled; comparisons are made against that bound.
+2^-53), or with another error that is known.  One halving is a product with rows of at most n+1
+nonzero nonnegative weights of sum 1, whose computed value errs by at most (n+2) 2^-53 (Higham 2002,
+section 3.1), and does not enlarge the errors before it.  After m halvings every coefficient is
+within `(1 + m (n+2)) 2^-53` of the true one, with the other error in place of the 1, here
+doubled; comparisons are made against that bound.
 """
 
 from __future__ import annotations
@@ -24,11 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.subdivision import edges, halving
 from pas.limits import checkpoint
 from pas.verdicts import Status
-
-UNIT_ROUNDOFF = 2.0**-53
 
 BISECTIONS = 53
 """Of an edge on which a witness is sought: as many as a double has binary digits."""
@@ -97,13 +97,17 @@ class Limits:
 
 
 def prove_positive(
-    value: Floats, corners: Floats, where_zero: Floats | Sequence[Floats] | None = None, limits: Limits | None = None
+    value: Floats,
+    corners: Floats,
+    where_zero: Floats | Sequence[Floats] | None = None,
+    limits: Limits | None = None,
+    error: float = UNIT_ROUNDOFF,
 ) -> SignResult:
     """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
-    `pas.bernstein.forms.rounded`), `corners` (N, d+1, 3) the simplices.  Nothing is claimed of no
-    simplices, which is proved.  UNDECIDED where the limits are reached first.
+    `pas.bernstein.forms.rounded`), each off by at most `error`, `corners` (N, d+1, 3) the simplices.  Nothing is
+    claimed of no simplices, which is proved.  UNDECIDED where the limits are reached first.
     """
     limits = limits or Limits()
     zeros = (where_zero,) if isinstance(where_zero, np.ndarray) else tuple(where_zero or ())
@@ -115,7 +119,7 @@ def prove_positive(
     while len(batch):
         checkpoint(f"proving signs ({examined} simplices examined)")
         examined += len(batch)
-        bound = rounding_bound(max(degrees), halved)
+        bound = rounding_bound(max(degrees), halved, error)
         batch = batch.select(~_settled(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
@@ -141,9 +145,9 @@ def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None 
     return prove_positive(nowhere, corners, zeros, limits)
 
 
-def rounding_bound(degree: int, halvings: int) -> float:
-    """Twice the most by which a coefficient can be off after some halvings (see above)."""
-    return 2 * (1 + halvings * (degree + 2)) * UNIT_ROUNDOFF
+def rounding_bound(degree: int, halvings: int, error: float = UNIT_ROUNDOFF) -> float:
+    """Twice the most by which a coefficient can be off after some halvings (see above), of so much before them."""
+    return 2 * (error + halvings * (degree + 2) * UNIT_ROUNDOFF)
 
 
 def _degree(size: int, vertices: int) -> int:

@@ -35,6 +35,9 @@ ENDS, EVERY = 6, 8
 """Directions that are kept of a part of a plane section: those at its ends, where neighbours are foreshortened, and
 every eighth."""
 
+TOGETHER = 32
+"""Rays that are held against all facets of the hull at once: the table stays in the caches."""
+
 TURNED = 0.2
 """Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
 
@@ -193,6 +196,7 @@ def _hull(units: Floats, neighbours: Sequence[Neighbour], widest: float) -> tupl
     """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball."""
     # the rays have the symmetries of the partition, and so has the hull
     hull = ConvexHull(np.concatenate([widest * units, *(n.curve for n in neighbours)]))
-    far = (units @ hull.equations[:, :3].T) / -hull.equations[:, 3]
-    facet = hull.equations[far.argmax(axis=1)]
+    steepness = np.ascontiguousarray((hull.equations[:, :3] / -hull.equations[:, 3:]).T)
+    blocks = (units[i : i + TOGETHER] @ steepness for i in range(0, len(units), TOGETHER))
+    facet = hull.equations[np.concatenate([block.argmax(axis=1) for block in blocks])]
     return facet[:, :3], facet[:, 3]

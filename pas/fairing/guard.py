@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import ceil, pi
 
 import numpy as np
 
@@ -21,6 +22,10 @@ from pas.surface.placed import PlacedContacts
 
 CELL_LATTICE, EDGE_LATTICE = 5, 8
 """Subdivisions of an edge of the cells, and of the walls and clip faces, for the rows to begin with."""
+
+FEW_FACES, WIDE_ANGLE, LEAST_PARTS = 12, pi / 3, 4
+"""Up to so many outer faces, as six tetrahedra have, and above with edges seen under this angle, an edge is cut into
+as many parts as are asked for; into no fewer than these in any case."""
 
 
 @dataclass(frozen=True)
@@ -146,15 +151,33 @@ class Guard:
         return lru_cache(maxsize=8)(self._edges)
 
     def _edges(self, subdivisions: int, margins: Margins) -> Rows:
-        weights = lattice_weights(subdivisions, 3)
-        rows, at_least = [np.empty((0, self.basis.size))], []
+        rows, at_least = [np.empty((0, self.basis.size))], [np.empty(0)]
         for wall in self.placed.walls:
-            rows.append(self.basis.values(wall.piece, weights @ self.placed.local.points[list(wall.vertices)]))
-            at_least.append(margins.wall * self.reach)
+            points = self._lattice(self.placed.local.points[list(wall.vertices)], subdivisions)
+            rows.append(self.basis.values(wall.piece, points))
+            at_least.append(np.full(len(points), margins.wall * self.reach))
         for alpha in self.alphas:
-            rows.append(alpha.rows(weights @ alpha.corners))
-            at_least.append(margins.alpha)
-        return Rows(np.concatenate(rows), np.repeat(at_least, len(weights)))
+            points = self._lattice(alpha.corners, subdivisions)
+            rows.append(alpha.rows(points))
+            at_least.append(np.full(len(points), margins.alpha))
+        return Rows(np.concatenate(rows), np.concatenate(at_least))
+
+    def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
+        """The points (N, 3) of a lattice on an outer face."""
+        return lattice_weights(self.parts(corners, subdivisions), 3) @ corners
+
+    def parts(self, corners: Floats, subdivisions: int) -> int:
+        """Into how many parts the edges of an outer face are cut where so many are asked for.
+
+        Where there are many faces, and small ones, into as many as leave its points as near to each other, seen from
+        the centre, as on the few large ones.
+        """
+        local = self.placed.local
+        if local.center is None or len(local.outer_faces) <= FEW_FACES:
+            return subdivisions
+        units = corners / _lengths(corners)[:, None]
+        angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
+        return min(subdivisions, max(LEAST_PARTS, ceil(round(subdivisions * angle / WIDE_ANGLE, 6))))
 
     def _depth(self, margins: Margins) -> Rows:
         """The row at the centre, if there is one; all pieces have the same value there."""

@@ -269,17 +269,17 @@ class MemberProgramme:
     def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:
         """The exact equations in reduced form with their pivots; None where they contradict."""
         m = self.basis.size
-        partition, degree, patches = self.fairing.partition, self.fairing.degree, self.basis.patches
+        partition, degree = self.fairing.partition, self.fairing.degree
         table = [[*values, fmpq(0)] for values in self._values("through")]
         for handle, value in self.wishes.handles:
-            table.append([*b_coefficient(partition, handle, degree).on(patches), value])
+            table.append([*self._on(b_coefficient(partition, handle, degree)), value])
         normalize = self.wishes.normalize
         if isinstance(normalize, SumOfCoefficients):
             ones = fmpq_mat(m, 1, [1] * m)
             table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
         elif isinstance(normalize, ValueAt):
             there = value_at(partition, normalize.point, degree, "the normalisation's point")
-            table.append([*there.on(patches), normalize.value])
+            table.append([*self._on(there), normalize.value])
         if not table:
             return fmpq_mat(0, m + 1), []
         return _reduce(table, m)
@@ -287,7 +287,12 @@ class MemberProgramme:
     def _values(self, kind: str) -> list[list[fmpq]]:
         """Exact values of the working basis at the points of a kind."""
         points = getattr(self.wishes, kind)
-        return [self._at(point, (kind, i)).on(self.basis.patches) for i, point in enumerate(points)]
+        return [self._on(self._at(point, (kind, i))) for i, point in enumerate(points)]
+
+    def _on(self, functional: Functional) -> list[fmpq]:
+        """Exact values of a functional on the working basis."""
+        values = functional.on(self.basis.members)
+        return list((self.basis.transform * fmpq_mat(self.basis.size, 1, values)).entries())
 
     def _at(self, point: tuple[fmpq, fmpq, fmpq], item: tuple[str, int]) -> Functional:
         return value_at(self.fairing.partition, point, self.fairing.degree, self.wishes.describe(item))

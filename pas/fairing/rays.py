@@ -8,6 +8,7 @@ on the way to it, and neither on the last bits of its coefficients.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,12 +99,19 @@ def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
     local = guard.placed.local
     if local.center is None:
         return {}
-    weights, indices = lattice_weights(subdivisions, 3), homogeneous_exponents(subdivisions, 3)
-    seen: set[tuple[tuple[int, int], ...]] = set()
+    seen: set[tuple[tuple[int, Fraction], ...]] = set()
     ends: dict[int, list[Floats]] = {}
     for face in local.outer_faces:
-        keys = [tuple(sorted((v, i) for v, i in zip(face.vertices, index, strict=True) if i)) for index in indices]
-        new = [number for number, key in enumerate(keys) if key not in seen]
-        seen.update(keys)
-        ends.setdefault(face.piece, []).append(weights[new] @ local.points[list(face.vertices)])
+        corners = local.points[list(face.vertices)]
+        parts = guard.parts(corners, subdivisions)
+        new = []
+        for number, index in enumerate(homogeneous_exponents(parts, 3)):
+            if min(index) == 0:  # on an edge
+                shares = ((v, Fraction(i, parts)) for v, i in zip(face.vertices, index, strict=True) if i)
+                key = tuple(sorted(shares))
+                if key in seen:
+                    continue
+                seen.add(key)
+            new.append(number)
+        ends.setdefault(face.piece, []).append(lattice_weights(parts, 3)[new] @ corners)
     return {piece: np.concatenate(parts) for piece, parts in ends.items()}

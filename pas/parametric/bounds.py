@@ -17,7 +17,7 @@ from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.bernstein.boxes import product
-from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.parametric.framed import Framed

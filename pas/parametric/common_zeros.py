@@ -28,8 +28,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE
 from pas.bernstein.boxes import box_form
-from pas.bernstein.forms import rounded
-from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.subdivision import halves
 from pas.limits import checkpoint
 from pas.parametric.domain import Ends, ExactDomain

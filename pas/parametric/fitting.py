@@ -21,7 +21,7 @@ from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, to_float
 from pas.bernstein.boxes import product
-from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike

@@ -17,7 +17,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
 from pas.bernstein.boxes import Table, box_form
-from pas.bernstein.signs import UNIT_ROUNDOFF
+from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.subdivision import halved
 
 if TYPE_CHECKING:

@@ -34,7 +34,7 @@ from flint import fmpq_mpoly
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
-from pas.bernstein.forms import b_form, on_simplex, rounded
+from pas.bernstein.forms import nearby_forms, on_simplex
 from pas.bernstein.signs import Limits, SignResult, prove_positive
 from pas.surface.certificate import Certificate
 from pas.surface.contact_proofs import check_join, contact_verdict, from_signs, global_point
@@ -131,26 +131,22 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
 
 def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
-    local = surface.local
-    degree = surface.degree
-    zero, value = [], []
-    for cell, piece in zip(local.cells, local.piece_of, strict=True):
-        corners, patch = local.corners(cell), surface.patches[piece]
-        zero.append(rounded(b_form(on_simplex(patch.raw, corners), degree, 3)))
-        value.append(rounded(b_form(on_simplex(_radial_derivative(patch), corners), degree, 3)))
+    local, degree = surface.local, surface.degree
+    exact = [local.corners(cell) for cell in local.cells]
     corners = local.points[np.array(local.cells)]
-    return prove_positive(np.array(value), corners, np.array(zero), limits)
+    radial = [_radial_derivative(patch) for patch in surface.patches]
+    zero, off = nearby_forms([surface.patches[piece].raw for piece in local.piece_of], exact, degree)
+    value, error = nearby_forms([radial[piece] for piece in local.piece_of], exact, degree)
+    return prove_positive(value, corners, zero, limits, max(off, error))
 
 
 def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f > 0` on the outer faces in no clip plane."""
-    local, degree = surface.local, surface.degree
-    forms = [
-        rounded(b_form(on_simplex(surface.patches[face.piece].raw, local.corners(face.vertices)), degree, 2))
-        for face in surface.walls
-    ]
+    local = surface.local
+    exact = [local.corners(face.vertices) for face in surface.walls]
+    forms, error = nearby_forms([surface.patches[face.piece].raw for face in surface.walls], exact, surface.degree)
     corners = np.array([local.points[list(face.vertices)] for face in surface.walls])
-    return prove_positive(np.array(forms), corners, limits=limits)
+    return prove_positive(forms, corners, limits=limits, error=error)
 
 
 def _unused(surface: PiecewiseSurface, point: Floats) -> bool:

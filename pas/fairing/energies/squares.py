@@ -57,7 +57,7 @@ class SquaredDerivatives(Energy):
         else:
             frame = basis.frame
             box = Box(frame.local_point(self.domain.lower), frame.local_point(self.domain.upper))
-            rules = [(self.piece_of(len(basis.patches)), *box_rule(box, degree))]
+            rules = [(self.piece_of(len(basis.members)), *box_rule(box, degree))]
         factor = np.concatenate([basis.squares(*rule, self.derivatives) for rule in rules])
         return factor.T @ factor * (to_float(self.weight) * basis.scale ** (3 - 2 * self.order))
 
