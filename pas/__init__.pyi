@@ -120,10 +120,13 @@ from .parametric.solutions import ParametricSolutions as ParametricSolutions
 from .parametric.surface import ParametricSurface as ParametricSurface
 from .parametric.weights import WeightPole as WeightPole
 from .parametric.weights import Weights as Weights
+from .partition.alfeld_split import AlfeldSplit as AlfeldSplit
 from .partition.cells import Partition as Partition
 from .partition.kinds import register_partition as register_partition
+from .partition.kuhn_cube import KuhnCube as KuhnCube
 from .partition.single_cell import SingleCell as SingleCell
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
+from .partition.worsey_farin_split import WorseyFarinSplit as WorseyFarinSplit
 from .pipeline.blend import blend as blend
 from .pipeline.result import Blend as Blend
 from .pipeline.space import SolutionSpace as SolutionSpace

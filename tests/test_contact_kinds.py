@@ -221,6 +221,14 @@ def test_a_pipe_on_a_plate_is_met_by_one_polynomial():
     for member in space.basis:
         assert pas.contact_ideal(plate, 1).contains(member[0])
         assert pas.contact_ideal(pipe, 1).contains(member[0])
+    bell = pas.Polynomial("9*z - 9*z^2/4 - (x^2 + y^2 - 4)^2")
+    surface = pas.PiecewiseSurface(region, [plate.contact, pipe.contact], 1, [region.frame.localise(bell)])
+    certificate = surface.certificate
+    assert [verdict.status for verdict in certificate.contacts] == [pas.Status.PROVED] * 2
+    assert certificate.enclosed.status is pas.Status.UNDECIDED, "as the docstring of plates says"
+    wrong = pas.Polynomial("9*z - 9*z^2/4 - 2*(x^2 + y^2 - 4)")
+    surface = pas.PiecewiseSurface(region, [plate.contact, pipe.contact], 1, [region.frame.localise(wrong)])
+    assert surface.certificate.contacts[0].status is pas.Status.REFUTED
 
 
 def test_contacts_are_contacts():

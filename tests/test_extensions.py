@@ -22,12 +22,16 @@ from pas.shape import KINDS
 from pas.surface.contact import CONTACTS
 
 FOLDER = ROOT / "examples/extensions"
+TETRAHEDRON = [(0, 0, 0), (3, 1, 0), (-1, 2, "1/3"), (1, 1, 4)]
 PARTITION_SAMPLES = {
     "six tetrahedra": [pas.SixTetrahedra(("1/2", 0, 1), ((1, 0, 0), (0, 2, 0), (0, 0, "1/3")))],
     "single cell": [pas.SingleCell(), pas.SingleCell((0, 0, 0), (1, 2, "1/3"), ("1/2", 1, "1/7"))],
     "tetrahedra": [
         pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, "1/3"), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
     ],
+    "alfeld split": [pas.AlfeldSplit(), pas.AlfeldSplit(TETRAHEDRON, ("2/3", "4/5", 1))],
+    "worsey-farin split": [pas.WorseyFarinSplit(), pas.WorseyFarinSplit(TETRAHEDRON)],
+    "kuhn cube": [pas.KuhnCube(), pas.KuhnCube((0, 1, "-1/2"), (3, "4/3", 5))],
 }
 REGISTRIES = (CONTACTS, ENERGIES, FORMATS, KINDS, METHODS, PARTITIONS, PROBLEMS)
 EVERY = [partition for partitions in PARTITION_SAMPLES.values() for partition in partitions]

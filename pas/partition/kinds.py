@@ -16,6 +16,9 @@ PARTITIONS: Registry[type[Partition]] = Registry(
         "six tetrahedra": "pas.partition.six_tetrahedra:SixTetrahedra",
         "single cell": "pas.partition.single_cell:SingleCell",
         "tetrahedra": Partition,
+        "alfeld split": "pas.partition.alfeld_split:AlfeldSplit",
+        "worsey-farin split": "pas.partition.worsey_farin_split:WorseyFarinSplit",
+        "kuhn cube": "pas.partition.kuhn_cube:KuhnCube",
     },
 )
 """The first is that of a table that does not say its kind."""
