@@ -168,6 +168,21 @@ def test_curvatures_of_blends_are_in_units_of_the_thinnest_neighbour():
     rim = scene.layers[0].mesh.boundary
     assert sorted(set(paints[0].values[rim].round(6))) == pytest.approx([5 / 7, 5 / 6, 1])
     assert legend.lines[:2] == ("1: curvature of the", "thinnest neighbour")
+    assert STYLES["gauss"].paint(scene)[1].lines[:2] == ("1: curvature^2 of the", "thinnest neighbour")
+
+
+def test_colours_say_where_the_sign_changes():
+    """On a hyperboloid of one sheet the larger curvature is positive, the smaller one and Gauss's negative."""
+    sheet = alone("x^2 + y^2 - z^2/4 - 1", (-2, -2, -1), (2, 2, 1))
+    scene = scene_of(sheet, Picture(style="max", tolerance=0.1))
+    found = {}
+    for name in ("max", "min", "gauss", "mean"):
+        (paint,), legend = STYLES[name].paint(scene)
+        found[name] = legend.cmap
+        assert paint.options["cmap"] == legend.cmap and tuple(paint.options["clim"]) == legend.limits
+    assert found == {"max": "YlOrRd", "min": "YlOrRd_r", "gauss": "YlOrRd_r", "mean": "YlOrRd"}
+    torus = alone("(x^2 + y^2 + z^2 + 400 - 25)^2 - 1600*(x^2 + y^2)", (-30, -30, -30), (30, 30, 30))
+    assert STYLES["gauss"].paint(scene_of(torus, Picture(style="gauss", tolerance=3)))[1].cmap == "coolwarm"
 
 
 PIPES = (((1, 0, 0), 0.5), ((0, 1, 0), 0.6), ((0, 0, 1), 0.7))
@@ -181,6 +196,9 @@ def test_ranges_of_colours_leave_out_what_is_extreme():
     assert color_range(values + 1.5, areas) == pytest.approx((0.56, 3.44), abs=0.01)
     assert color_range(-values - 1.5, areas) == pytest.approx((-3.44, -0.56), abs=0.01)
     assert color_range(np.where(values > 1.99, values, np.nan), areas)[0] > 1.9
+    few = np.concatenate([np.full(50, -0.005), np.linspace(0, 1, 950)])  # below 0 by less than counts
+    assert color_range(few, areas) == pytest.approx((0, 0.98), abs=0.01)
+    assert color_range(-few, areas) == pytest.approx((-0.98, 0), abs=0.01)
     weighted = np.where(values > 1.9, 1e-6, 1.0)  # a small place does not count
     assert color_range(values, weighted)[1] < 1.9
     constant = color_range(np.full(1000, 0.5) + 1e-9 * values, areas)
@@ -217,6 +235,20 @@ def test_no_triangle_of_highlights_spans_the_jump_of_angles():
     wrapped = np.mod(close + np.pi, 2 * np.pi) - np.pi
     assert np.ptp(unwrapped(wrapped), axis=1).max() < 0.8
     assert LIGHTS % 2 == 0  # so that the bands over three half turns are whole
+
+
+def test_highlights_are_as_many_as_lights_and_the_same_after_a_turn():
+    scene = scene_of(solved(EQUAL, 1), Picture(style="highlights", tolerance=0.05))
+    for paint in STYLES["highlights"].paint(scene)[0]:
+        low, high = paint.options["clim"]
+        assert low <= paint.values.min() < paint.values.max() <= high
+        assert np.ptp(paint.values, axis=1).max() <= np.pi  # no triangle spans the jump
+        angles = np.linspace(-np.pi, np.pi, 10_000, endpoint=False) + 1e-5
+        first, second = (paint.options["cmap"]((a - low) / (high - low)) for a in (angles, angles + 2 * np.pi))
+        here = angles < 0  # after that another turn would be beyond the colours
+        np.testing.assert_array_equal(first[here], second[here])
+        bright = (first[:, :3] == 1).all(axis=1)
+        assert (bright & ~np.roll(bright, 1)).sum() == LIGHTS
 
 
 @pytest.mark.parametrize("options", [{"style": "mean"}, {"combs": True}, {"style": "min", "combs": True}], ids=str)
