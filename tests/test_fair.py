@@ -137,8 +137,18 @@ def test_the_lowest_degree_and_other_limits():
         pas.FairnessLimits(hollowness=-1)
 
 
-def test_a_surface_that_cannot_be_fair_is_the_fairest_found():
+def test_a_surface_that_cannot_be_fair_is_the_fairest_found(monkeypatch):
+    """The degrees get fairer here, and so the last is made to look worse than it is."""
+    beyond = {}
+
+    def worse_at_the_last(found):
+        degree = found.surface.degree
+        beyond[degree] = found.fairness.excess(found.limits) + 9 * (degree == 5)
+        return beyond[degree]
+
+    monkeypatch.setattr("pas.pipeline.blend.excess", worse_at_the_last)
     blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=0.9))
+    assert 0 < beyond[4] < beyond[3] < beyond[5] and blend.surface.degree == 4
     assert blend.certificate.proved
     tried = [a for a in blend.attempts if a.outcome.startswith("proved")]
     assert len(tried) == 3 and all("hollowness" in a.outcome for a in tried)

@@ -240,6 +240,16 @@ def test_no_triangle_of_highlights_spans_the_jump_of_angles():
     assert LIGHTS % 2 == 0  # so that the bands over three half turns are whole
 
 
+def test_stripes_turn_with_the_frame():
+    normals, turn = RNG.normal(size=(50, 3)), np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    values = []
+    for frame in (np.eye(3), turn):
+        layer = SimpleNamespace(mesh=SimpleNamespace(shading=(None, None, normals @ frame)), tint="white")
+        values.append(STYLES["zebra"].paint(SimpleNamespace(frame=frame, layers=[layer]))[0][0].values)
+    np.testing.assert_allclose(values[0], values[1], atol=1e-12)
+    assert np.ptp(values[0]) > 0.5
+
+
 def test_highlights_are_as_many_as_lights_and_the_same_after_a_turn():
     scene = scene_of(solved(EQUAL, 1), Picture(style="highlights", tolerance=0.05))
     for paint in STYLES["highlights"].paint(scene)[0]:
