@@ -95,15 +95,9 @@ def test_points_shape_the_surface():
 
 
 def test_near_points_are_approached_with_their_weight():
-    point = ("-3/10", "-3/10", "-3/10")
-    values = [
-        abs(
-            float(
-                pas.blend(pipes(UNEQUAL), 1, 4, energy=pas.ThinPlate(), near=[point], near_weight=w).surface([-0.3] * 3)
-            )
-        )
-        for w in (0, 10, 10**4)
-    ]
+    space = solved(UNEQUAL, 1).space
+    wishes = pas.Wishes(energy=pas.ThinPlate(), near=[("-3/10", "-3/10", "-3/10")])
+    values = [abs(float(space.fit(wishes, near_weight=w).surface([-0.3] * 3))) for w in (0, 10, 10**4)]
     assert values[0] > 1.2 * values[1] > 10 * values[2]
 
 

@@ -8,6 +8,7 @@ from conftest import EQUAL, solved
 
 import pas
 from pas.render import combs as drawing
+from pas.render import sections
 from pas.render.combs import hair_length, tips
 from pas.render.layers import Comb, Layer
 from pas.render.scene import Picture, scene_of
@@ -60,6 +61,17 @@ def test_axes_on_one_line_have_two_sections():
     assert all(np.allclose(comb.curvatures, 0.5) for comb in found if comb not in straight)
 
 
+def test_curvature_along_a_curve_in_no_principal_direction():
+    """Of a pipe of radius 2, along an ellipse, by Euler's theorem: 1/2 times the squared cosine with the circle."""
+    pipe = alone("x^2 + y^2 - 4", (-3, -3, -3), (3, 3, 3), [])
+    turn = np.linspace(0, 2 * np.pi, 50)
+    near = np.stack([2 * np.cos(turn), 2 * np.sin(turn), 2 * np.cos(turn)], axis=1) + 0.01
+    found = sections._comb(pipe, near, sections._plane(np.zeros(3), np.array([1.0, 0, -1.0])))
+    x, y, z = found.points.T
+    np.testing.assert_allclose(np.stack([np.hypot(x, y), z - x]), [[2] * 50, [0] * 50], atol=1e-12)
+    np.testing.assert_allclose(found.curvatures, 0.5 / (1 + (y / 2) ** 2), atol=1e-12)
+
+
 def test_chains_of_edges():
     found = chains(np.array([[5, 3], [1, 2], [3, 4], [2, 0], [4, 5], [7, 6]]))
     assert sorted(len(chain) for chain in found) == [2, 3, 4]
@@ -69,6 +81,23 @@ def test_chains_of_edges():
     assert next(chain for chain in found if len(chain) == 3).tolist() in ([0, 2, 1], [1, 2, 0])
     crossing = chains(np.array([[0, 4], [4, 1], [2, 4], [4, 3]]))  # four curves meet
     assert sorted(len(chain) for chain in crossing) == [2, 2, 2, 2]
+
+
+def test_curves_of_few_points_are_not_shown(monkeypatch):
+    lengths = sorted(len(comb.points) for comb in combs_of(ELBOW, 0.2))
+    monkeypatch.setattr(sections, "FEWEST", lengths[-1])
+    assert [len(comb.points) for comb in combs_of(ELBOW, 0.2)] == [n for n in lengths if n == lengths[-1]]
+
+
+def test_a_contact_in_parts_is_one_neighbour():
+    turn = np.linspace(0, 2 * np.pi, 40)
+    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros(40)], axis=1)
+    left, right = circle[:19], circle[20:39]
+    other = circle + [9, 0, 0]
+    parts = sections._neighbours([left, other, right], 0.1)
+    assert [[len(curve) for curve in part] for part in parts] == [[40], [19, 19]]
+    assert np.abs(sections._middle([left, right])).max() < 0.05
+    np.testing.assert_allclose(sections._middle([np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0]])]), [1.5, 0, 0])
 
 
 def test_planes_of_axes():
@@ -81,6 +110,7 @@ def test_planes_of_axes():
     assert abs(normal @ y) == pytest.approx(1)
     planes = section_planes([(2 * x, x), (-2 * x, -x)])
     assert len(planes) == 2
+    assert len(section_planes([(2 * x, x), (-2 * x, -x), (5 * x, x)])) == 2
     assert all(abs(normal @ x) < 1e-12 for _, normal in planes)
     assert len(section_planes([(2 * x, x), (2 * y, y), (2 * z, z)])) == 3
 
@@ -147,15 +177,50 @@ def test_hairs_stand_outside_and_have_sensible_lengths():
     assert hair_length([layer, layer_with(straight_comb([2] * 9))]) < factor  # one length for all
 
 
+def test_concave_hairs_do_not_cross_where_they_can_be_short():
+    hollow, sharp = (hair_length([layer_with(straight_comb([-bent] * 9))]) for bent in (8, 100))
+    assert 8 * hollow == pytest.approx(drawing.INNER / 8)  # of the radius
+    assert 100 * sharp == pytest.approx(drawing.SHORTEST * drawing.USUAL)
+
+
+class Drawn:
+    """A plotter that keeps what it is given: points, colour and width."""
+
+    def __init__(self):
+        self.parts = []
+
+    def add_mesh(self, data, color, line_width, lighting):
+        self.parts.append((np.asarray(data.points), np.asarray(data.lines), color, line_width))
+
+
+def test_hairs_are_coloured_by_sign_and_stand_on_the_curve():
+    comb = straight_comb([2, 1, -1, -3])
+    layer, shift, plotter = layer_with(comb), np.array([0.0, 5.0, 0.0]), Drawn()
+    drawing.add_combs(plotter, layer, 0.1, shift, lambda data: data)
+    base = comb.points + shift + [0, 0, drawing.ABOVE]  # on the outside: normals are along z
+    assert [color for _, _, color, _ in plotter.parts] == [
+        drawing.NEARBY, drawing.CONVEX, drawing.CONVEX, drawing.CONCAVE, drawing.CONCAVE
+    ]  # fmt: skip
+    np.testing.assert_allclose(plotter.parts[0][0], base, atol=1e-7)
+    for (hairs, lines, _, width), (envelope, _, _, wider), run in zip(
+        plotter.parts[1::2], plotter.parts[2::2], (slice(0, 2), slice(2, 4)), strict=True
+    ):
+        ends = base[run] + 0.1 * np.abs(comb.curvatures[run, None]) * [0, 0, 1]
+        np.testing.assert_allclose(hairs, np.concatenate([base[run], ends]), atol=1e-7)
+        assert lines.tolist() == [2, 0, 2, 2, 1, 3]
+        np.testing.assert_allclose(envelope[:2] if run.start == 0 else envelope[1:], ends, atol=1e-7)
+        assert len(envelope) == 3 and width < wider
+
+
 def test_the_envelope_comes_down_where_the_sign_changes():
-    comb = straight_comb([3, 1, -1, -1])
+    comb = straight_comb([3, 1, -3, -1])
     places, ends = drawing._ends(comb, comb.points, 0.1, np.array([0, 1]))
     assert (places, len(ends)) == (slice(0, 2), 3)
     np.testing.assert_allclose(ends[:, 2], [0.3, 0.1, 0])
-    np.testing.assert_allclose(ends[2], [0.5, 0, 0])
+    np.testing.assert_allclose(ends[2], [5 / 12, 0, 0])
     places, ends = drawing._ends(comb, comb.points, 0.1, np.array([2, 3]))
     assert places == slice(1, 3)
-    np.testing.assert_allclose(ends, [[0.5, 0, 0], [2 / 3, 0, 0.1], [1, 0, 0.1]])
+    np.testing.assert_allclose(ends, [[5 / 12, 0, 0], [2 / 3, 0, 0.3], [1, 0, 0.1]])
 
 
 @pytest.mark.parametrize(

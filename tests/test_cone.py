@@ -33,8 +33,15 @@ def test_cones_and_pipes_blend(order):
         pas.Pipe(axis=(0, 0, 1), radius="1/3", clip=1),
     ]
     corner = pas.SixTetrahedra((0, 0, 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
-    blend = pas.blend(contacts, order, partition=corner)
+    blend = pas.blend(contacts, order, partition=corner, energy=pas.ThinPlate())
     assert blend.certificate.proved
+
+
+def test_a_pipe_and_a_cone_make_an_elbow():
+    cone = pas.Cone(axis=(0, 1, 0), radius="1/3", slope="1/10", clip=1)
+    blend = pas.blend([pas.Pipe((1, 0, 0), "1/3", 1), cone], 1, limits=pas.FairnessLimits(2, 3, 1, 1))
+    assert blend.certificate.proved and blend.attempts[-1].outcome == "proved, fair"
+    assert blend.fairness.area > 2  # it is seen all over
 
 
 def test_cones_make_a_corner_like_pipes():

@@ -14,6 +14,7 @@ import pytest
 from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 
 import pas
+from pas.fairing.excess import CurvatureExcess
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER
 from pas.fairing.programme import MemberProgramme
@@ -69,6 +70,17 @@ def test_the_derivatives_of_the_objective(space, energy):
         step = 1e-6 / np.linalg.norm(direction)
         values = [landscape.look(member + sign * step * direction, look).objective for sign in (1, -1)]
         assert (values[0] - values[1]) / (2 * step) == pytest.approx(gradient @ direction, rel=2e-5)
+
+
+def test_curvature_beyond_each_limit_counts():
+    """Beyond 2.2, half of the way from the neighbour to the limit, in both signs, and concave beyond 2.8."""
+    beyond = CurvatureExcess(pas.FairnessLimits(1.2, 1.5, 0, 0), curvature=2.0, arc=0.5, radius=1.0)
+    shape = np.array([[2.3, 0, 0], [0, 0, -2.3], [0, 0, -2.9], [2.1, 9, -2.1]])
+    passed = [(over > 0).tolist() for over, _, _ in beyond.over(shape)]
+    assert passed == [[True, False, False, False], [False, True, True, False], [False, False, True, False]]
+    for number, (over, quantity, slope) in enumerate(beyond.over(shape)):
+        moved = shape + np.eye(10)[quantity, 7:]  # all is linear
+        np.testing.assert_allclose(list(beyond.over(moved))[number][0] - over, slope)
 
 
 def test_own_slopes_are_those_of_differences(space):
@@ -137,8 +149,18 @@ def test_the_lowest_degree_and_other_limits():
         pas.FairnessLimits(hollowness=-1)
 
 
-def test_a_surface_that_cannot_be_fair_is_the_fairest_found():
+def test_a_surface_that_cannot_be_fair_is_the_fairest_found(monkeypatch):
+    """The degrees get fairer here, and so the last is made to look worse than it is."""
+    beyond = {}
+
+    def worse_at_the_last(found):
+        degree = found.surface.degree
+        beyond[degree] = found.fairness.excess(found.limits) + 9 * (degree == 5)
+        return beyond[degree]
+
+    monkeypatch.setattr("pas.pipeline.blend.excess", worse_at_the_last)
     blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=0.9))
+    assert 0 < beyond[4] < beyond[3] < beyond[5] and blend.surface.degree == 4
     assert blend.certificate.proved
     tried = [a for a in blend.attempts if a.outcome.startswith("proved")]
     assert len(tried) == 3 and all("hollowness" in a.outcome for a in tried)

@@ -85,7 +85,7 @@ def test_every_member_satisfies_every_condition(radii, order, degree):
     space = pas.solutions(pipes(radii), order, degree)
     faces = space.partition.interior_faces
     t, u, v = sympy.symbols("t u v")
-    for member in space.basis[:6]:
+    for member in space.basis[:3]:
         patches = [p.to_sympy() for p in member]
         for face in faces:
             difference = sympy.Poly(patches[face.first] - patches[face.second], X, Y, Z)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ from pas.cli import main
 from pas.exchange.picture_options import STYLES
 from pas.parametric.curvatures import Forms
 from pas.render.coloring import Coloring
-from pas.render.legend import FOOT, SIDE
+from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
+from pas.render.layers import Comb, Layer
+from pas.render.legend import FOOT, SIDE, add_comb_legend
 from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import plotted
 from pas.render.piecewise import principal_curvatures
@@ -168,6 +171,21 @@ def test_curvatures_of_blends_are_in_units_of_the_thinnest_neighbour():
     rim = scene.layers[0].mesh.boundary
     assert sorted(set(paints[0].values[rim].round(6))) == pytest.approx([5 / 7, 5 / 6, 1])
     assert legend.lines[:2] == ("1: curvature of the", "thinnest neighbour")
+    assert STYLES["gauss"].paint(scene)[1].lines[:2] == ("1: curvature^2 of the", "thinnest neighbour")
+
+
+def test_colours_say_where_the_sign_changes():
+    """On a hyperboloid of one sheet the larger curvature is positive, the smaller one and Gauss's negative."""
+    sheet = alone("x^2 + y^2 - z^2/4 - 1", (-2, -2, -1), (2, 2, 1))
+    scene = scene_of(sheet, Picture(style="max", tolerance=0.1))
+    found = {}
+    for name in ("max", "min", "gauss", "mean"):
+        (paint,), legend = STYLES[name].paint(scene)
+        found[name] = legend.cmap
+        assert paint.options["cmap"] == legend.cmap and tuple(paint.options["clim"]) == legend.limits
+    assert found == {"max": "YlOrRd", "min": "YlOrRd_r", "gauss": "YlOrRd_r", "mean": "YlOrRd"}
+    torus = alone("(x^2 + y^2 + z^2 + 400 - 25)^2 - 1600*(x^2 + y^2)", (-30, -30, -30), (30, 30, 30))
+    assert STYLES["gauss"].paint(scene_of(torus, Picture(style="gauss", tolerance=3)))[1].cmap == "coolwarm"
 
 
 PIPES = (((1, 0, 0), 0.5), ((0, 1, 0), 0.6), ((0, 0, 1), 0.7))
@@ -181,6 +199,9 @@ def test_ranges_of_colours_leave_out_what_is_extreme():
     assert color_range(values + 1.5, areas) == pytest.approx((0.56, 3.44), abs=0.01)
     assert color_range(-values - 1.5, areas) == pytest.approx((-3.44, -0.56), abs=0.01)
     assert color_range(np.where(values > 1.99, values, np.nan), areas)[0] > 1.9
+    few = np.concatenate([np.full(50, -0.005), np.linspace(0, 1, 950)])  # below 0 by less than counts
+    assert color_range(few, areas) == pytest.approx((0, 0.98), abs=0.01)
+    assert color_range(-few, areas) == pytest.approx((-0.98, 0), abs=0.01)
     weighted = np.where(values > 1.9, 1e-6, 1.0)  # a small place does not count
     assert color_range(values, weighted)[1] < 1.9
     constant = color_range(np.full(1000, 0.5) + 1e-9 * values, areas)
@@ -219,16 +240,42 @@ def test_no_triangle_of_highlights_spans_the_jump_of_angles():
     assert LIGHTS % 2 == 0  # so that the bands over three half turns are whole
 
 
+def test_stripes_turn_with_the_frame():
+    normals, turn = RNG.normal(size=(50, 3)), np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    values = []
+    for frame in (np.eye(3), turn):
+        layer = SimpleNamespace(mesh=SimpleNamespace(shading=(None, None, normals @ frame)), tint="white")
+        values.append(STYLES["zebra"].paint(SimpleNamespace(frame=frame, layers=[layer]))[0][0].values)
+    np.testing.assert_allclose(values[0], values[1], atol=1e-12)
+    assert np.ptp(values[0]) > 0.5
+
+
+def test_highlights_are_as_many_as_lights_and_the_same_after_a_turn():
+    scene = scene_of(solved(EQUAL, 1), Picture(style="highlights", tolerance=0.05))
+    for paint in STYLES["highlights"].paint(scene)[0]:
+        low, high = paint.options["clim"]
+        assert low <= paint.values.min() < paint.values.max() <= high
+        assert (np.ptp(paint.values, axis=1) > np.pi).mean() < 5e-3  # but for a few where the lines meet
+        angles = np.linspace(-np.pi, np.pi, 10_000, endpoint=False) + 1e-5
+        first, second = (paint.options["cmap"]((a - low) / (high - low)) for a in (angles, angles + 2 * np.pi))
+        here = angles < 0  # after that another turn would be beyond the colours
+        np.testing.assert_array_equal(first[here], second[here])
+        bright = (first[:, :3] == 1).all(axis=1)
+        assert (bright & ~np.roll(bright, 1)).sum() == LIGHTS
+
+
 @pytest.mark.parametrize("options", [{"style": "mean"}, {"combs": True}, {"style": "min", "combs": True}], ids=str)
-@pytest.mark.parametrize("view", [None, (-1, 1, -0.4), (0, 0, 1)])
-def test_legends_have_room_of_their_own(options, view):
-    picture = Picture(**options, view=view, size=(400, 300), tolerance=0.05)
+@pytest.mark.parametrize(
+    ("view", "size"), [(None, (400, 300)), ((-1, 1, -0.4), (400, 300)), ((0, 0, 1), (400, 300)), (None, (300, 400))]
+)
+def test_legends_have_room_of_their_own(options, view, size):
+    picture = Picture(**options, view=view, size=size, tolerance=0.05)
     scene = scene_of(solved(EQUAL, 1), picture)
     plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
     plotter.render()
     places = []
     for layer in scene.layers:
-        for point in layer.mesh.points[::7]:
+        for point in np.concatenate([layer.mesh.points[::7], tips(layer, hair_length(scene.layers))]):
             plotter.renderer.SetWorldPoint(*point, 1)
             plotter.renderer.WorldToView()
             places.append(plotter.renderer.GetViewPoint()[:2])
@@ -237,6 +284,27 @@ def test_legends_have_room_of_their_own(options, view):
     assert 0 < across.min() < across.max() < 1 - (SIDE if "style" in options else 0)
     assert (FOOT if "combs" in options else 0) < up.min() < up.max() < 1
     assert max(np.ptp(across), np.ptp(up)) > 0.5  # and it is not small
+
+
+class Words:
+    """A plotter that keeps what is written in it, with its colour."""
+
+    def __init__(self):
+        self.written = {}
+
+    def add_text(self, text, position, viewport, color):
+        self.written[text] = color
+        return SimpleNamespace(GetTextProperty=lambda: SimpleNamespace(SetFontSize=lambda size: None))
+
+
+@pytest.mark.parametrize(("unit", "longest"), [(None, "4 in 1/length"), (2.0, "2 of the thinnest neighbour")])
+def test_the_line_below_combs_names_the_longest_and_the_colours(unit, longest):
+    combs = [Comb(np.zeros((2, 3)), np.zeros((2, 3)), np.array(bent)) for bent in ([1.0, -4.0], [3.0, 2.0])]
+    plotter = Words()
+    add_comb_legend(plotter, [Layer(None, "#ffffff", combs=combs, unit=unit)], 1200)
+    colors = {text: color for text, color in plotter.written.items() if text in ("convex", "concave")}
+    assert colors == {"convex": CONVEX, "concave": CONCAVE}
+    assert f"hairs: normal curvature; the longest: {longest}" in plotter.written
 
 
 SENTENCE = "there is no style of pictures 'meen'; is 'mean' meant?"
