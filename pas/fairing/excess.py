@@ -72,7 +72,7 @@ class CurvatureExcess:
         unit = SHARP * self.curvature
         yield (shape[:, 0] - sharp) / unit, 7, 1 / unit
         yield (-shape[:, 2] - sharp) / unit, 9, -1 / unit
-        if self.arc < inf:
+        if 0 < self.arc < inf:
             hollow = self.limits.hollowness - MARGIN
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 

@@ -56,6 +56,12 @@ NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE, NODE_WRONG = 1.15, 1.5
 """Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge; and wrong
 sign, which sections across the plane of no symmetry may have."""
 
+LOOSE = 1000.0
+"""A limit that is none."""
+
+WEDGE = np.radians(150)
+"""The largest angle between two neighbours between which a fillet is looked for; beyond, they nearly run through."""
+
 Place = tuple[float, float, float]
 
 
@@ -101,10 +107,14 @@ class FairnessLimits:
     def of_node(cls, order: int, neighbours: Sequence[Neighbour]) -> FairnessLimits:
         """The usual ones around neighbours in any directions.
 
-        They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter.
+        They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter; where walls
+        meet beyond their clips they leave none, and only the bulge is limited.
         """
         usual = cls.of_order(order)
-        tightest = 1 / (largest_arc(neighbours) * max(n.curvature for n in neighbours))
+        arc = largest_arc(neighbours)
+        if arc <= 0:
+            return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
+        tightest = 1 / (arc * max(n.curvature for n in neighbours))
         sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
         return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, NODE_WRONG)
 
@@ -240,7 +250,7 @@ class _Measuring:
         return Fairness(
             sharpness=float(np.abs(curvatures[sharpest]).max()) / max(n.curvature for n in self.neighbours),
             sharpest=self.place(local[sharpest]),
-            hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc if arc < inf else float("nan"),
+            hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc if 0 < arc < inf else float("nan"),
             hollowest=self.place(local[hollowest]),
             bulge=self.bulge(local * self.scale, max(radii)),
             wrong_sign=wrong,
@@ -321,13 +331,14 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
     """The largest radius of an arc tangent to the walls of two neighbours within their clips: the least of all pairs.
 
     For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
-    tangents of length l has radius l tan(t / 2).  Infinite where no two are less than half a turn apart.
+    tangents of length l has radius l tan(t / 2).  Infinite where no two are within `WEDGE`; not positive where two
+    walls meet beyond their clips.
     """
     found = inf
     for a, b in combinations(neighbours, 2):
         cosine = float(a.mean @ b.mean) / (a.distance * b.distance)
         angle = float(np.arccos(np.clip(cosine, -1, 1)))
-        if not 0.05 < angle < np.pi - 0.05:
+        if not 0.05 < angle < WEDGE:
             continue
         tangents = [
             one.distance - (other.radius + one.radius * cosine) / np.sin(angle) for one, other in ((a, b), (b, a))
