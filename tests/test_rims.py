@@ -8,7 +8,7 @@ from flint import fmpq
 
 import pas
 from pas.algebra.rational import to_floats
-from pas.surface.rims import rim_of
+from pas.surface.rims import outlook, rim_of
 
 BALL = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 4 - 1/4)^2 - 16*(x^2 + y^2)"
@@ -108,6 +108,31 @@ def test_a_point_where_two_components_cross_is_no_point_of_a_rim():
     crossing = pas.Polynomial("(x^2 + y^2 + z - 1)*((x - 1)^2 + y^2 - 1)")
     with pytest.raises(pas.GeometryError, match=r"a singular point at \(0.5, -?0.866025, 0\)"):
         rim_of(crossing, pas.Polynomial("z"), (-1, 0, 0))
+
+
+def test_a_point_says_which_of_several_curves_is_meant(tmp_path):
+    contact = pas.Contact(TORUS, "y", near=(-1, 0, 0))
+    assert contact == pas.Contact(TORUS, "y") and repr(contact) == repr(pas.Contact(TORUS, "y"))
+    assert contact.rim.center == (-2, 0, 0)
+    assert contact.rotate((0, 0, 1), 90).rim.center == (0, -2, 0)
+    assert contact.translate((5, 0, 0)).rim.center == (3, 0, 0)
+    path = tmp_path / "problem.toml"
+    path.write_text(f'order = 1\n[[contacts]]\nsurface = "{TORUS}"\nclip = "y"\nnear = [3, 0, 0]\n')
+    assert pas.read_problem(path).contacts[0].rim.center == (2, 0, 0)
+    with pytest.raises(ValueError, match="near must be three numbers"):
+        pas.Contact(TORUS, "y", near=(1, 2))
+
+
+def test_the_outlook_from_a_centre():
+    pipe = pas.Pipe((1, 0, 0), 1, 1)
+    cosine, place = outlook(pipe.contact.surface, pipe.rim, (0, 0, 0))
+    assert cosine == pytest.approx(0.5**0.5) and np.hypot(*place[1:]) == pytest.approx(1)
+    ball = pas.Sphere(
+        (1, 0, 0), 1, "-3/5", ("8/5", 0, 0)
+    )  # cut at x = 1, where its cone of tangents has its tip at -1/15
+    for center, seen in ((-1, False), ("-1/15", None), (0, True)):
+        cosine, _ = outlook(ball.contact.surface, ball.rim, (center, 0, 0))
+        assert abs(cosine) < 1e-14 if seen is None else (cosine > 0) is seen
 
 
 @pytest.mark.parametrize("contact", [pas.Pipe((1, 2, 0), "1/3", 1, (0, 1, 0)), pas.Contact(BALL, "x + y - 1/2")])

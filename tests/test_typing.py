@@ -20,16 +20,19 @@ BELOW = "its room stands below that of the type"
 UNSAID = "a type could say more, and is to say it when its room is worked on"
 
 MAY_BE_ANY = {
+    "AlfeldSplit.to_record": TABLE,
     "Boundary.source": TABLE,
     "Certificate.from_record": TABLE,
     "Certificate.to_record": TABLE,
     "Energy.from_record": TABLE,
     "Energy.to_record": TABLE,
     "Fairness.to_record": TABLE,
+    "KuhnCube.to_record": TABLE,
     "Partition.from_record": TABLE,
     "Partition.to_record": TABLE,
     "SingleCell.to_record": TABLE,
     "SixTetrahedra.to_record": TABLE,
+    "WorseyFarinSplit.to_record": TABLE,
     "Verdict.from_record": TABLE,
     "Verdict.to_record": TABLE,
     "Verdicts.to_record": TABLE,

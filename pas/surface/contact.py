@@ -6,13 +6,14 @@ along the curve V(f, h).  Signs: `f < 0` inside, `f > 0` outside; `h < 0` on the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import Vector, VectorLike, vector
 from pas.registry import Registry
 from pas.surface.movable import Movable
 
@@ -23,16 +24,21 @@ class Contact(Movable):
 
     Raises `ValueError` where one of them is constant or they have a common factor (a clip that
     contains its surface).
+
+    Where they meet in several closed curves, `near` (three numbers) is a point next to the one that is meant, the
+    contact's `rim`.  It says nothing about the polynomials, and contacts are equal without it.
     """
 
     surface: Polynomial
     clip: Polynomial
+    near: Vector | None = field(default=None, compare=False, repr=False)
 
     __repr__ = brief
 
-    def __init__(self, surface: PolynomialLike, clip: PolynomialLike) -> None:
+    def __init__(self, surface: PolynomialLike, clip: PolynomialLike, near: VectorLike | None = None) -> None:
         object.__setattr__(self, "surface", _equation(surface, "surface"))
         object.__setattr__(self, "clip", _equation(clip, "clip"))
+        object.__setattr__(self, "near", None if near is None else vector(near, "near"))
         common = self.surface.raw.gcd(self.clip.raw)
         if not common.is_constant():
             raise ValueError(

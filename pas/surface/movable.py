@@ -8,8 +8,11 @@ from typing import Any, Protocol, Self
 
 from pas.algebra.affine import Affine, rotation, translation
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, VectorLike
+from pas.algebra.rational import Exact, Vector, VectorLike
 from pas.surface.rims import Rim, rim_of
+
+POINTS = ("point", "near")
+"""Fields that are points of space; other triples of numbers are vectors."""
 
 
 class Pair(Protocol):
@@ -23,12 +26,16 @@ class Pair(Protocol):
     def clip(self) -> Polynomial:
         """The clip, negative on the blend's side."""
 
+    @property
+    def near(self) -> Vector | None:
+        """A point next to the closed curve that is meant, where there are several."""
+
 
 class Movable:
     """A kind of contact; to be inherited by frozen dataclasses whose fields are the arguments of their constructor.
 
-    A field is moved as what it is: polynomials by their zero sets, the field `point` as a point, other triples of
-    numbers and tuples of them as vectors; numbers stay.
+    A field is moved as what it is: polynomials by their zero sets, the fields `point` and `near` as points, other
+    triples of numbers and tuples of them as vectors; numbers stay.
     """
 
     @property
@@ -39,7 +46,7 @@ class Movable:
     @cached_property
     def rim(self) -> Rim:
         """The closed plane curve along which the blend is met; `GeometryError` says why where there is none."""
-        return rim_of(self.contact.surface, self.contact.clip)
+        return rim_of(self.contact.surface, self.contact.clip, self.contact.near)
 
     def check_rim(self) -> None:
         """Raise `GeometryError` where there is no closed plane curve."""
@@ -59,9 +66,8 @@ class Movable:
 
     def _moved(self, map_: Affine) -> Self:
         arguments = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        point = {name: map_.exact(value) for name, value in arguments.items() if name == "point"}
-        others = {name: _image(value, map_) for name, value in arguments.items() if name not in point}
-        return type(self)(**others, **point)
+        points = {name: map_.exact(arguments[name]) for name in POINTS if arguments.get(name) is not None}
+        return type(self)(**{name: _image(value, map_) for name, value in arguments.items()} | points)
 
 
 def _image(value: Any, map_: Affine) -> Any:

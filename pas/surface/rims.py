@@ -107,6 +107,21 @@ class Rim:
         return float(away.min()), float(away.max())
 
 
+def outlook(surface: Polynomial, rim: Rim, center: VectorLike) -> tuple[float, Floats]:
+    """How a surface is seen from a point along a rim, and where it is seen worst.
+
+    The least cosine between the surface's gradient and the line of sight at points of the rim: a surface that rays from
+    `center` (three numbers) leave along the whole rim has a positive one.  With one that is not no blend meets each ray
+    once: the centre must be nearer to the rim's plane, or the clip where the surface opens.  Measured, not proved.
+    """
+    points = rim.points()
+    sight = points - np.array(to_floats(vector(center, "center")))
+    slopes = surface.gradient(points)
+    cosines = (slopes * sight).sum(axis=1) / (np.linalg.norm(slopes, axis=1) * np.linalg.norm(sight, axis=1))
+    worst = int(cosines.argmin())
+    return float(cosines[worst]), points[worst]
+
+
 @dataclass(frozen=True)
 class Chart:
     """Exact coordinates (s, t) in a plane: `origin + s first + t second`, the two vectors across one another."""

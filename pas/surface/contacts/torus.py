@@ -14,7 +14,6 @@ from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, plain, v
 from pas.errors import GeometryError
 from pas.surface.axial import Axial, listed, positive
 from pas.surface.contact import Contact
-from pas.surface.rims import Rim, rim_of
 
 
 @dataclass(frozen=True)
@@ -60,13 +59,10 @@ class Torus(Axial):
         major2, along = dot(self.arm, self.arm), self.along
         tube = self.square + (major2 - self.radius**2)
         surface = tube * tube - (self.square - along * along * dot(self.axis, self.axis)) * (4 * major2)
-        return Contact(Polynomial.from_raw(surface), Polynomial.from_raw(self.part(cross(self.axis, self.arm))))
-
-    @cached_property
-    def rim(self) -> Rim:
-        """The circle around the tip of the arm."""
         tip = [p + a for p, a in zip(self.point, self.arm, strict=True)]
-        return rim_of(self.contact.surface, self.contact.clip, near=tip)
+        return Contact(
+            Polynomial.from_raw(surface), Polynomial.from_raw(self.part(cross(self.axis, self.arm))), near=tip
+        )
 
     def __str__(self) -> str:
         return (
