@@ -14,11 +14,12 @@ import pytest
 from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 
 import pas
-from pas.fairing.excess import CurvatureExcess
+from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.surface_points import QUANTITIES, differences
+from pas.surface.fairness import neighbour, spiral
 
 LIMITS = pas.FairnessLimits.of_order(2)
 STRICT = pas.FairnessLimits(0.9, 0.8, 0.0, 0.0)
@@ -81,6 +82,18 @@ def test_curvature_beyond_each_limit_counts():
     for number, (over, quantity, slope) in enumerate(beyond.over(shape)):
         moved = shape + np.eye(10)[quantity, 7:]  # all is linear
         np.testing.assert_allclose(list(beyond.over(moved))[number][0] - over, slope)
+
+
+def test_the_hull_of_the_contacts_is_the_same_to_rounding(space):
+    """Rays leave it at its corners, where the planes of all facets count alike: rounding must not choose among them."""
+    neighbours = [neighbour(join, 1.0) for join in space.placed.joins]
+    units, widest = spiral(300), max(n.radius for n in neighbours)
+    normals, offsets = _hull(units, neighbours, widest)
+    far = -offsets / (normals * units).sum(axis=1)
+    assert far.min() == pytest.approx(widest, rel=1e-2) and far.max() > 2 * widest
+    noise = 1 + 1e-15 * np.random.default_rng(3).uniform(-1, 1, units.shape)
+    moved = _hull(units * noise, neighbours, widest)
+    assert np.abs(moved[0] - normals).max() < 1e-7 and np.abs(moved[1] - offsets).max() < 1e-7
 
 
 def test_own_slopes_are_those_of_differences(space):

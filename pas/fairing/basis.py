@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
+from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import to_float
 from pas.fairing.quadrature import tetrahedra_rule
 from pas.partition.cells import Partition
@@ -110,17 +111,18 @@ class WorkingBasis:
         degrees = np.array([sum(e) for e in exponents(self.degree)])
         return monomial_values(points, self.degree).T @ (self.coefficients[piece] * degrees).T
 
-    def combine(self, working: fmpq_mat) -> list[list[fmpq]]:
-        """The exact coefficients, piece by piece, of the member with working coefficients (1, m).
+    def combine(self, working: fmpq_mat) -> list[Polynomial]:
+        """The exact polynomials, piece by piece, of the member with working coefficients (1, m).
 
         In integers over one denominator, several times faster than rationals.
         """
+        monomials = exponents(self.degree)
         numerators, denominator = working.numer_denom()
         row, common = numerators * self.change.numerators, denominator * fmpz(2) ** self.change.shift
         result = []
         for matrix, scale in self._integers:
-            divisor = scale * common
-            result.append([fmpq(v, divisor) for v in (row * matrix).entries()])
+            whole = RING.from_dict(dict(zip(monomials, (row * matrix).entries(), strict=True)))
+            result.append(Polynomial.from_raw(whole * fmpq(1, scale * common)))
         return result
 
     @cached_property

@@ -35,6 +35,9 @@ ENDS, EVERY = 6, 8
 """Directions that are kept of a part of a plane section: those at its ends, where neighbours are foreshortened, and
 every eighth."""
 
+ALIKE = 9
+"""Digits to which planes of a hull, and the distances at which a ray meets them, are the same."""
+
 TOGETHER = 32
 """Rays that are held against all facets of the hull at once: the table stays in the caches."""
 
@@ -193,10 +196,20 @@ def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def _hull(units: Floats, neighbours: Sequence[Neighbour], widest: float) -> tuple[Floats, Floats]:
-    """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball."""
+    """The plane (normals (N, 3), offsets (N,)) in which each ray leaves the hull of the curves and a ball.
+
+    Most rays leave it at a corner, their own: there all planes count alike, and not the one that rounding prefers.
+    """
     # the rays have the symmetries of the partition, and so has the hull
     hull = ConvexHull(np.concatenate([widest * units, *(n.curve for n in neighbours)]))
-    steepness = np.ascontiguousarray((hull.equations[:, :3] / -hull.equations[:, 3:]).T)
-    blocks = (units[i : i + TOGETHER] @ steepness for i in range(0, len(units), TOGETHER))
-    facet = hull.equations[np.concatenate([block.argmax(axis=1) for block in blocks])]
-    return facet[:, :3], facet[:, 3]
+    planes = hull.equations[np.unique(np.round(hull.equations, ALIKE), axis=0, return_index=True)[1]]
+    steepness = np.ascontiguousarray((planes[:, :3] / -planes[:, 3:]).T)
+    normals, offsets = np.empty_like(units), np.empty(len(units))
+    for start in range(0, len(units), TOGETHER):
+        rays = slice(start, start + TOGETHER)
+        far = units[rays] @ steepness
+        greatest = far.max(axis=1)
+        mean = (far > (1 - 10.0**-ALIKE) * greatest[:, None]) @ planes[:, :3]
+        normals[rays] = mean / np.linalg.norm(mean, axis=1)[:, None]
+        offsets[rays] = -(normals[rays] * units[rays]).sum(axis=1) / greatest
+    return normals, offsets

@@ -126,8 +126,7 @@ class Fairing:
 
     def surface(self, working: fmpq_mat) -> PiecewiseSurface:
         """The exact surface with given working coefficients (1, m)."""
-        patches = [Polynomial.from_row(entries, self.degree) for entries in self.basis.combine(working)]
-        return PiecewiseSurface.in_place(self.placed, patches, self.degree)
+        return PiecewiseSurface.in_place(self.placed, self.basis.combine(working), self.degree)
 
     def landscape(self, limits: FairnessLimits, start: Floats, live: bool = False) -> Landscape:
         """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`."""

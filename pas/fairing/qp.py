@@ -19,6 +19,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.sparse import csc_matrix
 
@@ -88,26 +89,42 @@ def feasible(programme: Programme) -> bool:
 
 
 def _with_daqp(programme: Programme) -> Solution:
+    """With the rows that matter: those that the optimum without them misses, the worst of them first.
+
+    The optimum under some of the rows that meets the others too is that under all of them.
+    """
+    m = len(programme.linear)
+    chosen = np.zeros(len(programme.rows), dtype=bool)
+    while True:
+        q, flag = _daqp(programme, chosen)
+        if flag in (-1, -6):
+            return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
+        if flag <= 0 and chosen.all():
+            return _failed(m)
+        if flag <= 0:  # as where the rows alone keep the unknowns from going on for ever
+            chosen[:] = True
+            continue
+        missed = np.where(chosen, 0.0, programme.at_least - programme.rows @ q)
+        more = missed > TOLERANCE
+        if not more.any():
+            return _checked(programme, q)
+        if more.sum() > m:
+            more &= missed >= np.partition(missed, -m)[-m]
+        chosen |= more
+
+
+def _daqp(programme: Programme, chosen: NDArray[np.bool_]) -> tuple[Floats, int]:
+    """The optimum under some of the rows, and how DAQP ended."""
     import daqp
 
-    m = len(programme.linear)
-    rows = np.ascontiguousarray(np.concatenate([programme.equalities, programme.rows]))
-    lower = np.concatenate([programme.equal_to, programme.at_least])
-    upper = np.concatenate([programme.equal_to, np.full(len(programme.rows), 1e30)])
+    rows = np.ascontiguousarray(np.concatenate([programme.equalities, programme.rows[chosen]]))
+    lower = np.concatenate([programme.equal_to, programme.at_least[chosen]])
+    upper = np.concatenate([programme.equal_to, np.full(int(chosen.sum()), 1e30)])
     sense = np.zeros(len(rows), dtype=np.int32)
     sense[: len(programme.equalities)] = EQUALITY
-    q, _, flag, _ = daqp.solve(
-        np.ascontiguousarray(programme.hessian),
-        programme.linear.copy(),
-        rows,
-        upper,
-        lower,
-        sense,
-        primal_tol=TOLERANCE,
-    )
-    if flag in (-1, -6):
-        return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
-    return _checked(programme, np.asarray(q)) if flag > 0 else _failed(m)
+    hessian = np.ascontiguousarray(programme.hessian)
+    q, _, flag, _ = daqp.solve(hessian, programme.linear.copy(), rows, upper, lower, sense, primal_tol=TOLERANCE)
+    return np.asarray(q), int(flag)
 
 
 def _with_clarabel(programme: Programme) -> Solution:
