@@ -158,7 +158,7 @@ def test_a_surface_that_cannot_be_fair_is_the_fairest_found(monkeypatch):
         beyond[degree] = found.fairness.excess(found.limits) + 9 * (degree == 5)
         return beyond[degree]
 
-    monkeypatch.setattr("pas.pipeline.blend.excess", worse_at_the_last)
+    monkeypatch.setattr("pas.pipeline.ladder.excess", worse_at_the_last)
     blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=0.9))
     assert 0 < beyond[4] < beyond[3] < beyond[5] and blend.surface.degree == 4
     assert blend.certificate.proved
