@@ -18,6 +18,7 @@ from pas.fairing.excess import CurvatureExcess
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER
 from pas.fairing.programme import MemberProgramme
+from pas.fairing.settling import Settling
 from pas.fairing.surface_points import QUANTITIES, differences
 
 LIMITS = pas.FairnessLimits.of_order(2)
@@ -281,6 +282,21 @@ def test_refit_takes_steps_and_says_what_is_known():
         blend.refit(prove=False)
     with pytest.raises(pas.InfeasibleError, match=r"inside .* cannot be met"):
         blend.refit(inside=[("1", "1", "1")])
+
+
+def test_a_step_to_where_points_hold_is_one_of_those_asked_for(monkeypatch):
+    asked, blend, point = [], fair(UNEQUAL, 1), ("-3/10", "-3/10", "-3/10")  # settled before nothing is any more
+    monkeypatch.setattr(Settling, "steps", lambda self, state, number: asked.append(number) or iter(()))
+    assert blend.refit(through=[point], steps=3).surface([-0.3] * 3) == pytest.approx(0, abs=1e-12)
+    assert blend.refit(tension=9, steps=3).standing == "not proved yet"
+    assert asked == [2, 3]
+
+
+def test_the_energy_of_a_sum_has_both_parts():
+    space = fair(EQUAL, 1).space
+    plate = space.fit(energy=pas.ThinPlate(), prove=False).energy
+    both = space.fit(energy=pas.CurvatureVariation() + pas.ThinPlate() / 4, prove=False).energy
+    assert fair(EQUAL, 1).energy + plate / 4 < 1.01 * both < 1.2 * (fair(EQUAL, 1).energy + plate / 4)
 
 
 def test_a_loaded_blend_keeps_all_and_can_be_refitted(tmp_path):
