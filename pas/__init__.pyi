@@ -122,6 +122,7 @@ from .parametric.weights import WeightPole as WeightPole
 from .parametric.weights import Weights as Weights
 from .partition.alfeld_split import AlfeldSplit as AlfeldSplit
 from .partition.cells import Partition as Partition
+from .partition.layout import Layout as Layout
 from .partition.kinds import register_partition as register_partition
 from .partition.kuhn_cube import KuhnCube as KuhnCube
 from .partition.single_cell import SingleCell as SingleCell
@@ -153,7 +154,7 @@ from .surface.contacts.torus import Torus as Torus
 from .surface.curvature import CurvatureContact as CurvatureContact
 from .surface.curvature import curvature_contact as curvature_contact
 from .surface.fairness import Fairness as Fairness
-from .surface.fairness import FairnessLimits as FairnessLimits
+from .surface.fairness_limits import FairnessLimits as FairnessLimits
 from .surface.piecewise import PiecewiseSurface as PiecewiseSurface
 from .verdicts import Status as Status
 from .verdicts import Verdict as Verdict

@@ -18,8 +18,10 @@ from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER
 from pas.fairing.programme import MemberProgramme
+from pas.fairing.settling import Settling
 from pas.fairing.surface_points import QUANTITIES, differences
-from pas.surface.fairness import neighbour, spiral
+from pas.surface.fairness import spiral
+from pas.surface.fairness_limits import neighbour
 
 LIMITS = pas.FairnessLimits.of_order(2)
 STRICT = pas.FairnessLimits(0.9, 0.8, 0.0, 0.0)
@@ -171,7 +173,7 @@ def test_a_surface_that_cannot_be_fair_is_the_fairest_found(monkeypatch):
         beyond[degree] = found.fairness.excess(found.limits) + 9 * (degree == 5)
         return beyond[degree]
 
-    monkeypatch.setattr("pas.pipeline.blend.excess", worse_at_the_last)
+    monkeypatch.setattr("pas.pipeline.ladder.excess", worse_at_the_last)
     blend = pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(hollowness=0.9))
     assert 0 < beyond[4] < beyond[3] < beyond[5] and blend.surface.degree == 4
     assert blend.certificate.proved
@@ -294,6 +296,21 @@ def test_refit_takes_steps_and_says_what_is_known():
         blend.refit(prove=False)
     with pytest.raises(pas.InfeasibleError, match=r"inside .* cannot be met"):
         blend.refit(inside=[("1", "1", "1")])
+
+
+def test_a_step_to_where_points_hold_is_one_of_those_asked_for(monkeypatch):
+    asked, blend, point = [], fair(UNEQUAL, 1), ("-3/10", "-3/10", "-3/10")  # settled before nothing is any more
+    monkeypatch.setattr(Settling, "steps", lambda self, state, number: asked.append(number) or iter(()))
+    assert blend.refit(through=[point], steps=3).surface([-0.3] * 3) == pytest.approx(0, abs=1e-12)
+    assert blend.refit(tension=9, steps=3).standing == "not proved yet"
+    assert asked == [2, 3]
+
+
+def test_the_energy_of_a_sum_has_both_parts():
+    space = fair(EQUAL, 1).space
+    plate = space.fit(energy=pas.ThinPlate(), prove=False).energy
+    both = space.fit(energy=pas.CurvatureVariation() + pas.ThinPlate() / 4, prove=False).energy
+    assert fair(EQUAL, 1).energy + plate / 4 < 1.01 * both < 1.2 * (fair(EQUAL, 1).energy + plate / 4)
 
 
 def test_a_loaded_blend_keeps_all_and_can_be_refitted(tmp_path):

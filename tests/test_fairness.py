@@ -10,7 +10,7 @@ from conftest import EQUAL, UNEQUAL, pipes
 from scipy.integrate import quad
 
 import pas
-from pas.surface.fairness import largest_arc, neighbour
+from pas.surface.fairness_limits import largest_arc, neighbour
 
 BOX = pas.SingleCell((-1, -2, -2), (1, 2, 2))
 

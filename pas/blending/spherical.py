@@ -23,6 +23,7 @@ from pas.algebra.sparse import solve_sparse
 from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
+from pas.surface.contact import Contact
 from pas.surface.placed import PlacedContacts
 
 Tables = tuple[fmpz_mat, ...]
@@ -31,13 +32,21 @@ Tables = tuple[fmpz_mat, ...]
 
 def solve(placed: PlacedContacts, layout: Layout, degree: int) -> tuple[fmpq_mat, ...]:
     """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
-    parts = [splines(layout, placed.order, d) for d in range(degree + 1)]
+    return _solved(placed.local_contacts, placed.carriers, placed.order, layout, degree)
+
+
+@lru_cache(maxsize=16)
+def _solved(
+    contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
+) -> tuple[fmpq_mat, ...]:
+    """The same by what it depends on: regions of one layout differ in their walls alone."""
+    parts = [splines(layout, order, d) for d in range(degree + 1)]
     total = sum(part[0].nrows() for part in parts)
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))
     rows: list[dict[int, fmpq]] = []
-    for contact, pieces in zip(placed.local_contacts, placed.carriers, strict=True):
+    for contact, pieces in zip(contacts, carriers, strict=True):
         checkpoint("setting up the conditions at contacts")
-        form = NormalForm([contact.surface.raw, contact.clip.raw ** (placed.order + 1)])
+        form = NormalForm([contact.surface.raw, contact.clip.raw ** (order + 1)])
         images = _images(form, degree)
         for piece in pieces:
             rows += [
@@ -79,10 +88,10 @@ def _rows(layout: Layout, points: dict[tuple[tuple[int, int], ...], int], order:
         for triangle in triangles:
             for side in combinations(sorted(triangle), 2):
                 sides.setdefault(side, []).append((piece, next(v for v in triangle if v not in side)))
-    for side, ((first, a), (second, b)) in sides.items():
-        coordinates = _dual(layout, (a, *side), b)
+    for common, ((first, a), (second, b)) in sides.items():
+        coordinates = _dual(layout, (a, *common), b)
         for s in range(1, 1 + (degree if first == second else min(order, degree))):
-            yield from across(points, degree, side, a, b, coordinates, s)
+            yield from across(points, degree, common, a, b, coordinates, s)
 
 
 def _dual(layout: Layout, corners: Exponents, ray: int) -> list[fmpq]:
@@ -125,7 +134,8 @@ def _side_by_side(parts: list[fmpz_mat], degree: int) -> fmpz_mat:
 
 def _images(form: NormalForm, degree: int) -> fmpz_mat:
     """The normal forms of all monomials: (monomials, targets), whole numbers, each target by its own factor."""
-    where, targets = positions(degree), {}
+    where = positions(degree)
+    targets: dict[Exponents, int] = {}
     columns: list[dict[int, fmpq]] = []
     for e, image in form.images(degree).items():
         for target, value in image.items():

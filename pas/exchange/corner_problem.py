@@ -61,7 +61,7 @@ from pas.partition.kinds import PARTITIONS, read_partition
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
 from pas.surface.contact import CONTACTS, Contact, HasContact
-from pas.surface.fairness import FairnessLimits
+from pas.surface.fairness_limits import FairnessLimits
 
 KEYS = {
     "": {

@@ -21,7 +21,8 @@ from pas.fairing.basis import WorkingBasis
 from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
-from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG, FairnessLimits, Neighbour, largest_arc
+from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc
 from pas.surface.sections import AROUND, circle, planes, runs
 
 PRESS = 40.0

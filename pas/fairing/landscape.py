@@ -21,7 +21,7 @@ from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExce
 from pas.fairing.sight import AREA, Sight, View
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
-from pas.surface.fairness import FairnessLimits, Neighbour, neighbour
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
 from pas.surface.geometry import Geometry, jets
 from pas.surface.placed import PlacedContacts
 

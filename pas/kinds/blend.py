@@ -27,7 +27,7 @@ from pas.render.piecewise import layers
 from pas.render.scene import Scene
 from pas.shape import Kind
 from pas.surface.certificate import Certificate
-from pas.surface.fairness import FairnessLimits
+from pas.surface.fairness_limits import FairnessLimits
 from pas.verdicts import Verdicts
 
 SOLUTION = Table(

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import degrees, tan
-from typing import Any
 
 import numpy as np
 
@@ -21,13 +20,16 @@ from pas.layouts.strips import strips
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.surface.contact import Contact
-from pas.surface.rims import Rim, rim_of
+from pas.surface.rims import Rim, outlook
 
 CURVE_POINTS = 96
 """Points of a contact's curve by which a layout is fitted to it."""
 
 SPREAD = 0.95
 """Share of the angle between two contacts that their curves may take up."""
+
+FARTHEST = 2.0**20
+"""How many times farther out a clip may be said to be."""
 
 Maker = Callable[[Sequence[Seen], Vector], Layout]
 
@@ -58,11 +60,10 @@ LADDERS: dict[int, tuple[Rung, ...]] = {
         Rung("fan", _fan(2)),
         Rung("fan", _fan(2), 1.15),
         Rung("fan", _fan(3)),
-        Rung("strips", strips),
     ),
 }
 """By the order of contact, that of 2 for higher ones too: full planes where the node is symmetric, then fans; strips
-where no fan has room, as around five and six contacts with near clips."""
+where no fan has room, as around five and six contacts with near clips.  Strips have too few members of higher order."""
 
 KINDS = tuple(dict.fromkeys(rung.kind for rungs in LADDERS.values() for rung in rungs))
 """What layouts may be asked for by name."""
@@ -84,17 +85,12 @@ class Node:
         """
         rims = [_rim(number, contact) for number, contact in enumerate(contacts, start=1)]
         place = center_of(rims) if center is None else center
+        for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
+            _check_outlook(number, contact, rim, place)
         discs = tuple(
             Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), place)
             for number, rim in enumerate(rims, start=1)
         )
-        for disc, rim in zip(discs, rims, strict=True):
-            if rim.plane.at(place) > 0 and len(contacts) > 1:
-                words = ", ".join(map(plain, place))
-                raise GeometryError(
-                    f"the centre of the node, ({words}), lies beyond the clip of contact {disc.number}; the blend must "
-                    "be on the inner side of every clip"
-                )
         _check_apart(discs)
         return cls(place, discs)
 
@@ -121,9 +117,20 @@ class Node:
 
 def _rim(number: int, contact: Contact) -> Rim:
     try:
-        return rim_of(contact.surface, contact.clip)
+        return contact.rim
     except GeometryError as error:
         raise GeometryError(f"contact {number}: {error}") from None
+
+
+def _check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
+    """That the surface faces the centre all along its curve, else no surface through it is met once by each ray."""
+    cosine, where = outlook(contact.surface, rim, center)
+    if cosine <= 0:
+        words, place = ", ".join(map(plain, center)), "({:.4g}, {:.4g}, {:.4g})".format(*where)
+        raise GeometryError(
+            f"contact {number}: seen from the centre of the node, ({words}), its surface turns its back at {place}, so "
+            "no blend around that centre is met once by each ray; move its clip, or give the centre by a pas.Layout"
+        )
 
 
 def _check_apart(discs: Sequence[Seen]) -> None:
@@ -147,16 +154,14 @@ def _check_apart(discs: Sequence[Seen]) -> None:
 
 def _outwards(a: Seen, b: Seen, between: float) -> float | None:
     """By which factor the clips of two contacts must be moved outwards."""
-    low, high = 1.0, 2.0**20
-    fits = lambda s: sum(float(np.arctan(tan(min(d.angle, 1.5)) / s)) for d in (a, b)) < SPREAD * between  # noqa: E731
+    low, high = 1.0, FARTHEST
+
+    def fits(factor: float) -> bool:
+        return sum(float(np.arctan(tan(min(d.angle, 1.5)) / factor)) for d in (a, b)) < SPREAD * between
+
     if not fits(high):
         return None
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (low, middle) if fits(middle) else (middle, high)
     return high
-
-
-def title(partition: Any) -> str:
-    """What a partition is called in summaries."""
-    return str(partition.title)

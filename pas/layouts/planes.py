@@ -13,11 +13,11 @@ from math import atan2
 
 import numpy as np
 
-from pas.algebra.rational import Vector, cross
+from pas.algebra.rational import Vector
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
 from pas.layouts.seen import Seen, across, unit
-from pas.partition.layout import Layout, Ray, primitive
+from pas.partition.layout import Layout, Ray, normal_of, primitive, reduced
 
 SQUARE = 1e-9
 """How far directions may be off from those of a cube."""
@@ -53,9 +53,9 @@ def arrangement(normals: Sequence[Ray], center: Vector) -> Layout:
     """
     rays = list(
         dict.fromkeys(
-            _short((s * c[0], s * c[1], s * c[2]))
+            reduced((s * c[0], s * c[1], s * c[2]))
             for a, b in combinations(normals, 2)
-            for c in [cross(a, b)]
+            for c in [normal_of(a, b)]
             if any(c)
             for s in (1, -1)
         )
@@ -86,8 +86,3 @@ def _round(numbers: Sequence[int], rays: Sequence[Ray]) -> list[int]:
 def _sign(normal: Ray, ray: Ray) -> int:
     value = sum(a * b for a, b in zip(normal, ray, strict=True))
     return (value > 0) - (value < 0)
-
-
-def _short(v: Ray) -> Ray:
-    common = int(np.gcd.reduce(v))
-    return v[0] // common, v[1] // common, v[2] // common

@@ -9,6 +9,7 @@ from math import atan2, pi
 
 import numpy as np
 from flint import fmpq
+from numpy.typing import ArrayLike
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, dot, to_float, to_floats
@@ -91,10 +92,10 @@ class Seen:
         return x, y, z
 
 
-def unit(vector: Floats) -> Floats:
+def unit(vector: ArrayLike) -> Floats:
     """The unit vector (3,) of a direction."""
-    found: Floats = np.asarray(vector, dtype=float) / np.linalg.norm(vector)
-    return found
+    found: Floats = np.asarray(vector, dtype=float)
+    return found / np.linalg.norm(found)
 
 
 def units(vectors: Floats) -> Floats:

@@ -17,7 +17,7 @@ from typing import Any, Self
 from flint import fmpq
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, plain, vector
+from pas.algebra.rational import Vector, VectorLike, plain, vector
 from pas.described import constructor_keys
 from pas.errors import GeometryError
 
@@ -71,7 +71,7 @@ class Layout:
         if len(set(indices)) != len(indices) or not all(0 <= i < most for i in indices):
             raise ValueError(f"{where} must be different numbers of rays below {most}, not {shown(list(indices))}")
         for i, j in zip(indices, (*indices[1:], indices[0]), strict=True):
-            if not any(cross(self.rays[i], self.rays[j])):
+            if not any(normal_of(self.rays[i], self.rays[j])):
                 raise GeometryError(
                     f"{where}: rays {i} and {j} lie on one line through the centre, so no arc joins them; "
                     "put a ray between them"
@@ -111,7 +111,7 @@ class Layout:
         """The arcs between two pieces."""
         sides = self._sides()
         return tuple(
-            Arc(start, end, first, sides[end, start], _reduced(cross(self.rays[start], self.rays[end])))
+            Arc(start, end, first, sides[end, start], reduced(normal_of(self.rays[start], self.rays[end])))
             for (start, end), first in sides.items()
             if start < end and sides[end, start] != first
         )
@@ -201,17 +201,22 @@ def primitive(direction: Vector, number: int | None = None) -> Ray:
     if not any(direction):
         raise ValueError(f"rays[{number}] must not be the zero vector")
     x, y, z = (int((c * common).p) for c in direction)
-    return _reduced((x, y, z))
+    return reduced((x, y, z))
 
 
-def _reduced(v: Any) -> Ray:
+def reduced(v: Any) -> Ray:
     common = gcd(*v)
     return v[0] // common, v[1] // common, v[2] // common
 
 
+def normal_of(a: Any, b: Any) -> Any:
+    """The cross product of two vectors, of whole numbers for rays."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
 def turns(a: Any, b: Any, c: Any) -> Any:
     """The determinant of three vectors: positive where a, b, c go round counterclockwise seen from outside."""
-    x, y, z = cross(b, c)
+    x, y, z = normal_of(b, c)
     return a[0] * x + a[1] * y + a[2] * z
 
 
@@ -220,7 +225,7 @@ def middle_ray(rays: Sequence[Ray]) -> Ray:
     lengths = [hypot(*ray) for ray in rays]
     factors = [max(1, round(max(lengths) / length)) for length in lengths]
     x, y, z = (sum(k * r[axis] for k, r in zip(factors, rays, strict=True)) for axis in range(3))
-    return _reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
+    return reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
 
 
 def _times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:

@@ -46,14 +46,14 @@ def _boundary(faces: list[tuple[int, int, int]]) -> list[int] | None:
     """The vertices round a union of faces; None where that is not one closed line."""
     edges = {edge for a, b, c in faces for edge in ((a, b), (b, c), (c, a))}
     after: dict[int, int] = {}
-    for start, end in edges:
-        if (end, start) not in edges:
-            if start in after:
+    for edge in edges:
+        if edge[::-1] not in edges:
+            if edge[0] in after:
                 return None
-            after[start] = end
-    start = next(iter(after), None)
-    if start is None:
+            after[edge[0]] = edge[1]
+    if not after:
         return None
+    start = next(iter(after))
     found = [start]
     while after[found[-1]] != start:
         found.append(after[found[-1]])

@@ -26,6 +26,10 @@ FEWEST_UNKNOWNS, MOST_UNKNOWNS = 15, 160
 """Spaces of smaller dimension are not tried on layouts that the program chose: there is always a larger one, and
 none of these was fair.  Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
 
+WORTH_WHILE = 0.5
+"""A degree that leaves more than this share of what is beyond the limits is the last on layouts that the program
+chose: where a fillet has no room, no degree makes it fair."""
+
 LAYOUTS_FOR_FAIRNESS = 2
 """Layouts on which a proved surface may be sought that is fairer than the first."""
 
@@ -59,7 +63,7 @@ class Ladder:
                 break
             began = time.perf_counter()
             try:
-                found = choose(space, self.wishes, self.attempts, self.stages, below and below.surface)
+                found = choose(space, self.wishes, self.attempts, self.stages, below.surface if below else None)
             except (InfeasibleError, NotProvedError) as error:
                 self._note(space, str(error), time.perf_counter() - began)
                 self.failure = error
@@ -69,9 +73,10 @@ class Ladder:
             with self.stages.stage("measure", f" (degree {space.degree})"):
                 found = judged(found)
                 self.attempts.append(found.attempts[-1])
+                hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
                 below = found if below is None or excess(found) < excess(below) else below
                 first = first or space.degree
-            if not excess(found) or found.surface.degree >= first + DEGREES_FOR_FAIRNESS:
+            if not excess(found) or hopeless or found.surface.degree >= first + DEGREES_FOR_FAIRNESS:
                 break
         if below is None:
             return None

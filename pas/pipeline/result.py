@@ -26,7 +26,8 @@ from pas.pipeline.summary import summary
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
-from pas.surface.fairness import Fairness, FairnessLimits
+from pas.surface.fairness import Fairness
+from pas.surface.fairness_limits import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 

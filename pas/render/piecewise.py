@@ -10,7 +10,7 @@ from pas.render.layers import BLEND_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
 from pas.render.scene import Scene
 from pas.render.sections import combs, geometry_at
-from pas.surface.fairness import neighbour
+from pas.surface.fairness_limits import neighbour
 from pas.surface.piecewise import PiecewiseSurface
 
 VIEW = (0.62, -0.62, 0.48)

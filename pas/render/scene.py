@@ -80,7 +80,7 @@ class Picture:
         check_style(self._name)
         for name in ("combs", "four_views", "exploded", "cut"):
             check_flag(getattr(self, name), name)
-        if not isinstance(self.size, Sequence) or isinstance(self.size, str) or len(self.size) != 2:
+        if isinstance(self.size, str) or not hasattr(self.size, "__len__") or len(self.size) != 2:
             raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
         for i, pixels in enumerate(self.size):
             whole(pixels, f"size[{i}]", 1, MOST_PIXELS)

@@ -8,24 +8,22 @@ a stated number of points, and a feature between them is missed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from itertools import combinations
+from functools import cached_property
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from pas.algebra.inputs import check_order, shown
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import amount, to_float
+from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, check_limits, largest_arc, neighbour
 from pas.surface.geometry import FIRST, SECOND, Geometry, jets
-from pas.surface.joins import Join
 from pas.surface.sections import AROUND, circle, planes, runs
 
 if TYPE_CHECKING:
@@ -46,84 +44,10 @@ BALL = 400
 FACETS = 32
 """Of the hull, from which the distances of all points are worked out at once: they stay in the caches."""
 
-CURVE = 96
-"""Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
-
 SHARP, HOLLOW, BULGE, WRONG = 0.02, 0.5, 0.1, 0.05
 """Units in which what is beyond the limits counts: of sharpness, hollowness, bulge and wrong-sign curvature."""
 
-NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE, NODE_WRONG = 1.15, 1.5, 1.6, 0.1, 1.0
-"""Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge; and wrong
-sign, which sections across the plane of no symmetry may have."""
-
-LOOSE = 1000.0
-"""A limit that is none."""
-
-WEDGE = np.radians(150)
-"""The largest angle between two neighbours between which a fillet is looked for; beyond, they nearly run through."""
-
 Place = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Neighbour:
-    """A contact as the measures see it, in the user's units and relative to the centre.
-
-    `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
-    curvature of its surface on the curve, `curve` (m, 3) points of it.
-    """
-
-    mean: Floats
-    radius: float
-    curvature: float
-    curve: Floats
-
-    @property
-    def distance(self) -> float:
-        """From the centre to the mean point of the curve."""
-        return float(np.linalg.norm(self.mean))
-
-
-@dataclass(frozen=True)
-class FairnessLimits:
-    """Up to what a surface counts as fair; see `Fairness` for the measures."""
-
-    sharpness: float = 1.02
-    hollowness: float = 1.5
-    bulge: float = 0.05
-    wrong_sign: float = 0.2
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, to_float(amount(value, name)))
-
-    @classmethod
-    def of_order(cls, order: int) -> FairnessLimits:
-        """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
-        order = check_order(order)
-        return cls(1.02 if order < 3 else 1.05, {1: 1.6, 2: 1.5}.get(order, 1.8))
-
-    @classmethod
-    def of_node(cls, order: int, neighbours: Sequence[Neighbour]) -> FairnessLimits:
-        """The usual ones around neighbours in any directions.
-
-        They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter; where walls
-        meet beyond their clips they leave none, and only the bulge is limited.
-        """
-        usual = cls.of_order(order)
-        arc = largest_arc(neighbours)
-        if arc <= 0:
-            return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
-        tightest = 1 / (arc * max(n.curvature for n in neighbours))
-        sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
-        return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, NODE_WRONG)
-
-
-def check_limits(limits: Any) -> FairnessLimits:
-    """What is given as limits; raises `TypeError` for anything else."""
-    if not isinstance(limits, FairnessLimits):
-        raise TypeError(f"limits must be pas.FairnessLimits(...), not {shown(limits)}")
-    return limits
 
 
 @dataclass(frozen=True)
@@ -306,45 +230,6 @@ class _Measuring:
         for run in runs(place >= 0):
             if len(run) >= SHORTEST_RUN:
                 yield curvature[place[run]]
-
-
-@lru_cache(maxsize=32)
-def neighbour(join: Join, scale: float) -> Neighbour:
-    """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
-    parts = [
-        (points, weights * np.ptp(join.partition.points[list(face.vertices)], axis=0).max())
-        for face, (points, weights) in zip(join.faces, join.measured_curves(CURVE), strict=True)
-    ]
-    curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
-    contact = join.contact.surface
-    found = Geometry(jets(curve, contact.dense(contact.degree), contact.degree))
-    mean = weights @ curve / weights.sum()
-    return Neighbour(
-        mean * scale,
-        float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
-        float(np.abs(found.principal).max()) / scale,
-        curve * scale,
-    )
-
-
-def largest_arc(neighbours: Sequence[Neighbour]) -> float:
-    """The largest radius of an arc tangent to the walls of two neighbours within their clips: the least of all pairs.
-
-    For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
-    tangents of length l has radius l tan(t / 2).  Infinite where no two are within `WEDGE`; not positive where two
-    walls meet beyond their clips.
-    """
-    found = inf
-    for a, b in combinations(neighbours, 2):
-        cosine = float(a.mean @ b.mean) / (a.distance * b.distance)
-        angle = float(np.arccos(np.clip(cosine, -1, 1)))
-        if not 0.05 < angle < WEDGE:
-            continue
-        tangents = [
-            one.distance - (other.radius + one.radius * cosine) / np.sin(angle) for one, other in ((a, b), (b, a))
-        ]
-        found = min(found, min(tangents) * float(np.tan(angle / 2)))
-    return found
 
 
 def spiral(number: int) -> Floats:
