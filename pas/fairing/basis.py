@@ -200,9 +200,12 @@ class _FixedPoint:
         self._bits, self._table = BITS, self._rounded(BITS)
 
     def _exponent(self, member: int) -> int:
-        """That of the power of two near the member's largest coefficient."""
-        sizes = zip((max(map(abs, rows[member]), default=0) for rows in self.rows), self.denominators, strict=True)
-        return max((n.bit_length() - d.bit_length() for n, d in sizes if n), default=0)
+        """That of the power of two near the member's largest coefficient, by its length in lowest terms."""
+        parts = zip((rows[member] for rows in self.rows), self.denominators, strict=True)
+        sizes = [(n.bit_length() - d.bit_length(), n, d) for row, d in parts for n in row if n]
+        most = max((size for size, _, _ in sizes), default=0)
+        large = (fmpq(n, d) for size, n, d in sizes if size >= most - 1)  # in lowest terms one digit more, or less
+        return max((int(v.p).bit_length() - int(v.q).bit_length() for v in large), default=0)
 
     def doubles(self) -> list[Floats]:
         """The doubles of the members, scaled."""

@@ -81,7 +81,7 @@ class Rays:
         """Rows that ask for the sheet condition at crossings."""
         rows = Rows.none(self.guard.basis.size)
         points, pieces = self.ends[crossings.rays] * crossings.shares[:, None], self.piece_of[crossings.rays]
-        for piece in self.pieces:
+        for piece in np.unique(pieces).tolist():
             rows += self.guard.sheet(piece, points[pieces == piece], margin)
         return rows
 
