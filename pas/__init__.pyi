@@ -122,9 +122,9 @@ from .parametric.weights import WeightPole as WeightPole
 from .parametric.weights import Weights as Weights
 from .partition.alfeld_split import AlfeldSplit as AlfeldSplit
 from .partition.cells import Partition as Partition
-from .partition.layout import Layout as Layout
 from .partition.kinds import register_partition as register_partition
 from .partition.kuhn_cube import KuhnCube as KuhnCube
+from .partition.layout import Layout as Layout
 from .partition.single_cell import SingleCell as SingleCell
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
 from .partition.worsey_farin_split import WorseyFarinSplit as WorseyFarinSplit
