@@ -29,6 +29,8 @@ MAY_BE_ANY = {
     "Energy.to_record": TABLE,
     "Fairness.to_record": TABLE,
     "KuhnCube.to_record": TABLE,
+    "Layout.from_record": TABLE,
+    "Layout.to_record": TABLE,
     "Partition.from_record": TABLE,
     "Partition.to_record": TABLE,
     "SingleCell.to_record": TABLE,
