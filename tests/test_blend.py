@@ -223,9 +223,9 @@ X, Y, Z = AXES
 )
 def test_geometry_that_cannot_be(items, words):
     with pytest.raises(pas.GeometryError, match=words):
-        pas.blend(items, 1)
+        pas.blend(items, 1, partition="six tetrahedra")
     with pytest.raises(pas.GeometryError, match=words):
-        pas.solutions(items, 1)
+        pas.solutions(items, 1, partition="six tetrahedra")
 
 
 def test_a_clip_that_is_tangent_is_refused():

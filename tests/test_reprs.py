@@ -16,6 +16,7 @@ from pas.algebra.brief import LONGEST, brief, cut
 from pas.fairing.basis import to_doubles
 from pas.shape import KINDS
 
+FOUR_RAYS = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1))
 LONG = pas.Polynomial("(1 + 2*x/3 + 3*y + 4*z/7)^9")
 
 
@@ -85,6 +86,9 @@ SAMPLES = {
     "GeneratrixShape": lambda: generatrix().shape,
     "Ideal": lambda: pas.Ideal(LONG, LONG * "x"),
     "IsolatedPoint": lambda: pas.IsolatedPoint(1, "x", 0.5, fmpq(1, 3), "t - 1/2", next(iter(pas.PointKind))),
+    "Layout": lambda: pas.Layout(
+        np.vstack([np.eye(3, dtype=int), [(-1, -1, -1)]]), [(0, 1, 2), (1, 0, 3), (2, 1, 3), (0, 2, 3)]
+    ),
     "LeastSquares": lambda: cubics().least_squares(np.random.default_rng(0).random((40, 3))),
     "MeanAlpha": pas.MeanAlpha,
     "Kind": lambda: KINDS["solid"],

@@ -12,7 +12,8 @@
     clip = 1
     point = [0, 0, 0]              # optional
 
-    [partition]                    # optional; by its kind, "six tetrahedra" without
+    [partition]                    # optional; its kind is "fan", "strips" or "planes", "layout" with rays and pieces,
+                                   # or that of a partition: "six tetrahedra" without one
     center = [0, 0, 0]
     legs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
@@ -49,6 +50,7 @@ from typing import Any, Literal, Self
 
 from pas.algebra.inputs import check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
+from pas.blending.place import PartitionLike
 from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
 from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
@@ -56,8 +58,7 @@ from pas.exchange.problem import Problem, ProblemKind
 from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import Normalization, Wishes, tensed
-from pas.partition.cells import Partition
-from pas.partition.kinds import PARTITIONS, read_partition
+from pas.layouts.reading import PARTITION_KEYS, read_partition_like
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
 from pas.surface.contact import CONTACTS, Contact, HasContact
@@ -103,7 +104,7 @@ class CornerProblem(Problem):
     order: int
     degree: int | Literal["lowest"] | None
     tolerance: float
-    partition: Partition | None
+    partition: PartitionLike | None
     wishes: Wishes
     style: str = "plain"
     view: View | None = None
@@ -144,7 +145,7 @@ class _Reader(PictureReader):
     def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
         """The keys by table."""
         tables = {table: set(constructor_keys(made)) for table, made in CONTACTS.items()}
-        others = {"": KEYS[""] | self.lists, "partition": keys_of(PARTITIONS), "energy": keys_of(ENERGIES)}
+        others = {"": KEYS[""] | self.lists, "partition": PARTITION_KEYS, "energy": keys_of(ENERGIES)}
         return KEYS | others | tables
 
     @property
@@ -164,7 +165,7 @@ class _Reader(PictureReader):
             order=self.checked(data, "order", check_order, None),
             degree=self.checked(data, "degree", check_wanted_degree, None),
             tolerance=self.checked(data, "tolerance", check_tolerance, DEFAULT_TOLERANCE),
-            partition=self._made("partition", data, read_partition),
+            partition=self._made("partition", data, read_partition_like),
             wishes=self._wishes(data),
             **self.picture(data),
         )

@@ -9,6 +9,7 @@ from math import degrees, tan
 
 import numpy as np
 
+from pas.algebra.inputs import short
 from pas.algebra.rational import Vector, plain, to_floats
 from pas.errors import GeometryError
 from pas.layouts.center import center_of
@@ -124,6 +125,11 @@ def _rim(number: int, contact: Contact) -> Rim:
 
 def _check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
     """That the surface faces the centre all along its curve, else no surface through it is met once by each ray."""
+    if contact.surface.at(rim.center) > 0:
+        raise GeometryError(
+            f"contact {number}: the surface {short(str(contact.surface))} is positive inside its curve; a surface must "
+            "be negative inside (is its sign turned round?)"
+        )
     cosine, where = outlook(contact.surface, rim, center)
     if cosine <= 0:
         words, place = ", ".join(map(plain, center)), "({:.4g}, {:.4g}, {:.4g})".format(*where)

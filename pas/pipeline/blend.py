@@ -90,8 +90,6 @@ def blend(
         found = ladder.climb(place, 0 if own or not raised else FEWEST_UNKNOWNS)
         if found is not None:
             return found
-    if ladder.best is not None:
-        return ladder.best
     if ladder.failure is None and given is not None:
         raise _too_low(ladder.attempts[-1], _lowest(placed, given), order)
     raise _given_up(ladder.attempts, ladder.failure, order)

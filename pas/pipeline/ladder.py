@@ -30,13 +30,14 @@ WORTH_WHILE = 0.5
 """A degree that leaves more than this share of what is beyond the limits is the last on layouts that the program
 chose: where a fillet has no room, no degree makes it fair."""
 
-LAYOUTS_FOR_FAIRNESS = 2
-"""Layouts on which a proved surface may be sought that is fairer than the first."""
+DEGREES_ON_LAYOUTS = 1
+"""The same on layouts that the program chose, of which the first that has a proved surface is kept: more half-planes
+made no shape fairer that another degree did not."""
 
 
 @dataclass
 class Ladder:
-    """What was tried, and the fairest blend so far.
+    """What was tried.
 
     `degree` is the only one to try, or None; `raised` says whether degrees and layouts are tried for fairness too.
     """
@@ -47,11 +48,9 @@ class Ladder:
     stages: Stages
     attempts: list[Attempt] = field(default_factory=list)
     failure: InfeasibleError | NotProvedError | None = None
-    fairest: Blend | None = None
-    layouts: int = 0
 
     def climb(self, placed: PlacedContacts, fewest: int = 0) -> Blend | None:
-        """The blend on one layout that needs no other beside it; None where another may be better.
+        """The fairest blend that was found on one layout; None where none was.
 
         Spaces of fewer than `fewest` unknowns are left out.
         """
@@ -76,19 +75,10 @@ class Ladder:
                 hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
                 below = found if below is None or excess(found) < excess(below) else below
                 first = first or space.degree
-            if not excess(found) or hopeless or found.surface.degree >= first + DEGREES_FOR_FAIRNESS:
+            highest = first + (DEGREES_ON_LAYOUTS if fewest else DEGREES_FOR_FAIRNESS)
+            if not excess(found) or hopeless or found.surface.degree >= highest:
                 break
-        if below is None:
-            return None
-        self.layouts += 1
-        if self.fairest is None or excess(below) < excess(self.fairest):
-            self.fairest = below
-        return self.best if not excess(below) or self.layouts >= LAYOUTS_FOR_FAIRNESS else None
-
-    @property
-    def best(self) -> Blend | None:
-        """The fairest blend found, with all that was tried."""
-        return self.fairest and replace(self.fairest, attempts=tuple(self.attempts))
+        return below and replace(below, attempts=tuple(self.attempts))
 
     def _spaces(self, placed: PlacedContacts, fewest: int) -> Iterator[SolutionSpace]:
         """Solution spaces with regular members, of rising degree; others are noted as attempts."""

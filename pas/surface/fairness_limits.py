@@ -74,11 +74,11 @@ class FairnessLimits:
         """The usual ones around neighbours in any directions.
 
         They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter; where walls
-        meet beyond their clips they leave none, and only the bulge is limited.
+        meet beyond their clips they leave none, and only the bulge is limited, as where all nearly run through.
         """
         usual = cls.of_order(order)
         arc = largest_arc(neighbours)
-        if arc <= 0:
+        if not 0 < arc < inf:
             return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
         tightest = 1 / (arc * max(n.curvature for n in neighbours))
         sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)

@@ -1,0 +1,45 @@
+"""Partitions, layouts and names of kinds of layouts, as tables of problem files have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pas.described import keys_of
+from pas.errors import meant
+from pas.layouts.nodes import KINDS
+from pas.partition.cells import Partition
+from pas.partition.kinds import PARTITIONS, read_partition
+from pas.partition.layout import Layout
+
+LAYOUT = "layout"
+"""The kind of a table with a user's own rays and pieces."""
+
+PARTITION_KEYS = keys_of(PARTITIONS) | set(Layout.keys())
+"""All keys that a table may have."""
+
+
+def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
+    """What a table describes: `kind = "fan"` or another kind of layouts by name, `kind = "layout"` with rays and
+    pieces, or a partition (see `pas.partition.kinds.read_partition`).
+
+    Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
+    """
+    kind = record.get("kind")
+    rest = {key: value for key, value in record.items() if key != "kind"}
+    if kind in KINDS:
+        if rest:
+            raise ValueError(
+                f"{next(iter(rest))!r} does not belong to the layout {kind!r}, which is chosen by the program"
+            )
+        return str(kind)
+    if kind != LAYOUT:
+        return read_partition(record)
+    known = Layout.keys()
+    for key in rest:
+        if key not in known:
+            raise ValueError(f"{key!r} does not belong to a layout{meant(key, known)}")
+    for key, needed in known.items():
+        if needed and key not in rest:
+            raise ValueError(f"a layout needs {key!r}")
+    return Layout.from_record(rest)
