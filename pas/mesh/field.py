@@ -45,6 +45,10 @@ class CellField(Field, Protocol):
     def walls(self) -> Floats:
         """Planes (W, 4) that bound the region: `n . x = d` with unit n, as (n, d)."""
 
+    def nearest_walls(self, points: Floats) -> Integers:
+        """The numbers of the walls nearest to points (N, 3) on the boundary: of the faces, not of their planes, which
+        may pass through curves on other walls."""
+
     @property
     def feature_size(self) -> float:
         """The radius of the smallest feature that a mesh must show."""

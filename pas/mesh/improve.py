@@ -18,6 +18,9 @@ from pas.mesh.topology import edge_table
 
 NEWTON_STEPS = 20
 FLIP_PASSES = 12
+ON_WALL = 1e-9
+"""Distance, in units of the region's size, below which a vertex is on a wall."""
+
 FOLD = 0.3
 """Cosine below which a triangle counts as folded: good meshes keep above 0.8, folds are negative."""
 
@@ -48,10 +51,8 @@ def boundary_of(points: Floats, triangles: Integers, field: CellField) -> Bounda
         else np.empty((0, 2), dtype=np.intp)
     )
     walls = field.walls
-    distance = np.abs(points[vertices] @ walls[:, :3].T - walls[:, 3])
-    on = distance < 1e-9
-    nearest = distance.argmin(axis=1) if len(vertices) else np.empty(0, dtype=np.intp)
-    directions = walls[nearest]
+    on = np.abs(points[vertices] @ walls[:, :3].T - walls[:, 3]) < ON_WALL
+    directions = walls[field.nearest_walls(points[vertices])]
     alone = (on & (np.abs(walls[:, :3] @ directions[:, :3].T).T < 1 - 1e-12)).sum(axis=1) == 0
     return Boundary(vertices, directions[:, :3], directions[:, 3], alone & (degree == 2), neighbours)
 

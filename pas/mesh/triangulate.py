@@ -70,9 +70,7 @@ def _edge_distances(field: CellField, mesh: Mesh) -> Floats:
     normals = np.zeros_like(middles)
     rim = np.flatnonzero(times == 1)
     if len(rim):
-        walls = field.walls
-        nearest = np.abs(middles[rim] @ walls[:, :3].T - walls[:, 3]).argmin(axis=1)
-        normals[rim] = walls[nearest, :3]
+        normals[rim] = field.walls[field.nearest_walls(middles[rim]), :3]
     return _distances(field, middles, normals)
 
 

@@ -16,8 +16,9 @@ from pas.pipeline.space import SolutionSpace
 from pas.pipeline.stages import Stages
 from pas.surface.placed import PlacedContacts
 
-DEGREES_TRIED = 4
-"""Degrees with regular members that are tried before giving up; corners needed at most three."""
+DEGREES_TRIED, DEGREES_ON_LAYOUTS_TRIED = 4, 2
+"""Degrees with regular members that are tried before giving up, and on layouts that the program chose, before the next
+one; corners needed at most three."""
 
 DEGREES_FOR_FAIRNESS = 2
 """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
@@ -92,7 +93,7 @@ class Ladder:
             if usable:
                 yield space
                 yielded += 1
-                if yielded == DEGREES_TRIED:
+                if yielded == (DEGREES_ON_LAYOUTS_TRIED if fewest else DEGREES_TRIED):
                     return
             elif space.dimension == 0:
                 self._note(space, "no solution")

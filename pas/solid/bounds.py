@@ -6,6 +6,8 @@ point are cut away, from a very large box down, until the rest is tight.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from flint import fmpq
 
@@ -51,8 +53,30 @@ def _branch_box(tree: Tree) -> Floats | None:
 
 
 def _linear_box(tree: Tree) -> Floats | None:
-    """The box of the linear inequalities that all hold, by linear programmes; None where empty."""
+    """The box of the linear inequalities that all hold, by linear programmes; None where empty.
+
+    Unions among the conditions, such as the cells of a region, lie in the hull of their parts' boxes.
+    """
     parts = tree.parts if isinstance(tree, Node) and not tree.union else (tree,)
+    box = _box_of_planes(parts)
+    for part in parts:
+        if box is None or not (isinstance(part, Node) and part.union):
+            continue
+        found = [inner for p in part.parts if (inner := _linear_box(p)) is not None]
+        if not found:
+            return None
+        box = np.stack(
+            [
+                np.maximum(box[0], np.min([b[0] for b in found], axis=0)),
+                np.minimum(box[1], np.max([b[1] for b in found], axis=0)),
+            ]
+        )
+        box = box if (box[0] <= box[1]).all() else None
+    return box
+
+
+def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
+    """The box of the linear inequalities among conditions."""
     rows = []
     for part in parts:
         if isinstance(part, Node) or not isinstance(part.function, Polynomial) or part.function.degree != 1:

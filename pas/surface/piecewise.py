@@ -26,6 +26,7 @@ from pas.surface.contact import Contact
 from pas.surface.curvature_bound import curvature_below
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
+from pas.surface.local_field import LocalField
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
 from pas.surface.rays import first_hits
@@ -291,7 +292,7 @@ class PiecewiseSurface(InPlace, Shape):
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         if tolerance is None:
             tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
-        field = _LocalField(self)
+        field = LocalField(self)
         return triangulate(field, check_tolerance(tolerance, field.scale) / field.scale)
 
     @limited("meshing a surface", "a coarser tolerance")
@@ -306,31 +307,6 @@ class PiecewiseSurface(InPlace, Shape):
         return f"{self.partition.name}, {pieces}, degree {self.degree}, order {self.order}"
 
 
-class _LocalField:
-    """The surface in local coordinates, as the mesher wants it."""
-
-    def __init__(self, surface: PiecewiseSurface) -> None:
-        self.surface = surface
-        self.scale = float(to_fraction(surface.partition.frame.scale))
-        self.vertices = surface.local.points
-        self.cells = np.array(surface.local.cells)
-        self.walls = _unit_planes(surface.local)
-        self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
-        self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
-
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
-        return self.surface.partition.frame.global_points(points)
-
-    def locate(self, points: Floats) -> np.ndarray:
-        """The cell that holds, or is nearest to, each of points (N, 3)."""
-        return self.surface.local.locate(points, tolerance=np.inf)
-
-    def jets(self, points: Floats, cells: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of given cells' patches at points (N, 3)."""
-        return self.surface.local_jets(points, self.surface.partition.piece_of[cells])
-
-
 def _by_piece(points: Floats, pieces: np.ndarray, columns: Floats) -> Floats:
     """Values (N, m) at points (N, 3) of each piece's polynomials `columns[piece]`; NaN for piece -1."""
     result = np.full((len(points), columns.shape[2]), np.nan)
@@ -339,12 +315,3 @@ def _by_piece(points: Floats, pieces: np.ndarray, columns: Floats) -> Floats:
         if len(rows):
             result[rows] = evaluate(points[rows], coefficients)
     return result
-
-
-def _unit_planes(partition: Partition) -> Floats:
-    planes = []
-    for face in partition.outer_faces:
-        constant, *slope = (face.plane.dense(1)[i] for i in range(4))
-        length = np.linalg.norm(slope)
-        planes.append([*(np.array(slope) / length), -constant / length])
-    return np.unique(np.round(planes, 14), axis=0)
