@@ -20,9 +20,9 @@ from pas.surface.joins import Join
 CURVE = 96
 """Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
 
-NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE, NODE_WRONG = 1.15, 1.5, 1.6, 0.1, 1.0
-"""Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge; and wrong
-sign, which sections across the plane of no symmetry may have."""
+NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE = 1.15, 1.5, 1.6, 0.1
+"""Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge.  Sections
+across no plane of symmetry may bend either way."""
 
 LOOSE = 1000.0
 """A limit that is none."""
@@ -82,7 +82,7 @@ class FairnessLimits:
             return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
         tightest = 1 / (arc * max(n.curvature for n in neighbours))
         sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
-        return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, NODE_WRONG)
+        return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, LOOSE)
 
 
 def check_limits(limits: Any) -> FairnessLimits:
