@@ -28,9 +28,7 @@ def planes(discs: Sequence[Seen], center: Vector) -> Layout:
 
     Raises `GeometryError` for other nodes.
     """
-    units = np.array([disc.direction for disc in discs])
-    dots = np.abs(units @ units.T)
-    if len(discs) != 6 or np.minimum(dots, np.abs(1 - dots)).max() > SQUARE:
+    if not symmetric(discs):
         raise GeometryError("full planes serve six contacts along the axes of a cube; for others take a fan or strips")
     axes: list[Ray] = []
     for disc in discs:
@@ -44,6 +42,13 @@ def planes(discs: Sequence[Seen], center: Vector) -> Layout:
     layout = arrangement([(n[0], n[1], n[2]) for n in normals], center)
     check_fits(layout, discs)
     return layout
+
+
+def symmetric(discs: Sequence[Seen]) -> bool:
+    """Whether they are six along the axes of a cube."""
+    units = np.array([disc.direction for disc in discs])
+    dots = np.abs(units @ units.T)
+    return len(discs) == 6 and bool(np.minimum(dots, np.abs(1 - dots)).max() <= SQUARE)
 
 
 def arrangement(normals: Sequence[Ray], center: Vector) -> Layout:

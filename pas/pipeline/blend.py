@@ -120,8 +120,18 @@ def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionErro
     )
 
 
+def _tried(attempts: Sequence[Attempt]) -> str:
+    """The degrees that were tried, those without a solution in short, on each of several partitions."""
+    found = []
+    for title in dict.fromkeys(a.partition for a in attempts):
+        here = {a.degree: a.dimension for a in attempts if a.partition == title}
+        words = "; ".join(f"degree {n}: dimension {m}" for n, m in here.items())
+        found.append(words if len({a.partition for a in attempts}) == 1 else f"{title}, {words}")
+    return "; ".join(found)
+
+
 def _given_up(attempts: Sequence[Attempt], failure: InfeasibleError | NotProvedError | None, order: int) -> Exception:
-    tried = "; ".join(f"degree {a.degree}: dimension {a.dimension}" for a in attempts)
+    tried = _tried(attempts)
     if failure is None:
         return NoSolutionError(
             f"no usable surface meets the contacts with GC^{order} ({tried}); a higher degree may have one",

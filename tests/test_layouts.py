@@ -1,0 +1,325 @@
+"""Layouts: what they must cover, their spline spaces by formulas, and blends of nodes in any directions on them."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import pas
+from pas.blending.net import Net
+from pas.blending.place import places
+from pas.blending.spherical import splines
+from pas.exchange.problem import read_problem
+from pas.layouts.nodes import KINDS, LADDERS, Node
+from pas.layouts.planes import arrangement
+from pas.layouts.region import region
+from pas.partition.layout import Layout, normal_of, turns
+from pas.surface.contact import as_contact
+
+X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+BACK = tuple(tuple(-c for c in axis) for axis in (X, Y, Z))
+
+
+def pipe(axis, radius, clip, point=(0, 0, 0)):
+    return pas.Pipe(axis=axis, radius=radius, clip=clip, point=point)
+
+
+FIVE = ((1, 1, 1), (1, -1, -1), (-2, 1, -1), (-1, -1, 1), (1, 2, -2))
+TETRAHEDRAL = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
+NODES = {
+    "elbow": [pipe(X, 1, 2), pipe(Y, 1, 2)],
+    "unequal at 120 degrees": [pipe((1, -1, 0), 1, "3/2"), pipe((0, 1, -1), "3/5", "3/2")],
+    "T": [pipe(X, 1, 2), pipe(BACK[0], 1, 2), pipe(Y, 1, 2)],
+    "Y": [pipe(axis, 1, "4/5") for axis in ((2, -1, -1), (-1, 2, -1), (-1, -1, 2))],
+    "cross": [pipe(axis, 1, 2) for axis in (X, BACK[0], Y, BACK[1])],
+    "tetrahedral": [pipe(axis, "1/2", 1) for axis in TETRAHEDRAL],
+    "three skew": [pipe((3, 1, 1), 1, "3/4"), pipe((-1, 4, 1), "4/5", "3/5"), pipe((1, -2, 5), "6/5", "1/2")],
+    "off centre": [pipe(X, "1/3", 1, (0, "1/20", "-1/30")), pipe(Y, "1/4", 1), pipe(Z, "2/5", 1)],
+    "six-way": [pipe(axis, 1, 2) for pair in zip((X, Y, Z), BACK, strict=True) for axis in pair],
+}
+
+DIMENSIONS = {
+    # node: dimensions at GC^1 degree 4 and GC^2 degree 5 on the first layout of the ladder
+    "elbow": (24, 23),
+    "unequal at 120 degrees": (41, 34),
+    "T": (35, 24),
+    "Y": (26, 16),
+    "cross": (31, 18),
+    "tetrahedral": (29, 9),
+    "three skew": (25, 7),
+    "off centre": (25, 7),
+}
+
+WAYS = [(1, 4, 13, 10), (2, 5, 28, 10), (2, 6, 34, 20), (2, 7, 40, 35)]
+
+
+def lunes(number):
+    """Half-planes around the z axis through whole vectors, no two of which are opposite."""
+    rays = [(5, 1), (1, 3), (-3, 4), (-7, -2), (-2, -5), (3, -7), (4, -1)][:number]
+    return Layout(
+        [Z, BACK[2], *((x, y, 0) for x, y in rays)], [(0, 2 + i, 1, 2 + (i + 1) % number) for i in range(number)]
+    )
+
+
+@pytest.mark.parametrize("number", [5, 6, 7])
+@pytest.mark.parametrize(("order", "degree", "constant", "each"), WAYS)
+def test_fans_have_the_dimensions_of_their_formula(number, order, degree, constant, each):
+    layout = lunes(number)
+    found = sum(splines(layout, order, d)[0].nrows() for d in range(degree + 1))
+    assert found == constant + each * number
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_homogeneous_splines_are_as_many_as_the_rank_in_floating_point_says(order):
+    layout, degree = lunes(5), 4
+    exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    rows = []
+    random = np.random.default_rng(0)
+    for arc in layout.arcs:
+        a, b = (np.array(layout.rays[i], float) for i in (arc.start, arc.end))
+        normal = np.cross(a, b)
+        points = random.random((40, 1)) * a + random.random((40, 1)) * b
+        for times in range(order + 1):
+            values = directional(points, normal / np.linalg.norm(normal), exponents, times)
+            row = np.zeros((40, len(layout.pieces), len(exponents)))
+            row[:, arc.first], row[:, arc.second] = values, -values
+            rows.append(row.reshape(40, -1))
+    matrix = np.concatenate(rows)
+    rank = np.linalg.matrix_rank(matrix / np.linalg.norm(matrix, axis=1, keepdims=True).clip(1e-12))
+    assert splines(layout, order, degree)[0].nrows() == matrix.shape[1] - rank
+
+
+def directional(points, direction, exponents, times):
+    """The derivatives of all monomials along a direction, by the coefficients in the step: (N, monomials)."""
+    steps = np.linspace(-1, 1, 5)
+    table = [
+        np.stack([np.prod((points + t * direction) ** np.array(e), axis=1) for e in exponents], axis=1) for t in steps
+    ]
+    coefficients = np.polynomial.polynomial.polyfit(steps, np.stack(table).reshape(5, -1), 4)
+    return coefficients[times].reshape(len(points), -1)
+
+
+@pytest.mark.parametrize("name", DIMENSIONS)
+def test_named_nodes_have_their_dimensions(name):
+    placed = next(places(NODES[name], 1, "fan"))
+    assert pas.solutions(NODES[name], 1, 4, placed.partition).dimension == DIMENSIONS[name][0]
+    assert pas.solutions(NODES[name], 2, 5, placed.partition).dimension == DIMENSIONS[name][1]
+
+
+def test_a_third_half_plane_in_each_gap_adds_thirty():
+    six = pas.solutions(NODES["three skew"], 2, 5, "fan")
+    nine = list(places(NODES["three skew"], 2, "fan"))[-1]
+    assert len(nine.partition.pieces) == 9
+    assert (six.dimension, pas.solutions(NODES["three skew"], 2, 5, nine.partition).dimension) == (7, 37)
+
+
+def test_a_region_on_more_cells_has_the_space_of_its_layout():
+    # the net of B-coefficients on all cells of the region is another construction
+    placed = next(places(NODES["elbow"], 1, "fan"))
+    assert Net(placed, 4).solve()[0].nrows() == pas.solutions(NODES["elbow"], 1, 4, placed.partition).dimension
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
+    node = Node.of([as_contact(p) for p in {"strips": five(), "fan": NODES["cross"], "planes": NODES["six-way"]}[kind]])
+    rung = next(rung for rung in LADDERS[1] if rung.kind == kind)
+    layout = rung.make(node.discs, node.center)
+    found = region(layout, node.discs).layout
+    assert {arcs(layout, p) for p in range(len(layout.pieces))} == {arcs(found, p) for p in range(len(found.pieces))}
+    assert found.name == layout.name
+
+
+def five():
+    """Five pipes in directions that have a layout of strips."""
+    return [pipe(axis, "1/2", clip) for axis, clip in zip(FIVE, ("3/4", "3/4", "1/2", "3/4", "1/2"), strict=True)]
+
+
+def arcs(layout, piece):
+    """A piece by its rays, wherever one begins to go round it."""
+    rays = [layout.rays[i] for i in layout.pieces[piece]]
+    start = rays.index(min(rays))
+    return tuple(rays[start:] + rays[:start])
+
+
+@pytest.mark.parametrize("name", ["elbow", "unequal at 120 degrees", "T", "Y", "off centre"])
+def test_nodes_are_proved_and_fair(name):
+    blend = pas.blend(NODES[name], 1)
+    assert blend.certificate.proved
+    assert blend.surface.degree == 4
+    assert blend.fairness.beyond(blend.limits) == ()
+    assert "fan of" in str(blend)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("name", NODES)
+def test_all_named_nodes_are_proved_and_fair(name, order):
+    blend = pas.blend(NODES[name], order)
+    assert blend.certificate.proved
+    assert blend.fairness.beyond(blend.limits) == ()
+
+
+def test_the_six_way_node_has_full_planes_and_is_symmetric():
+    blend = pas.blend(NODES["six-way"], 2, 6, wishes=pas.Wishes(energy=pas.ThinPlate()))
+    assert (blend.surface.partition.title, len(blend.surface.patches), blend.dimension) == ("4 planes", 14, 18)
+    assert blend.certificate.proved
+    mesh = blend.mesh(1e-2)
+    assert mesh.euler_characteristic == 2 - 6
+
+
+def test_a_node_is_a_solid_and_a_file(tmp_path):
+    blend = pas.blend(NODES["unequal at 120 degrees"], 1, wishes=pas.Wishes(energy=pas.ThinPlate()))
+    again = pas.load(blend.save(tmp_path / "node.pas.json"))
+    assert again.surface.polynomials == blend.surface.polynomials
+    assert again.surface.partition.title == blend.surface.partition.title
+    assert again.space.dimension == blend.dimension
+    assert again.certificate.proved
+    assert again.attempts == blend.attempts
+    solid = blend.solid("1/2")
+    assert solid.certificate.proved
+    assert np.ptp(solid.box, axis=0).max() < 8  # the region's cells bound it, in any direction
+
+
+def test_the_mesh_of_a_node_ends_on_its_contacts():
+    # planes of other walls pass through the circles
+    blend = pas.blend([pipe(X, "1/2", 1), pipe((-1, 1, 0), "1/2", 1)], 1, wishes=pas.Wishes(energy=pas.ThinPlate()))
+    mesh = blend.mesh()
+    ends = mesh.points[mesh.boundary]
+    off = np.min([np.maximum(abs(c.surface(ends)), abs(c.clip(ends))) for c in blend.surface.contacts], axis=0)
+    assert off.max() < 1e-9
+
+
+def test_a_users_own_layout_serves():
+    layout = Layout(
+        [*(X, Y, Z), *BACK], [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    )
+    tilted = [pipe((1, 1, 1), "2/5", 1), pipe((-1, -1, 1), "2/5", 1)]
+    found = pas.solutions(tilted, 1, 4, layout)
+    assert found.dimension > 0
+    assert found.partition.layout is not None
+    assert Layout.from_record(layout.to_record()) == layout
+
+
+OCTANTS = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+"""The pieces between the rays X, Y, Z, -X, -Y, -Z."""
+
+TWO_PIPES = """order = 1
+[[pipes]]
+axis = [1, 1, 1]
+radius = "2/5"
+clip = 1
+[[pipes]]
+axis = [-1, -1, 1]
+radius = "2/5"
+clip = 1
+[partition]
+"""
+
+
+def test_layouts_in_problem_files(tmp_path):
+    path = tmp_path / "node.toml"
+    rays = [[*axis] for axis in (X, Y, Z, *BACK)]
+    pieces = [[*piece] for piece in OCTANTS]
+    for table in ('kind = "fan"', f'kind = "layout"\nrays = {rays}\npieces = {pieces}'):
+        path.write_text(f"{TWO_PIPES}{table}\n")
+        assert read_problem(path) is not None
+    for table, words in (
+        ('kind = "fans"', "there is no partition 'fans'"),
+        ('kind = "fan"\ncenter = [0, 0, 0]', "'center' does not belong to the layout 'fan'"),
+        ('kind = "layout"\nrays = [[1, 0, 0]]', "a layout needs 'pieces'"),
+        ('kind = "layout"\nray = [[1, 0, 0]]', "is 'rays' meant"),
+    ):
+        path.write_text(f"{TWO_PIPES}{table}\n")
+        with pytest.raises(pas.ProblemFileError, match=words):
+            read_problem(path)
+
+
+@pytest.mark.parametrize(
+    ("rays", "pieces", "words"),
+    [
+        ([X, Y, Z, (-1, -1, -1)], [(0, 1, 2), (1, 0, 3), (2, 1, 3)], "has no piece on its other side"),
+        ([X, Y, Z, (-1, -1, -1)], [(0, 2, 1), (1, 3, 0), (2, 3, 1), (0, 3, 2)], "counterclockwise"),
+        ([X, BACK[0], Y, Z], [(0, 1, 2), (1, 0, 3)], "rays 0 and 1 lie on one line through the centre"),
+        ([X, Y, Z, (-1, -1, -1)], [(0, 1), (1, 0, 3)], r"pieces\[0\] must be at least three numbers of rays"),
+        ([X, Y, Z, (-1, -1, -1)], [(0, 1, 7)], "different numbers of rays below 4"),
+        ([X, Y, Z, (0, 0, 0)], [(0, 1, 2)], r"rays\[3\] must not be the zero vector"),
+        ([X, Y, Z, (2, 0, 0)], [(0, 1, 2)], r"rays\[3\] has the direction of rays\[0\]"),
+        ([X, Y, Z, (-1, -1, -1)], [(0, 1, 2), (0, 1, 2)], "lie on the same side of the arc"),
+    ],
+)
+def test_layouts_that_are_none(rays, pieces, words):
+    with pytest.raises((pas.GeometryError, ValueError), match=words):
+        Layout(rays, pieces)
+
+
+def test_a_layout_may_not_go_round_twice():
+    rays = [Z, BACK[2], X, Y, BACK[0], BACK[1]]
+    twice = [(0, 2, 1, 3), (0, 3, 1, 4), (0, 4, 1, 5), (0, 5, 1, 2)]
+    assert len(Layout(rays, twice).arcs) == 8
+    five = [(2, 1), (-1, 2), (-2, -1), (1, -2), (3, 1), (-1, 3)]
+    around = sorted(range(6), key=lambda i: (i % 3, i))
+    rays = [Z, BACK[2], *((*five[i], 0) for i in around)]
+    with pytest.raises(pas.GeometryError, match=r"once|undivided|same side"):
+        Layout(rays, [(0, 2 + i, 1, 2 + (i + 1) % 6) for i in range(6)])
+
+
+@pytest.mark.parametrize(
+    ("items", "words"),
+    [
+        ([pipe(X, 1, 2)], "joins two contacts or more, and here is one"),
+        ([], "here are none"),
+        (
+            [pipe(X, 1, 2), pipe((4, 1, 0), 1, "1/2")],
+            r"contacts 1 and 2 are seen 14 degrees apart.*clips at distances of",
+        ),
+        (
+            [pipe(X, 1, 2), ("1 - x^2 - z^2", "y - 2"), pipe(Z, 1, 2)],
+            r"contact 2: the surface .* is positive inside its curve",
+        ),
+        ([pipe(X, 1, 2), ("x^2 - z^2 - 1", "y - 2")], "contact 2: .* not closed"),
+        ([pipe(X, 1, 2), ("x^2 + z^2 + 1", "y - 2")], "contact 2: .* no real point"),
+    ],
+)
+def test_nodes_that_cannot_be(items, words):
+    with pytest.raises(pas.GeometryError, match=words):
+        pas.blend(items, 1)
+
+
+def test_the_distance_that_is_said_to_work_works():
+    close = [pipe(X, 1, 2), pipe((2, 2, 1), 1, "2/3")]
+    with pytest.raises(pas.GeometryError, match="clips at distances of at least") as failure:
+        pas.blend(close, 1)
+    words = str(failure.value).split("at least ")[1].split()
+    first, second = float(words[0]), float(words[2])
+    far = [pipe(X, 1, 1.05 * first), pipe((2, 2, 1), 1, 1.05 * second / 3)]
+    assert pas.blend(far, 1, wishes=pas.Wishes(energy=pas.ThinPlate())).certificate.proved
+
+
+def test_names_of_layouts():
+    assert KINDS == ("planes", "fan", "strips")
+    with pytest.raises(ValueError, match=r"there is no partition 'fans'.*'fan'"):
+        pas.blend(NODES["T"], 1, partition="fans")
+    with pytest.raises(TypeError, match=r"partition must be a pas\.Partition"):
+        pas.blend(NODES["T"], 1, partition=3)
+    with pytest.raises(pas.GeometryError, match="full planes serve six contacts"):
+        pas.blend(NODES["T"], 1, partition="planes")
+
+
+def test_arrangements_of_planes_cover_the_sphere():
+    for normals in (
+        [X, Y, Z],
+        [(1, 1, 1), (1, -1, 1), (-1, 1, 1), (-1, -1, 1)],
+        [(1, 2, 3), (3, -1, 1), (-1, 1, 2), (2, 2, -1)],
+    ):
+        layout = arrangement(normals, (0, 0, 0))
+        count = len(normals)
+        assert len(layout.pieces) == count * (count - 1) + 2
+    with pytest.raises(pas.GeometryError, match="three planes at least"):
+        arrangement([X, Y, (1, 1, 0)], (0, 0, 0))
+
+
+def test_determinants_of_rays():
+    for a, b in combinations([X, (1, 2, 3), (-4, 1, 0)], 2):
+        assert turns(a, b, normal_of(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
