@@ -29,8 +29,7 @@ FILLET = 0.6
 """Radius of the arc that must fit between two pipes, over that of the wider one."""
 
 GAP, OUTWARDS, FARTHEST = radians(5), 1.08, 6.0
-"""Clips go outwards by this factor until a layout fits, at higher orders a fan with such a gap, up to so many times as
-far."""
+"""Clips go outwards by this factor until a layout fits, mostly a fan with such a gap, up to so many times as far."""
 
 FINE = 64
 """Parts of its axis to which a clip is rounded, up."""
@@ -64,11 +63,11 @@ def with_clips(axes: Sequence[Vector], radii: Sequence[fmpq], order: int, center
 
 
 def _served(pipes: Sequence[Pipe], order: int) -> bool:
-    """Whether a layout fits, at higher orders a fan with some room."""
+    """Whether a layout fits: for four pipes or more, and at higher orders, a fan with some room."""
     try:
         seen = Node.of([pipe.contact for pipe in pipes])
         return next(seen.regions(order), None) is not None and (
-            order < 2 or symmetric(seen.discs) or min(best_gaps(seen.discs).sizes) >= GAP
+            (order < 2 and len(pipes) < 4) or symmetric(seen.discs) or min(best_gaps(seen.discs).sizes) >= GAP
         )
     except GeometryError:
         return False

@@ -63,7 +63,9 @@ class Ladder:
                 break
             began = time.perf_counter()
             try:
-                found = choose(space, self.wishes, self.attempts, self.stages, below.surface if below else None)
+                # around a node the fair surface of a higher degree is often not near that of a lower one
+                start = None if below is None or fewest else below.surface
+                found = choose(space, self.wishes, self.attempts, self.stages, start)
             except (InfeasibleError, NotProvedError) as error:
                 self._note(space, str(error), time.perf_counter() - began)
                 self.failure = error

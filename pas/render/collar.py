@@ -34,7 +34,7 @@ def collar(boundary: Boundary, sign: int, reach: float, number: int) -> Mesh | N
     step = reach / ROWS
     rows: list[Floats] | None = None
     if isinstance(boundary.surface, Polynomial):
-        rows = _implicit(boundary.surface, start, away, step)
+        rows = strip(boundary.surface, start, away, step)
     elif boundary.surface is not None and boundary.parameters is not None:
         places = boundary.parameters(boundary.own(s))
         rows = _parametric(boundary.surface, np.broadcast_to(places, (number, 2)), away, step)
@@ -44,8 +44,8 @@ def collar(boundary: Boundary, sign: int, reach: float, number: int) -> Mesh | N
     return Mesh.smooth(points, connectivity((number, len(rows)), boundary.closed, False), normals)
 
 
-def _implicit(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Floats]:
-    """Rows of points and normals (2, n, 3) on f = 0."""
+def strip(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Floats]:
+    """Rows of points and normals (2, n, 3) on f = 0, from points `start` (n, 3) along unit vectors `away` (n, 3)."""
     rows, points = [np.stack([start, unit(f.gradient(start))])], start
     for _ in range(ROWS):
         aimed = points + step * away

@@ -1,26 +1,22 @@
 """The surfaces that a blend continues, as meshes beyond their clips, for pictures.
 
 A surface that does not change along its clip's normal (a pipe) is extruded from the mesh's
-boundary curve, so that it joins without a gap.  Any other is meshed in the box beyond its clip,
-where that is a plane normal to an axis; otherwise it is left out.
+boundary curve, any other followed from there straight on, as far as it does not narrow: so both join without a gap.
 """
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.generatrix.frames import connectivity
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
-from pas.partition.single_cell import SingleCell
+from pas.render.collar import ROWS, strip
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
-
-NEIGHBOUR_TOLERANCE = 1e-3
-"""Of a neighbour's mesh, over its length."""
 
 NEAR = 1e-7
 """Distance from a contact's curve below which a point of the boundary is on it, over the size of its coordinates."""
@@ -37,7 +33,7 @@ def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mes
         if not len(rim):
             continue
         if not _is_cylinder(contact.surface, contact.clip):
-            result += _beyond(contact, surface, length)
+            result += _strips(contact, mesh.points, rim, length)
         else:
             direction = contact.clip.gradient(mesh.points[rim[0, 0]])
             direction = direction / np.linalg.norm(direction)
@@ -70,24 +66,44 @@ def _is_cylinder(surface: Polynomial, clip: Polynomial) -> bool:
     return bool(change.is_zero())
 
 
-def _beyond(contact: Contact, surface: PiecewiseSurface, length: float) -> list[Mesh]:
-    """The contact surface on the far side of its clip, in a box `length` wider than the region."""
-    slope = [contact.clip.diff(i).at((0, 0, 0)) for i in range(3)]
-    axis = next((i for i in range(3) if slope[i] != 0), None)
-    if contact.clip.degree != 1 or axis is None or sum(s != 0 for s in slope) > 1:
-        return []
-    reach = Fraction(length)
-    lower, upper = (
-        [Fraction(v) + side * reach for v in bound]
-        for bound, side in ((surface.partition.points.min(axis=0), -1), (surface.partition.points.max(axis=0), 1))
-    )
-    plane = -contact.clip.at((0, 0, 0)) / slope[axis]
-    if slope[axis] > 0:
-        lower[axis], upper[axis] = plane, plane + 2 * reach
-    else:
-        lower[axis], upper[axis] = plane - 2 * reach, plane
-    alone = PiecewiseSurface.from_polynomials(SingleCell(lower, upper), [], 0, [contact.surface])
-    return [alone.mesh(length * NEIGHBOUR_TOLERANCE)]
+def _strips(contact: Contact, points: Floats, rim: Integers, length: float) -> list[Mesh]:
+    """The contact surface beyond its clip, from each closed curve of the mesh's boundary straight on in the surface."""
+    f, found = contact.surface, []
+    for ring in _rings(rim):
+        start = points[ring]
+        normals = unit(f.gradient(start))
+        slope = contact.clip.gradient(start)
+        away = unit(slope - (slope * normals).sum(axis=1, keepdims=True) * normals)
+        rows = strip(f, start, away, length / ROWS)
+        if len(rows) > 1:
+            places, turned = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
+            found.append(_outwards(places, connectivity((len(ring), len(rows)), True, False), turned))
+    return found
+
+
+def _outwards(points: Floats, triangles: Integers, normals: Floats) -> Mesh:
+    """A mesh whose triangles all face the way their vertices' normals (N, 3) point."""
+    p = points[triangles]
+    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
+    triangles[turned] = triangles[turned][:, [0, 2, 1]]
+    return Mesh.smooth(points, triangles, normals)
+
+
+def _rings(rim: Integers) -> list[Integers]:
+    """The closed curves that edges (E, 2) make, as vertices in order; curves with ends or branches are left out."""
+    beside: dict[int, list[int]] = {}
+    for a, b in rim.tolist():
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    found, left = [], set(beside)
+    while left:
+        ring = [left.pop()]
+        while ahead := [v for v in beside[ring[-1]] if v in left]:
+            ring.append(ahead[0])
+            left.remove(ahead[0])
+        if all(len(beside[v]) == 2 for v in ring) and ring[0] in beside[ring[-1]]:
+            found.append(np.array(ring))
+    return found
 
 
 def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats) -> Mesh:
@@ -101,8 +117,4 @@ def _extruded(surface: Polynomial, points: Floats, rim: Integers, shift: Floats)
         triangles += [np.stack([a, b, b + count], axis=1), np.stack([a, b + count, a + count], axis=1)]
     normals = surface.gradient(grid)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    faces = np.concatenate(triangles)
-    p = grid[faces]
-    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[faces[:, 0]]).sum(axis=1) < 0
-    faces[turned] = faces[turned][:, [0, 2, 1]]
-    return Mesh.smooth(grid, faces, normals)
+    return _outwards(grid, np.concatenate(triangles), normals)
