@@ -103,7 +103,8 @@ def main() -> None:
             spent = time.process_time() - start
             found, beyond = blend.fairness, blend.fairness.beyond(blend.limits)
             print(
-                f"| {name} | GC^{order} | {blend.surface.partition.title} | {blend.surface.degree} | {blend.dimension} | "
+                f"| {name} | GC^{order} | {blend.surface.partition.title} | {blend.surface.degree} | "
+                f"{blend.dimension} | "
                 f"{found.sharpness:.2f} | {found.hollowness:.2f} | {found.bulge:.2f} | {spent:.1f} |"
                 f"{' beyond: ' + ', '.join(beyond) if beyond else ''}",
                 flush=True,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, degrees, tan
+from math import cos, degrees, radians, tan
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull, QhullError
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
-from pas.layouts.fits import check_fits
+from pas.layouts.fits import check_fits, room
 from pas.layouts.seen import Seen, across, angle_between, unit, whole_ray
 from pas.partition.layout import Layout, Ray, turns
 
@@ -28,6 +28,9 @@ LENGTHS = (6, 8, 12, 16, 24)
 
 SHRUNK = (0.45, 0.6)
 """How far, from its disc to its Laguerre cell, the piece of a site reaches; tried in turn."""
+
+ROOM = radians(1.5)
+"""Between a disc and the sides of its piece, at least: for the polygon round its clip face."""
 
 MOST_EMPTY = 12
 """Empty sites, at the most."""
@@ -63,12 +66,13 @@ def strips(discs: Sequence[Seen], center: Vector) -> Layout:
             for shrunk in SHRUNK:
                 try:
                     layout = net.layout(center, longest, shrunk)
-                    check_fits(layout, discs)
-                    return layout
+                    if min(room(layout, p, d) for p, d in zip(check_fits(layout, discs), discs, strict=True)) >= ROOM:
+                        return layout
                 except GeometryError as error:
                     failure = error
-    assert failure is not None
-    raise failure
+    raise failure or GeometryError(
+        "no layout of strips leaves room round all contacts; clips further out would make some"
+    )
 
 
 @dataclass(frozen=True)

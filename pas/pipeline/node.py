@@ -25,9 +25,10 @@ Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -> list[Pipe]:
     """The pipes of a node: from `center` along directions, each (direction, radius) or (direction, radius, clip).
 
-    Pipes without a clip end as near as a fair blend of this order leaves room for: no two circles take up more than 0.6
-    of the angle between their directions, an arc of 0.6 of the wider radius fits between any two, and from order 2 or
-    four pipes on a fan of half-planes keeps them apart.  Lengths are in the model's units, `clip` in lengths of the direction.
+    Pipes without a clip end as near as a fair blend of this order leaves room for: no two circles take up more than
+    0.6 of the angle between their directions, an arc of 0.6 of the wider radius fits between any two, and from order 2
+    or four pipes on a fan of half-planes keeps them apart.  Lengths are in the model's units, `clip` in lengths of the
+    direction.
 
     Raises `GeometryError` for directions less than 10 degrees apart, `ValueError` and `TypeError` for wrong items.
     """
