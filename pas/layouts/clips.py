@@ -66,9 +66,9 @@ def _served(pipes: Sequence[Pipe], order: int) -> bool:
     """Whether a layout fits: for four pipes or more, and at higher orders, a fan with some room."""
     try:
         seen = Node.of([pipe.contact for pipe in pipes])
-        return next(seen.regions(order), None) is not None and (
-            (order < 2 and len(pipes) < 4) or symmetric(seen.discs) or min(best_gaps(seen.discs).sizes) >= GAP
-        )
+        wide = (order < 2 and len(pipes) < 4) or symmetric(seen.discs)
+        next(seen.regions(order, None if wide else "fan"))
+        return wide or min(best_gaps(seen.discs).sizes) >= GAP
     except GeometryError:
         return False
 

@@ -27,6 +27,9 @@ FEWEST_UNKNOWNS, MOST_UNKNOWNS = 15, 160
 """Spaces of smaller dimension are not tried on layouts that the program chose: there is always a larger one, and
 none of these was fair.  Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
 
+MANY_PIECES = 20
+"""Pieces, as strips have, on which no further degree is tried for fairness: its space has hundreds of dimensions."""
+
 WORTH_WHILE = 0.5
 """A degree that leaves more than this share of what is beyond the limits is the last on layouts that the program
 chose: where a fillet has no room, no degree makes it fair."""
@@ -78,7 +81,8 @@ class Ladder:
                 hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
                 below = found if below is None or excess(found) < excess(below) else below
                 first = first or space.degree
-            highest = first + (DEGREES_ON_LAYOUTS if fewest else DEGREES_FOR_FAIRNESS)
+            more = 0 if len(placed.partition.pieces) > MANY_PIECES else DEGREES_ON_LAYOUTS
+            highest = first + (more if fewest else DEGREES_FOR_FAIRNESS)
             if not excess(found) or hopeless or found.surface.degree >= highest:
                 break
         return below and replace(below, attempts=tuple(self.attempts))
