@@ -270,6 +270,8 @@ def test_a_layout_may_not_go_round_twice():
     [
         ([pipe(X, 1, 2)], "joins two contacts or more, and here is one"),
         ([], "here are none"),
+        ([pipe(X, 1, 2), pipe(X, 1, 2)], "contacts 1 and 2 end in the same curve"),
+        ([pipe(X, 1, 2), pipe(X, 1, 2, (0, 5, 0))], "contacts 1 and 2 end in the same plane"),
         (
             [pipe(X, 1, 2), pipe((4, 1, 0), 1, "1/2")],
             r"contacts 1 and 2 are seen 14 degrees apart.*clips at distances of",
@@ -323,3 +325,41 @@ def test_arrangements_of_planes_cover_the_sphere():
 def test_determinants_of_rays():
     for a, b in combinations([X, (1, 2, 3), (-4, 1, 0)], 2):
         assert turns(a, b, normal_of(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
+
+
+def test_struts_have_clips_where_a_blend_has_room():
+    free = pas.struts([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 2)
+    node = Node.of([as_contact(p) for p in free])
+    for a, b in combinations(node.discs, 2):
+        assert a.angle + b.angle <= 0.6 * np.arccos(np.clip(a.direction @ b.direction, -1, 1)) + 1e-9
+    given = pas.struts([(X, 1, 5), ((-1, 2, 0), 1), ((0, -1, 3), "3/4", "7/2")], 2)
+    assert [str(p.clip) for p in given] == ["5", str(free[1].clip), "7/2"]
+    moved = pas.struts([(X, 1), ((-1, 2, 0), 1)], 1, center=(1, 2, "1/3"))
+    assert [str(p.point[2]) for p in moved] == ["1/3", "1/3"]
+
+
+def test_a_node_in_one_line():
+    blend = pas.node([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 1, energy=pas.ThinPlate())
+    assert blend.certificate.proved
+    assert len(blend.surface.contacts) == 3
+
+
+@pytest.mark.parametrize(
+    ("items", "error", "words"),
+    [
+        ([(X, 1)], ValueError, "two struts or more, not 1"),
+        ("struts", TypeError, r"pairs \(direction, radius\)"),
+        ([(X, 1), X], TypeError, r"direction of struts\[1\] must be three numbers"),
+        ([(X, 1), (Y,)], TypeError, r"struts\[1\] must be \(direction, radius\)"),
+        ([(X, 1), (Y, -1)], ValueError, "radius must be positive"),
+        ([(X, 1), ((0, 0, 0), 1)], ValueError, "zero vector"),
+        (
+            [(X, 1), ((20, 1, 0), 1)],
+            pas.GeometryError,
+            "directions 1 and 2 are 2.86 degrees apart; at least 10 are needed",
+        ),
+    ],
+)
+def test_struts_that_cannot_be(items, error, words):
+    with pytest.raises(error, match=words):
+        pas.struts(items, 1)

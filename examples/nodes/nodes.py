@@ -116,7 +116,7 @@ def main() -> None:
     for i, row in enumerate(rows):
         for j, picture in enumerate(row):
             whole.paste(picture, (SIZE[0] * j, SIZE[1] * i))
-    whole.save(options.output / "nodes.png")
+    whole.quantize(128).save(options.output / "nodes.png", optimize=True)
 
 
 if __name__ == "__main__":

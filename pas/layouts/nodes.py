@@ -10,7 +10,7 @@ from math import degrees, tan
 import numpy as np
 
 from pas.algebra.inputs import short
-from pas.algebra.rational import Vector, plain, to_floats
+from pas.algebra.rational import Vector, cross, plain, to_floats
 from pas.errors import GeometryError
 from pas.layouts.center import center_of
 from pas.layouts.fan import fan
@@ -85,6 +85,8 @@ class Node:
         centre that lies beyond a clip.
         """
         rims = [_rim(number, contact) for number, contact in enumerate(contacts, start=1)]
+        if center is None:
+            _check_planes(rims)
         place = center_of(rims) if center is None else center
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
             _check_outlook(number, contact, rim, place)
@@ -121,6 +123,17 @@ def _rim(number: int, contact: Contact) -> Rim:
         return contact.rim
     except GeometryError as error:
         raise GeometryError(f"contact {number}: {error}") from None
+
+
+def _check_planes(rims: Sequence[Rim]) -> None:
+    """That no two contacts end in one plane: no point between them is inside of both."""
+    for (i, a), (j, b) in combinations(enumerate(rims, start=1), 2):
+        if not any(cross(a.normal, b.normal)) and a.plane.at(b.center) == 0:
+            same = "curve" if a.center == b.center and a.radii == b.radii else "plane"
+            raise GeometryError(
+                f"contacts {i} and {j} end in the same {same}; the contacts of a node must lie in different directions "
+                "from its centre, which a pas.Layout(rays, pieces, center) may give"
+            )
 
 
 def _check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
