@@ -179,7 +179,10 @@ def test_a_blend_with_another_surface_has_its_own_verdicts():
         (lambda c: c["surface"]["patches"].pop(), "a patch for each of the 6 pieces, not 5"),
         (lambda c: c["surface"].update(degree=True), r"content\.surface\.degree must be a whole number, not True"),
         (lambda c: c["surface"].update(degree=2001), "degree must be a whole number from 5 to 16"),
-        (lambda c: c["surface"]["partition"].update(kind="cube"), "there is no partition 'cube'; there are 'six tetra"),
+        (
+            lambda c: c["surface"]["partition"].update(kind="octagon"),
+            "there is no partition 'octagon'; there are 'six tetra",
+        ),
         (lambda c: c["solution"].update(energy="much"), r"content\.solution\.energy must be a number, not 'much'"),
         (lambda c: c["solution"].update(basis=[[[["x"]]]]), r"basis\[0\]\[0\]\[0\] must be a list of 4 entries"),
         (lambda c: c["certificate"]["one_sheet"].update(status="sure"), "status must be one of 'proved', "),

@@ -199,7 +199,7 @@ def test_wrong_arguments():
     with pytest.raises(ValueError, match="highest_degree must be a whole number from 1 to 12"):
         pas.solutions(COAXIAL, 1, partition=pas.SingleCell(), highest_degree=40)
     with pytest.raises(pas.GeometryError, match=r"partition=pas\.SingleCell"):
-        pas.solutions(COAXIAL, 1)
+        pas.solutions(COAXIAL, 1, partition="six tetrahedra")
 
 
 def test_limits_stop_a_search_in_words():

@@ -110,7 +110,7 @@ def test_errors(problem, arguments, code, words, capsys):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ('kind = "cube"', "line 3: .* there is no partition 'cube'; there are 'six tetrahedra', 'single cell'"),
+        ('kind = "octagon"', "line 3: .* there is no partition 'octagon'; there are 'six tetrahedra', 'single cell'"),
         (
             'kind = "single cell"\nlegs = [[1,0,0],[0,1,0],[0,0,1]]',
             "line 4: .*'legs' does not belong to the partition 'single cell'",

@@ -58,7 +58,7 @@ from pas.exchange.problem import Problem, ProblemKind
 from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import Normalization, Wishes, tensed
-from pas.layouts.reading import PARTITION_KEYS, read_partition_like
+from pas.layouts.reading import partition_keys, read_partition_like
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
 from pas.surface.contact import CONTACTS, Contact, HasContact
@@ -145,7 +145,7 @@ class _Reader(PictureReader):
     def keys(self) -> dict[str, set[str]]:  # type: ignore[override]
         """The keys by table."""
         tables = {table: set(constructor_keys(made)) for table, made in CONTACTS.items()}
-        others = {"": KEYS[""] | self.lists, "partition": PARTITION_KEYS, "energy": keys_of(ENERGIES)}
+        others = {"": KEYS[""] | self.lists, "partition": partition_keys(), "energy": keys_of(ENERGIES)}
         return KEYS | others | tables
 
     @property

@@ -15,8 +15,10 @@ from pas.partition.layout import Layout
 LAYOUT = "layout"
 """The kind of a table with a user's own rays and pieces."""
 
-PARTITION_KEYS = keys_of(PARTITIONS) | set(Layout.keys())
-"""All keys that a table may have."""
+
+def partition_keys() -> set[str]:
+    """All keys that a table may have, with those of partitions that were registered since."""
+    return keys_of(PARTITIONS) | set(Layout.keys())
 
 
 def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
@@ -27,7 +29,7 @@ def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
     """
     kind = record.get("kind")
     rest = {key: value for key, value in record.items() if key != "kind"}
-    if kind in KINDS:
+    if kind in KINDS and kind not in PARTITIONS:  # a user's own partition may have such a name
         if rest:
             raise ValueError(
                 f"{next(iter(rest))!r} does not belong to the layout {kind!r}, which is chosen by the program"

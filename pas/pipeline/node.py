@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, TypeAlias, Unpack
+from typing import Literal, TypeAlias, Unpack
 
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import Exact, VectorLike, rational, vector
 from pas.blending.place import PartitionLike
 from pas.fairing.wishes import Options, Wishes
 from pas.layouts.clips import with_clips
+from pas.limits import Report, limited
 from pas.pipeline.blend import blend
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage
 from pas.surface.contacts.pipe import Pipe
-
-if TYPE_CHECKING:
-    from pas.limits import Report
 
 Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 """A direction and a radius, and where the pipe is clipped if that is given (in lengths of the direction)."""
@@ -55,6 +53,7 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
     ]
 
 
+@limited("making a node", "a lower order")
 def node(
     items: Sequence[Strut],
     order: int = 1,
@@ -81,7 +80,5 @@ def node(
         partition,
         wishes=wishes,
         on_stage=on_stage,
-        seconds=seconds,
-        progress=progress,
         **options,
     )

@@ -55,6 +55,11 @@ def _corner(folder: Path) -> pas.Blend:
     return pas.load(_saved_blend(folder))
 
 
+def _struts(folder: Path) -> Any:
+    """Two pipes at an angle."""
+    return [((1, 0, 0), 1), ((-1, 2, 0), 1)]
+
+
 def _blend(folder: Path) -> pas.Blend:
     """A fair one, whose space is solved again."""
     return pas.load(_saved(folder, lambda path: fairest().save(path)))
@@ -158,6 +163,7 @@ LAX = pas.FairnessLimits(2, 3, 1, 1)
 
 LONG_CALLS = {
     "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, limits=LAX, **k)),
+    "pas.node": LongCall(_struts, lambda p, f, **k: pas.node(p, 1, degree=4, energy=pas.ThinPlate(), **k)),
     "PiecewiseSurface.curvature_below": LongCall(_surface, lambda p, f, **k: p.curvature_below(20, **k)),
     "Blend.refit": LongCall(_blend, lambda p, f, **k: p.refit(tension=6, steps=None, **k)),
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
