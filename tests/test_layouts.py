@@ -363,3 +363,10 @@ def test_a_node_in_one_line():
 def test_struts_that_cannot_be(items, error, words):
     with pytest.raises(error, match=words):
         pas.struts(items, 1)
+
+
+def test_a_direction_lies_in_one_piece():
+    layout = Layout([X, Y, Z, *BACK], OCTANTS)
+    for direction in ((1, 2, 3), (-1, 2, 3), (-1, -2, 3), (1, -2, -3)):
+        assert sum(layout.contains(piece, direction) for piece in range(8)) == 1
+    assert sum(layout.contains(piece, (1, 1, 0)) for piece in range(8)) == 2
