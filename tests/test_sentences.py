@@ -27,7 +27,7 @@ CALLS = [
     (lambda: pas.blend(None, 1), TypeError, "contacts must be a list of pipes"),
     (lambda: pas.blend("pipe", 1), TypeError, "contacts must be a list of pipes"),
     (lambda: pas.blend(pipes(), 0), ValueError, "order must be at least 1 where the region has several pieces"),
-    (lambda: pas.blend([*pipes()[:2], pipes()[0]], 1), pas.GeometryError, "contacts 1 and 3 are seen 0 degrees apart"),
+    (lambda: pas.blend([*pipes()[:2], pipes()[0]], 1), pas.GeometryError, "contacts 1 and 3 end in the same curve"),
     (
         lambda: pas.blend(pipes()[:1], 1),
         pas.GeometryError,
