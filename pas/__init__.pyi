@@ -125,6 +125,7 @@ from .partition.cells import Partition as Partition
 from .partition.kinds import register_partition as register_partition
 from .partition.kuhn_cube import KuhnCube as KuhnCube
 from .partition.layout import Layout as Layout
+from .partition.region import Region as Region
 from .partition.single_cell import SingleCell as SingleCell
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
 from .partition.worsey_farin_split import WorseyFarinSplit as WorseyFarinSplit

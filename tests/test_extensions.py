@@ -23,12 +23,14 @@ from pas.surface.contact import CONTACTS
 
 FOLDER = ROOT / "examples/extensions"
 TETRAHEDRON = [(0, 0, 0), (3, 1, 0), (-1, 2, "1/3"), (1, 1, 4)]
+ANY_NODE = pas.solutions(pas.struts([((1, 2, 0), 1), ((-1, 2, 1), 1)], 1), 1, 4, "fan").partition
 PARTITION_SAMPLES = {
     "six tetrahedra": [pas.SixTetrahedra(("1/2", 0, 1), ((1, 0, 0), (0, 2, 0), (0, 0, "1/3")))],
     "single cell": [pas.SingleCell(), pas.SingleCell((0, 0, 0), (1, 2, "1/3"), ("1/2", 1, "1/7"))],
     "tetrahedra": [
         pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, "1/3"), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
     ],
+    "region": [pas.Region(TETRAHEDRON, [(0, 1, 2, 3)], title="one tetrahedron"), ANY_NODE],
     "alfeld split": [pas.AlfeldSplit(), pas.AlfeldSplit(TETRAHEDRON, ("2/3", "4/5", 1))],
     "worsey-farin split": [pas.WorseyFarinSplit(), pas.WorseyFarinSplit(TETRAHEDRON)],
     "kuhn cube": [pas.KuhnCube(), pas.KuhnCube((0, 1, "-1/2"), (3, "4/3", 5))],

@@ -103,6 +103,7 @@ SAMPLES = {
     "ParametricSolutions": lambda: parametric().all_solutions(),
     "ParametricSurface": lambda: parametric().surface,
     "Partition": lambda: pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)]),
+    "Region": lambda: pas.Region([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)], title="one"),
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],

@@ -22,6 +22,7 @@ UNSAID = "a type could say more, and is to say it when its room is worked on"
 
 MAY_BE_ANY = {
     "AlfeldSplit.to_record": TABLE,
+    "Region.to_record": TABLE,
     "Boundary.source": TABLE,
     "Certificate.from_record": TABLE,
     "Certificate.to_record": TABLE,

@@ -7,7 +7,7 @@ squaring, which rounds nothing, keeps them in (Higham 2002, section 27.8).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pas.algebra.monomials import Floats
 
@@ -19,14 +19,14 @@ def lengths(vectors: Floats) -> Floats:
         return np.asarray(np.ldexp(np.sqrt((small * small).sum(axis=-1)), exponents))
 
 
-def unit(vectors: Floats) -> Floats:
+def unit(vectors: ArrayLike) -> Floats:
     """Vectors (..., n) made of length one; nan for zero vectors and ones that are not finite."""
     small = scaled(vectors)
     with np.errstate(all="ignore"):
         return np.asarray(small / np.sqrt((small * small).sum(axis=-1, keepdims=True)))
 
 
-def scaled(vectors: Floats) -> Floats:
+def scaled(vectors: ArrayLike) -> Floats:
     """The same directions, each vector times a power of two so that its greatest coordinate is in [1/2, 1)."""
     return _scaled(vectors)[0]
 
@@ -37,7 +37,7 @@ def exponent(numbers: Floats) -> int:
     return int(np.frexp(np.abs(array[np.isfinite(array)]).max(initial=0.0))[1])
 
 
-def _scaled(vectors: Floats) -> tuple[Floats, NDArray[np.intc]]:
+def _scaled(vectors: ArrayLike) -> tuple[Floats, NDArray[np.intc]]:
     """The scaled vectors, and the exponents of the powers of two taken out."""
     array = np.asarray(vectors, dtype=float)
     _, exponents = np.frexp(np.abs(array).max(axis=-1, initial=0.0))

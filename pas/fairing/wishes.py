@@ -18,6 +18,7 @@ from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, ratio
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
+from pas.partition.region import Region
 from pas.surface.fairness_limits import FairnessLimits, check_limits, neighbour
 from pas.surface.placed import PlacedContacts
 
@@ -208,7 +209,7 @@ class Wishes:
         """Up to what a surface in a place counts as fair: what is wished, or what is usual."""
         if self.limits is not None:
             return self.limits
-        if placed.partition.title == placed.partition.name:  # a classical partition, or a user's own
+        if not isinstance(placed.partition, Region):
             return FairnessLimits.of_order(placed.order)
         scale = to_float(placed.partition.frame.scale)
         return FairnessLimits.of_node(placed.order, [neighbour(join, scale) for join in placed.joins])

@@ -85,7 +85,7 @@ def _partition(record: dict[str, Any]) -> tuple[Point | None, list[Point], list[
     """Centre, points, cells (four point numbers each), and the cells of each patch."""
     centre = None if record["center"] is None else _point(record["center"])
     match record:
-        case {"kind": "tetrahedra", "vertices": vertices, "cells": cells, "pieces": pieces}:
+        case {"kind": "tetrahedra" | "region", "vertices": vertices, "cells": cells, "pieces": pieces}:
             return centre, [_point(p) for p in vertices], cells, pieces
         case {"kind": "six tetrahedra", "legs": legs} if centre:
             axes = list(zip(centre, *map(_point, legs), strict=True))[:3]

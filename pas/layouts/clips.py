@@ -9,13 +9,14 @@ from math import atan, ceil, cos, degrees, radians, sin, tan
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, VectorLike, to_float, to_floats
 from pas.errors import GeometryError
 from pas.layouts.fan import best_gaps
 from pas.layouts.nodes import Node
 from pas.layouts.planes import symmetric
-from pas.layouts.seen import angle_between, unit
+from pas.layouts.seen import angle_between
 from pas.surface.contacts.pipe import Pipe
 from pas.surface.fairness_limits import WEDGE
 

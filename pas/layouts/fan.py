@@ -13,11 +13,12 @@ from math import asin, cos, degrees, gcd, pi, radians, sin, sqrt
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
-from pas.layouts.seen import Seen, across, turn, unit, whole_ray
+from pas.layouts.seen import Seen, across, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4

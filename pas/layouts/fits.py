@@ -7,9 +7,10 @@ from math import degrees
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
-from pas.layouts.seen import Seen, unit, units
+from pas.layouts.seen import Seen
 from pas.partition.layout import Layout, Ray
 
 
@@ -39,7 +40,7 @@ def room(layout: Layout, piece: int, disc: Seen) -> float:
 
     That is right for convex pieces; of others it is at most the truth.
     """
-    sines = sides([layout.rays[i] for i in layout.pieces[piece]]) @ units(disc.points).T
+    sines = sides([layout.rays[i] for i in layout.pieces[piece]]) @ unit(disc.points).T
     return float(np.arcsin(np.clip(sines.min(), -1, 1)))
 
 

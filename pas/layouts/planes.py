@@ -13,10 +13,11 @@ from math import atan2
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
-from pas.layouts.seen import Seen, across, unit
+from pas.layouts.seen import Seen, across
 from pas.partition.layout import Layout, Ray, normal_of, primitive, reduced
 
 SQUARE = 1e-9

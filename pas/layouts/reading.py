@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pas.described import keys_of
-from pas.errors import meant
+from pas.described import described, keys_of
 from pas.layouts.nodes import KINDS
 from pas.partition.cells import Partition
 from pas.partition.kinds import PARTITIONS, read_partition
 from pas.partition.layout import Layout
+from pas.registry import Registry
 
-LAYOUT = "layout"
+LAYOUTS: Registry[type[Layout]] = Registry("partition", {"layout": Layout})
 """The kind of a table with a user's own rays and pieces."""
 
 
@@ -28,20 +28,10 @@ def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
     Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
     """
     kind = record.get("kind")
-    rest = {key: value for key, value in record.items() if key != "kind"}
     if kind in KINDS and kind not in PARTITIONS:  # a user's own partition may have such a name
-        if rest:
-            raise ValueError(
-                f"{next(iter(rest))!r} does not belong to the layout {kind!r}, which is chosen by the program"
-            )
+        if rest := [key for key in record if key != "kind"]:
+            raise ValueError(f"{rest[0]!r} does not belong to the layout {kind!r}, which is chosen by the program")
         return str(kind)
-    if kind != LAYOUT:
+    if kind not in LAYOUTS:
         return read_partition(record)
-    known = Layout.keys()
-    for key in rest:
-        if key not in known:
-            raise ValueError(f"{key!r} does not belong to a layout{meant(key, known)}")
-    for key, needed in known.items():
-        if needed and key not in rest:
-            raise ValueError(f"a layout needs {key!r}")
-    return Layout.from_record(rest)
+    return described(LAYOUTS, record)

@@ -20,8 +20,8 @@ from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
 from pas.layouts.ring import between, clip_polygon
 from pas.layouts.seen import Seen, power_of_two
-from pas.partition.cells import Partition
 from pas.partition.layout import Layout, Ray, turns
+from pas.partition.region import Region
 
 WALLS = 1.3
 """How far out free rays end, as a multiple of what just leaves all pipes: at 1.0 three pipes at GC^2 have no clean
@@ -69,7 +69,7 @@ class Builder:
         return min(max(CLEAR * low, min((p for p in planes if p > CLEAR * low), default=0.0)), FARTHEST * high)
 
 
-def region(layout: Layout, discs: Sequence[Seen], walls: float = WALLS) -> Partition:
+def region(layout: Layout, discs: Sequence[Seen], walls: float = WALLS) -> Region:
     """The region of a layout whose clip faces lie around the curves of all contacts.
 
     Raises `GeometryError` where a curve fits in no piece, or no polygon of tetrahedra fits around it.
@@ -107,4 +107,4 @@ def region(layout: Layout, discs: Sequence[Seen], walls: float = WALLS) -> Parti
             cells.append(tuple(cell))
     origin = layout.center
     moved = [(x + origin[0], y + origin[1], z + origin[2]) for x, y, z in vertices]
-    return Partition(moved, cells, origin, pieces, layout.name)
+    return Region(moved, cells, origin, pieces, layout.name)

@@ -7,11 +7,12 @@ from math import cos, pi
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_floats
 from pas.errors import GeometryError
 from pas.layouts.fits import sides
-from pas.layouts.seen import Seen, units
+from pas.layouts.seen import Seen
 from pas.partition.layout import Ray
 
 CORNERS = (4, 5, 6, 8, 12, 16)
@@ -39,7 +40,7 @@ def clip_polygon(disc: Seen, rays: Sequence[Ray]) -> list[Vector]:
     They go round it counterclockwise seen from outside.  Raises `GeometryError` where none fits.
     """
     normals = sides(rays)
-    least = min(ROOM, SHARE * float(np.arcsin(np.clip((normals @ units(disc.points).T).min(), 0, 1))))
+    least = min(ROOM, SHARE * float(np.arcsin(np.clip((normals @ unit(disc.points).T).min(), 0, 1))))
     offsets = disc.points - disc.middle
     turned = offsets[np.argsort(disc.azimuths(offsets))]
     for corners in CORNERS:
@@ -49,7 +50,7 @@ def clip_polygon(disc: Seen, rays: Sequence[Ray]) -> list[Vector]:
                 if corners >= MANY and larger > NARROW:
                     continue
                 polygon = disc.middle + larger / cos(pi / corners) * chosen
-                if (normals @ units(polygon).T).min() > least and _surrounds(disc, polygon):
+                if (normals @ unit(polygon).T).min() > least and _surrounds(disc, polygon):
                     return [disc.on_plane(corner) for corner in polygon]
     raise GeometryError(
         f"there is no room for a clip face round the curve of contact {disc.number} in its piece of the layout; clips "
@@ -74,7 +75,7 @@ def between(disc: Seen, inner: Sequence[Vector], outer: Sequence[Vector]) -> lis
     first, second = (np.array([to_floats(p) for p in ring]) for ring in (inner, outer))
     best: tuple[float, list[tuple[int, int, bool]]] | None = None
     for start in range(len(outer)):
-        found = _zipped(units(first), units(np.roll(second, -start, axis=0)))
+        found = _zipped(unit(first), unit(np.roll(second, -start, axis=0)))
         if found is not None and (best is None or found[0] < best[0] - 1e-9):
             best = (found[0], [(i, (j + start) % len(outer), own) for i, j, own in found[1]])
     if best is None:

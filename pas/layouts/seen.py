@@ -9,10 +9,10 @@ from math import atan2, pi
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import ArrayLike
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, dot, to_float, to_floats
+from pas.algebra.rational import Vector, binary_exponent, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
 
 
@@ -57,7 +57,7 @@ class Seen:
     @cached_property
     def angle(self) -> float:
         """The angle (radians) between that direction and the farthest point of the curve: its angular radius."""
-        return float(np.arccos(np.clip(units(self.points) @ self.direction, -1, 1)).max())
+        return float(np.arccos(np.clip(unit(self.points) @ self.direction, -1, 1)).max())
 
     @cached_property
     def radius(self) -> float:
@@ -92,18 +92,6 @@ class Seen:
         return x, y, z
 
 
-def unit(vector: ArrayLike) -> Floats:
-    """The unit vector (3,) of a direction."""
-    found: Floats = np.asarray(vector, dtype=float)
-    return found / np.linalg.norm(found)
-
-
-def units(vectors: Floats) -> Floats:
-    """The unit vectors (N, 3) of directions."""
-    found: Floats = np.asarray(vectors, dtype=float)
-    return found / np.linalg.norm(found, axis=1)[:, None]
-
-
 def across(direction: Floats) -> Floats:
     """Two unit vectors (2, 3) across a unit vector, right-handed with it."""
     first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
@@ -123,8 +111,7 @@ def turn(start: float, end: float) -> float:
 
 def power_of_two(size: float) -> fmpq:
     """The largest power of two up to a positive number."""
-    exponent = int(np.frexp(size)[1]) - 1
-    return fmpq(2) ** exponent if exponent >= 0 else fmpq(1, 2**-exponent)
+    return fmpq(2) ** binary_exponent(exact(size))
 
 
 def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:

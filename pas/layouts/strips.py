@@ -13,12 +13,14 @@ from math import cos, degrees, radians, tan
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits, room
-from pas.layouts.seen import Seen, across, angle_between, unit, whole_ray
+from pas.layouts.seen import Seen, across, angle_between, whole_ray
 from pas.partition.layout import Layout, Ray, turns
+from pas.surface.fairness import spiral
 
 FARTHEST = (62, 70, 80, 40)
 """Degrees up to which any direction may be from the nearest site, less half of its disc: tried in turn."""
@@ -89,7 +91,7 @@ class Net:
     def of(cls, contacts: Sequence[Site], farthest: float) -> Net:
         """The net of contacts, with empty sites until no direction is farther than that (degrees) from one."""
         sites = list(contacts)
-        looked = _spread(LOOKED_AT)
+        looked = spiral(LOOKED_AT)
         while len(sites) <= len(contacts) + MOST_EMPTY:
             away = np.min([np.arccos(np.clip(looked @ s.direction, -1, 1)) - s.angle / 2 for s in sites], axis=0)
             worst = int(away.round(9).argmax())
@@ -207,12 +209,3 @@ def _volume(rays: Sequence[Ray]) -> float:
     """The volume of the unit vectors of three rays; 0 where two are one."""
     lengths = [float(np.linalg.norm(ray)) for ray in rays]
     return float(turns(*rays)) / (lengths[0] * lengths[1] * lengths[2])
-
-
-def _spread(number: int) -> Floats:
-    """Unit vectors (number, 3) spread over the sphere along a spiral (Vogel 1979)."""
-    place = np.arange(number) + 0.5
-    height = 1 - 2 * place / number
-    turn = np.pi * (1 + 5**0.5) * place
-    radius = np.sqrt(1 - height * height)
-    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)

@@ -16,6 +16,7 @@ PARTITIONS: Registry[type[Partition]] = Registry(
         "six tetrahedra": "pas.partition.six_tetrahedra:SixTetrahedra",
         "single cell": "pas.partition.single_cell:SingleCell",
         "tetrahedra": Partition,
+        "region": "pas.partition.region:Region",
         "alfeld split": "pas.partition.alfeld_split:AlfeldSplit",
         "worsey-farin split": "pas.partition.worsey_farin_split:WorseyFarinSplit",
         "kuhn cube": "pas.partition.kuhn_cube:KuhnCube",

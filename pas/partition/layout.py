@@ -11,10 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import gcd, hypot
+from math import gcd, hypot, lcm
 from typing import Any, Self
-
-from flint import fmpq
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, plain, vector
@@ -57,6 +55,8 @@ class Layout:
         self.rays: tuple[Ray, ...] = tuple(primitive(vector(ray, f"rays[{i}]"), i) for i, ray in enumerate(rays))
         self.center: Vector = vector(center, "center")
         self.name = str(name)
+        if not len(pieces):
+            raise GeometryError("a layout needs pieces, which together cover all directions")
         self.pieces = tuple(self._checked(number, piece) for number, piece in enumerate(pieces))
         twice = next((i for i, ray in enumerate(self.rays) if ray in self.rays[:i]), None)
         if twice is not None:
@@ -153,13 +153,6 @@ class Layout:
             "it counterclockwise, seen from outside, or cut it in two"
         )
 
-    def contains(self, number: int, direction: Sequence[fmpq]) -> bool:
-        """Whether a direction (three exact numbers) lies inside a piece, or on an arc within it."""
-        return any(
-            min(turns(direction, b, c), turns(direction, c, a), turns(direction, a, b)) >= 0
-            for a, b, c in ([self.all_rays[i] for i in t] for t in self.triangles[number])
-        )
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Layout) and self._key == other._key
 
@@ -195,9 +188,7 @@ class Layout:
 
 def primitive(direction: Vector, number: int | None = None) -> Ray:
     """The shortest integer vector of a direction; raises `ValueError` for zero, with its `number` among the rays."""
-    common = 1
-    for c in direction:
-        common = common * int(c.q) // gcd(common, int(c.q))
+    common = lcm(*(int(c.q) for c in direction))
     if not any(direction):
         raise ValueError(f"rays[{number}] must not be the zero vector")
     x, y, z = (int((c * common).p) for c in direction)
@@ -205,6 +196,7 @@ def primitive(direction: Vector, number: int | None = None) -> Ray:
 
 
 def reduced(v: Any) -> Ray:
+    """Three whole numbers divided by their greatest common divisor."""
     common = gcd(*v)
     return v[0] // common, v[1] // common, v[2] // common
 

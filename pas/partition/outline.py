@@ -53,7 +53,7 @@ def _boundary(faces: list[tuple[int, int, int]]) -> list[int] | None:
             after[edge[0]] = edge[1]
     if not after:
         return None
-    start = next(iter(after))
+    start = min(after)
     found = [start]
     while after[found[-1]] != start:
         found.append(after[found[-1]])

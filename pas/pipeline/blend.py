@@ -121,7 +121,7 @@ def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionErro
 
 
 def _tried(attempts: Sequence[Attempt]) -> str:
-    """The degrees that were tried, those without a solution in short, on each of several partitions."""
+    """The degrees that were tried with their dimensions, on each of several partitions."""
     found = []
     for title in dict.fromkeys(a.partition for a in attempts):
         here = {a.degree: a.dimension for a in attempts if a.partition == title}

@@ -51,6 +51,10 @@ class Axial(Movable):
         terms = ((g - p) * a for g, p, a in zip(GENERATORS, self.point, direction, strict=True))
         return sum(terms, ZERO) * (1 / dot(direction, direction))
 
+    def squares(self, semiaxes: Sequence[Vector]) -> fmpq_mpoly:
+        """The sum of the squared coordinates along some vectors."""
+        return sum((self.part(a) ** 2 for a in semiaxes), ZERO)
+
     def ended(self, surface: fmpq_mpoly, turned: bool = True) -> Contact:
         """The contact of a surface with the clip plane; `turned` to the point where `clip` is negative."""
         scale = -self.clip_scale if turned and self.clip < 0 else self.clip_scale

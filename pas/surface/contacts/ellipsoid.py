@@ -11,7 +11,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, plain
-from pas.surface.axial import ZERO, Axial, listed, perpendicular
+from pas.surface.axial import Axial, listed, perpendicular
 from pas.surface.contact import Contact
 
 
@@ -46,7 +46,7 @@ class Ellipsoid(Axial):
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
-        return self.ended(sum((self.part(a) ** 2 for a in self.semiaxes), ZERO) - 1, turned=False)
+        return self.ended(self.squares(self.semiaxes) - 1, turned=False)
 
     def __str__(self) -> str:
         semiaxes = ", ".join(f"({listed(a)})" for a in self.semiaxes)

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, plain
-from pas.surface.axial import ZERO, Axial, listed, perpendicular
+from pas.surface.axial import Axial, listed, perpendicular
 from pas.surface.contact import Contact
 
 
@@ -45,7 +45,7 @@ class EllipticPipe(Axial):
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
-        return self.ended(sum((self.part(a) ** 2 for a in self.semiaxes), ZERO) - 1)
+        return self.ended(self.squares(self.semiaxes) - 1)
 
     def __str__(self) -> str:
         semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, plain
-from pas.surface.axial import ZERO, Axial, listed, perpendicular, positive
+from pas.surface.axial import Axial, listed, perpendicular, positive
 from pas.surface.contact import Contact
 
 
@@ -53,9 +53,7 @@ class Hyperboloid(Axial):
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
-        return self.ended(
-            sum((self.part(a) ** 2 for a in self.semiaxes), ZERO) - (self.along * (1 / self.conjugate)) ** 2 - 1
-        )
+        return self.ended(self.squares(self.semiaxes) - (self.along * (1 / self.conjugate)) ** 2 - 1)
 
     def __str__(self) -> str:
         semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)

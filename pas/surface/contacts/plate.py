@@ -12,7 +12,7 @@ from flint import fmpq
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational
-from pas.surface.axial import ZERO, Axial, listed, perpendicular, positive
+from pas.surface.axial import Axial, listed, perpendicular, positive
 from pas.surface.contact import Contact
 
 
@@ -67,7 +67,7 @@ class Plate(Axial):
         if self.radius is not None:
             cylinder = self.square - along * along * length2 - self.radius**2
         else:
-            cylinder = sum((self.part(a) ** 2 for a in self.semiaxes or ()), ZERO) - 1
+            cylinder = self.squares(self.semiaxes or ()) - 1
         return Contact(Polynomial.from_raw(along * length2), Polynomial.from_raw(cylinder))
 
     def __str__(self) -> str:
