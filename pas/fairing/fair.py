@@ -25,6 +25,10 @@ LATTICES = (32, 64)
 CLOSER_LOOKS = 3
 """Times that a surface is looked at between the rays, and settled again where its curvature is hidden there."""
 
+GAIN = 0.5
+"""A closer look that leaves more than this share of what is beyond the limits, and more than the energy, is the last:
+where limits cannot be met it only weighs them more."""
+
 
 class FairSearch:
     """The search for the fair member of one space under the user's wishes."""
@@ -68,7 +72,10 @@ class FairSearch:
                 if closer is None:
                     break
                 states.append(State(*closer, states[-1].rows))
+                before = states[-1].look.beyond
                 states += Settling(search).steps(states[-1])
+                if states[-1].look.beyond > max(GAIN * before, states[-1].look.energy):
+                    break
             found = next(self._choices(states, margins), None)
             if found is not None and (best is None or found[0].energy <= best.energy):
                 best, state = found

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -47,13 +48,29 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 class Look:
     """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
 
-    `views` are what each term of these looks at.
+    `residuals` (N, R) are the energy's at each point; `views` are what each term of what is beyond limits looks at, and
+    `excesses` what it finds there.
     """
 
     view: View
+    residuals: Floats
     views: tuple[View, ...]
-    energy: float
-    objective: float
+    excesses: tuple[tuple[Excess, ...], ...]
+
+    @cached_property
+    def energy(self) -> float:
+        """The integral of the squared residuals."""
+        return float(self.view.areas @ (self.residuals * self.residuals).sum(axis=1))
+
+    @cached_property
+    def beyond(self) -> float:
+        """The sum of the squares of what is beyond limits."""
+        return sum(float(e.values @ e.values) for found in self.excesses for e in found)
+
+    @property
+    def objective(self) -> float:
+        """Both together."""
+        return self.energy + self.beyond
 
 
 class Beyond(Protocol):
@@ -122,7 +139,7 @@ class Landscape:
             return self, look
         other = copy(self)
         other.energy = energy
-        return other, other._look(look.view, look.views)
+        return other, replace(look, residuals=other._residuals(look.view))
 
     def look(self, member: Floats, near: Look) -> Look | None:
         """Another member, found from one near by; None where it cannot be seen along all rays."""
@@ -138,26 +155,24 @@ class Landscape:
         return self._look(view, views)
 
     def _look(self, view: View, views: Sequence[View]) -> Look:
-        r = self.energy.residuals(view.points, self.sizes)
-        energy = float(view.areas @ (r * r).sum(axis=1))
-        squares = [
-            float(e.values @ e.values) for t, v in zip(self.terms, views, strict=True) for e in t.beyond.values(v)
-        ]
-        return Look(view, tuple(views), energy, energy + sum(squares))
+        found = tuple(tuple(term.beyond.values(seen)) for term, seen in zip(self.terms, views, strict=True))
+        return Look(view, self._residuals(view), tuple(views), found)
+
+    def _residuals(self, view: View) -> Floats:
+        return np.asarray(self.energy.residuals(view.points, self.sizes))
 
     def linearised(self, look: Look) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
-        view = look.view
-        r = self.energy.residuals(view.points, self.sizes)
+        view, r = look.view, look.residuals
         root = np.sqrt(view.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
         slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(view.points, self.sizes)
         slopes[:, :, AREA] = root * r / 2
         change = self.sight.change(view)
         normal, gradient = change.normal_equations(root * r, slopes)
-        for term, seen in zip(self.terms, look.views, strict=True):
-            for excess in term.beyond.values(seen):
+        for term, seen, found in zip(self.terms, look.views, look.excesses, strict=True):
+            for excess in found:
                 at = change.some(excess.chosen) if seen is view else term.sight.change(seen, excess.chosen)
                 more = at.normal_equations(excess.values[:, None], excess.slopes[:, None])
                 normal, gradient = normal + more[0], gradient + more[1]
@@ -184,7 +199,8 @@ class Landscape:
             return None
         other = copy(self)
         other.terms = [*self.terms, Term(sight, self.curvature)]
-        return other, other._look(look.view, [*look.views, seen])
+        more = (*look.excesses, tuple(self.curvature.values(seen)))
+        return other, replace(look, views=(*look.views, seen), excesses=more)
 
     def _check(self, view: View) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""
