@@ -5,7 +5,9 @@ clips are the nearest at which no circle is seen wider than 40 degrees from the 
 share (`--fit`, 0.8 if nothing is said) of the angle between their directions.  Prints a line for each node that is not
 proved, or not fair, and for each number of pipes the shares, layouts, degrees and seconds.
 
-    python benchmarks/nodes.py [--orders 1 2] [--pipes 2 3 4 5 6] [--count 20] [--fit 0.8] [--seed 2026]
+    python benchmarks/nodes.py [--orders 1 2] [--pipes 2 3 4 5 6] [--count 20] [--fit 0.8] [--lowest] [--seed 2026]
+
+With `--lowest` the first degree that is proved is kept, whatever its shape.
 """
 
 from __future__ import annotations
@@ -80,6 +82,7 @@ def main() -> None:
     parser.add_argument("--pipes", type=int, nargs="+", default=[2, 3, 4, 5, 6])
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--fit", type=float, default=0.8)
+    parser.add_argument("--lowest", action="store_true")
     parser.add_argument("--seed", type=int, default=2026)
     options = parser.parse_args()
     pas.blend(draw(random.Random(0), 2, 0.6), 1)  # imports
@@ -97,7 +100,7 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
         pipes = draw(generator, number, options.fit)
         start = time.process_time()
         try:
-            blend = pas.blend(pipes, order, seconds=240)
+            blend = pas.blend(pipes, order, "lowest" if options.lowest else None, seconds=240)
         except pas.PasError as error:
             print(f"k={order} n={number} #{case}: {error}", flush=True)
         else:

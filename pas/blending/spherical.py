@@ -53,7 +53,8 @@ def _solved(
                 {i: fmpq(v) for i, v in enumerate(row) if v != 0}
                 for row in (tables[piece] * images).transpose().tolist()
             ]
-    basis, _ = integral_nullspace(rows, total)
+    # without the denominator of all members each is many times shorter, and so are the products
+    (basis,) = _shortened([integral_nullspace(rows, total)[0]])
     return _primitive(tuple(basis * table for table in tables))
 
 
