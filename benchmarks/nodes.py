@@ -5,9 +5,10 @@ clips are the nearest at which no circle is seen wider than 40 degrees from the 
 share (`--fit`, 0.8 if nothing is said) of the angle between their directions.  Prints a line for each node that is not
 proved, or not fair, and for each number of pipes the shares, layouts, degrees and seconds.
 
-    python benchmarks/nodes.py [--orders 1 2] [--pipes 2 3 4 5 6] [--count 20] [--fit 0.8] [--lowest] [--seed 2026]
+    python benchmarks/nodes.py [--orders 1 2] [--pipes 2 3 4 5 6] [--count 20] [--fit 0.8] [--auto] [--lowest]
 
-With `--lowest` the first degree that is proved is kept, whatever its shape.
+With `--auto` clips are placed by `pas.struts`; with `--lowest` the first degree that is proved is kept, whatever its
+shape.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import argparse
 import random
 import time
 from collections import Counter
+from dataclasses import fields, replace
 from fractions import Fraction
 from itertools import combinations
 from math import atan, ceil, gcd, hypot, radians
@@ -27,6 +29,7 @@ import pas
 
 APART, WIDEST, ENTRIES = radians(50), radians(40), 6
 FINE = 64
+WIDER = 1.5
 
 Ray = tuple[int, int, int]
 
@@ -83,6 +86,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--fit", type=float, default=0.8)
     parser.add_argument("--lowest", action="store_true")
+    parser.add_argument("--auto", action="store_true")
     parser.add_argument("--seed", type=int, default=2026)
     options = parser.parse_args()
     pas.blend(draw(random.Random(0), 2, 0.6), 1)  # imports
@@ -91,15 +95,22 @@ def main() -> None:
             report(order, number, options)
 
 
+def wider(limits: pas.FairnessLimits) -> pas.FairnessLimits:
+    """The same limits, so many times as wide."""
+    return replace(limits, **{f.name: WIDER * getattr(limits, f.name) for f in fields(limits)})
+
+
 def report(order: int, number: int, options: argparse.Namespace) -> None:
     """The nodes of one order and number of pipes."""
     generator = random.Random(f"{options.seed} {number}")
     made: Counter[str] = Counter()
-    seconds, fair, sharp = [], 0, []
+    seconds, fair, nearly, sharp = [], 0, 0, []
     for case in range(options.count):
         pipes = draw(generator, number, options.fit)
         start = time.process_time()
         try:
+            if options.auto:
+                pipes = pas.struts([(pipe.axis, pipe.radius) for pipe in pipes], order)
             blend = pas.blend(pipes, order, "lowest" if options.lowest else None, seconds=240)
         except pas.PasError as error:
             print(f"k={order} n={number} #{case}: {error}", flush=True)
@@ -109,14 +120,15 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
             beyond = blend.fairness.beyond(blend.limits)
             sharp.append(blend.fairness.sharpness)
             fair += not beyond
+            nearly += not blend.fairness.beyond(wider(blend.limits))
             if beyond:
                 print(f"k={order} n={number} #{case}: {', '.join(beyond)}", flush=True)
         seconds.append(time.process_time() - start)
     shares = ", ".join(f"{name}: {count}" for name, count in sorted(made.items()))
     print(
-        f"k={order} n={number}: {made.total()} of {options.count} proved ({shares}), {fair} fair, median sharpness "
-        f"{median(sharp or [0.0]):.2f}; seconds of one processor: median {median(seconds):.1f}, "
-        f"largest {max(seconds):.1f}",
+        f"k={order} n={number}: {made.total()} of {options.count} proved ({shares}), {fair} fair, {nearly} with limits "
+        f"{WIDER} times as wide, median sharpness {median(sharp or [0.0]):.2f}; seconds of one processor: median "
+        f"{median(seconds):.1f}, largest {max(seconds):.1f}",
         flush=True,
     )
 
