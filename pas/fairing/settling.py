@@ -27,6 +27,10 @@ DAMPING, LEAST_DAMPING, SLOWER, FASTER = 1e-4, 1e-9, 8.0, 6.0
 ENOUGH, NOISE = 3e-4, 1e-7
 """A step that lowers the objective by a smaller share is the last one; by less than the other, it is none."""
 
+FAR_BEYOND, HOPELESS = 3.0, 0.03
+"""Where what is beyond the limits is more than so many times the energy, limits are not met: a step that lowers the
+objective by this share is then the last."""
+
 
 @dataclass(frozen=True)
 class State:
@@ -56,7 +60,8 @@ class Settling:
             new, damping = self._step(state, damping)
             if new is None:
                 return
-            done = self._objective(new.look) > (1 - ENOUGH) * self._objective(state.look)
+            enough = HOPELESS if new.look.beyond > FAR_BEYOND * new.look.energy else ENOUGH
+            done = self._objective(new.look) > (1 - enough) * self._objective(state.look)
             state = new
             yield state
             if done:

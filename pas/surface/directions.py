@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import log
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,10 @@ from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.geometry import FIRST, derivatives
 
-EVEN, DEEPEST = 3, 8
+EVEN, DEEPEST, FACES = 3, 8, 12
 """Quarterings of every outer face, and of those on a contact curve: seen from the centre, neighbours are foreshortened
-there, so that the area near their curves is the least certain."""
+there, so that the area near their curves is the least certain.  That is for so many outer faces, as six tetrahedra have;
+of more, which are smaller, each is quartered less often."""
 
 SHARE = 1.6
 """Area of the surface that one ray may stand for, over the mean for the number of rays asked for."""
@@ -67,8 +69,10 @@ class Directions:
         """About `number` rays or more for a surface of one sheet around the centre.
 
         `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`; all outer
-        faces are quartered `even` times, and triangles on a contact curve `deepest` times.
+        faces are quartered `even` times, and triangles on a contact curve `deepest` times, where these are `FACES`.
         """
+        less = max(0, round(log(len(local.outer_faces) / FACES, 4)))
+        even, deepest = max(1, even - less), max(1, deepest - less)
         triangles = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
         for _ in range(even):
