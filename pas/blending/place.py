@@ -15,6 +15,8 @@ from pas.algebra.inputs import check_order
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError, meant
+from pas.layouts.arms import is_free
+from pas.layouts.clips import with_clips
 from pas.layouts.nodes import KINDS, Node
 from pas.layouts.region import region
 from pas.partition.cells import Partition
@@ -53,9 +55,8 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
     check_order(order)
     if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
-    items = list(items)
-    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
-    pipes = [item if isinstance(item, Circular) else None for item in items]
+    items = _ended(list(items), order, partition)
+    contacts, pipes = _as_contacts(items)
     if isinstance(partition, Partition):
         if not contacts and len(partition.pieces) == 1:
             raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
@@ -76,6 +77,30 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
             "partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), a pas.Layout or "
             f"the name of a kind of layouts, not {partition!r}"
         )
+
+
+def _ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
+    """The items, those that may end anywhere ended where there is room among the others."""
+    free = [number for number, item in enumerate(items, start=1) if is_free(item)]
+    if not free:
+        return list(items)
+    if isinstance(partition, Partition):
+        raise GeometryError(
+            f'contact {free[0]} has the clip "auto", for which the program makes a region; where the partition is '
+            "given, its clip must be a number"
+        )
+    for i, item in enumerate(items):
+        if i + 1 not in free:
+            as_contact(item, f"contacts[{i}]")  # says what is wrong with it before others are placed
+    if partition == SIX:
+        return with_clips(items, order, serves=lambda ended: _corner(*_as_contacts(ended), order) is not None)
+    return with_clips(items, order, partition if isinstance(partition, Layout) or partition in KINDS else None)
+
+
+def _as_contacts(items: Sequence[Any]) -> tuple[list[Contact], list[Circular | None]]:
+    """The contacts, and of which pipe or cone each is."""
+    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
+    return contacts, [item if isinstance(item, Circular) else None for item in items]
 
 
 def _on_layouts(

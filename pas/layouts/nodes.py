@@ -21,6 +21,7 @@ from pas.layouts.strips import strips
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.surface.contact import Contact
+from pas.surface.movable import Movable
 from pas.surface.rims import Rim, outlook
 
 CURVE_POINTS = 96
@@ -84,16 +85,13 @@ class Node:
         Raises `GeometryError` for a contact without such a curve, curves that are seen across one another, or a
         centre that lies beyond a clip.
         """
-        rims = [_rim(number, contact) for number, contact in enumerate(contacts, start=1)]
+        rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
         if center is None:
             _check_planes(rims)
         place = center_of(rims) if center is None else center
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
             _check_outlook(number, contact, rim, place)
-        discs = tuple(
-            Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), place)
-            for number, rim in enumerate(rims, start=1)
-        )
+        discs = tuple(seen(number, rim, place) for number, rim in enumerate(rims, start=1))
         _check_apart(discs)
         return cls(place, discs)
 
@@ -118,7 +116,13 @@ class Node:
             raise failure
 
 
-def _rim(number: int, contact: Contact) -> Rim:
+def seen(number: int, rim: Rim, center: Vector) -> Seen:
+    """A contact's curve as seen from the centre; raises `GeometryError` where that is in its plane."""
+    return Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), center)
+
+
+def rim_of_contact(number: int, contact: Movable) -> Rim:
+    """The curve of contact `number` (from 1); raises `GeometryError` with that number where there is none."""
     try:
         return contact.rim
     except GeometryError as error:
