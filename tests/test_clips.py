@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
@@ -30,6 +32,11 @@ every_endless = pytest.mark.parametrize("table", ENDLESS)
 
 def pipe(axis, radius, clip="auto", point=(0, 0, 0)):
     return pas.Pipe(axis, radius, clip, point)
+
+
+def octants():
+    rays = [X, Y, Z, (-1, 0, 0), (0, -1, 0), (0, 0, -1)]
+    return pas.Layout(rays, [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
 
 
 def test_every_kind_that_may_end_anywhere_has_a_sample():
@@ -150,6 +157,38 @@ def test_open_ends_in_problem_files(tmp_path):
 def test_what_cannot_be_placed(items, partition, error, words):
     with pytest.raises(error, match=words):
         pas.blend(items, 1, partition=partition)
+
+
+CROWDED = {
+    "two": ([pipe(X, 1, 2), pipe((2, 2, 1), 1, "2/3")], None),
+    "five": ([pipe(axis, 1, 1) for axis in (X, Y, Z, (-1, -1, -1), (1, -1, -2))], None),
+    "three": ([pipe(axis, 1, 1) for axis in (X, Y, (1, 1, 1))], None),
+    "by name": ([pipe(X, 1, 1), pipe((1, 1, 0), 1, 1), pipe(Z, 1, 1)], "fan"),
+    "a cone": ([pas.Cone(X, 1, 1, "1/5"), pipe((1, 2, 0), 1, "1/2")], None),
+    "one's own layout": ([pipe((1, 1, 1), 1, "1/2"), pipe((-1, -1, 1), "1/2", "1/2")], octants()),
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "five")) for n in CROWDED])
+def test_the_least_clips_that_are_said_to_leave_room_do(name):
+    items, partition = CROWDED[name]
+    with pytest.raises(pas.GeometryError, match='clip="auto" finds such') as failure:
+        place(items, 1, partition)
+    said = re.search(r"at least (.*) and (\S+) from the centre \((\S+) times", str(failure.value))
+    factor = Fraction(said[3])
+    moved = place([item.clipped(Fraction(str(item.clip)) * factor) for item in items], 1, partition)
+    distances = [f"{disc.distance:.4g}" for disc in Node.of(moved.contacts).discs]
+    assert distances == [*said[1].split(", "), said[2]]
+    less = factor * Fraction(97, 100)
+    assert less > 1
+    with pytest.raises(pas.GeometryError):
+        place([item.clipped(Fraction(str(item.clip)) * less) for item in items], 1, partition)
+
+
+def test_directions_that_are_too_close_for_any_clips():
+    with pytest.raises(pas.GeometryError, match=r"are seen 1\.43 degrees apart") as failure:
+        place([pipe(X, 1, 2), pipe((40, 1, 0), 1, "1/20")], 1)
+    assert "times as far" not in str(failure.value)
 
 
 def test_an_open_end_is_no_half_made_contact():

@@ -18,6 +18,7 @@ from pas.errors import GeometryError, meant
 from pas.layouts.arms import is_free
 from pas.layouts.clips import with_clips
 from pas.layouts.nodes import KINDS, Node
+from pas.layouts.outwards import room_farther_out
 from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
@@ -33,6 +34,9 @@ PartitionLike: TypeAlias = "Partition | Layout | str"
 """What is taken for a partition: one, a layout that gets a region, or the name of a kind of layouts."""
 
 SIX = SixTetrahedra.name
+
+MANY = 5
+"""Contacts from which on strips are looked for where clips are said to leave room."""
 
 
 def place(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> PlacedContacts:
@@ -62,7 +66,7 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
             raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
         yield _placed(contacts, pipes, order, partition)
     elif isinstance(partition, Layout):
-        yield _placed(contacts, pipes, order, region(partition, Node.of(contacts, partition.center).discs))
+        yield _on_layout(contacts, pipes, order, partition)
     elif partition == SIX:
         yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
     elif partition is None or (isinstance(partition, str) and partition in KINDS):
@@ -112,6 +116,37 @@ def _on_layouts(
             f"a blend joins two contacts or more, and here {'is one' if contacts else 'are none'}; for a surface "
             "that meets one contact give a partition, such as pas.SingleCell(lower, upper)"
         )
+    try:
+        yield from _on_regions(contacts, pipes, order, kind)
+    except GeometryError as error:
+
+        def fits(moved: Sequence[Contact]) -> bool:
+            # few contacts that no fan keeps apart are hardly ever kept so by strips, which take long to look for
+            usual = "fan" if len(moved) < MANY else None
+            return any(True for _ in _on_regions(moved, [None] * len(moved), order, kind or usual))
+
+        raise _with_room(error, room_farther_out(contacts, fits)) from None
+
+
+def _on_layout(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, layout: Layout
+) -> PlacedContacts:
+    def placed(moved: Sequence[Contact]) -> PlacedContacts:
+        return _placed(moved, pipes, order, region(layout, Node.of(moved, layout.center).discs))
+
+    try:
+        return placed(contacts)
+    except GeometryError as error:
+        raise _with_room(error, room_farther_out(contacts, lambda moved: bool(placed(moved)), layout.center)) from None
+
+
+def _with_room(error: GeometryError, where: str) -> GeometryError:
+    return GeometryError(f"{error}; {where}") if where else error
+
+
+def _on_regions(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
+) -> Iterator[PlacedContacts]:
     failure: GeometryError | None = None
     found = False
     for made in Node.of(contacts).regions(order, kind):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import degrees, tan
+from math import degrees
 
 import numpy as np
 
@@ -29,9 +29,6 @@ CURVE_POINTS = 96
 
 SPREAD = 0.95
 """Share of the angle between two contacts that their curves may take up."""
-
-FARTHEST = 2.0**20
-"""How many times farther out a clip may be said to be."""
 
 Maker = Callable[[Sequence[Seen], Vector], Layout]
 
@@ -113,7 +110,8 @@ class Node:
             found = True
             yield made
         if not found and failure is not None:
-            raise failure
+            none = f"no layout keeps these {len(self.discs)} contacts apart: "
+            raise GeometryError(f"{'' if kind else none}{failure}")
 
 
 def seen(number: int, rim: Rim, center: Vector) -> Seen:
@@ -160,31 +158,8 @@ def _check_apart(discs: Sequence[Seen]) -> None:
     """That no two curves are seen across one another from the centre."""
     for a, b in combinations(discs, 2):
         between = angle_between(a.direction, b.direction)
-        if a.angle + b.angle < SPREAD * between:
-            continue
-        words = (
-            f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, and "
-            f"their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"
-        )
-        factor = _outwards(a, b, between)
-        if factor is None:
-            raise GeometryError(f"{words}; no clips are far enough out for directions as close as these")
-        raise GeometryError(
-            f"{words}; clips at distances of at least {factor * a.distance:.4g} and {factor * b.distance:.4g} from the "
-            "centre would leave room"
-        )
-
-
-def _outwards(a: Seen, b: Seen, between: float) -> float | None:
-    """By which factor the clips of two contacts must be moved outwards."""
-    low, high = 1.0, FARTHEST
-
-    def fits(factor: float) -> bool:
-        return sum(float(np.arctan(tan(min(d.angle, 1.5)) / factor)) for d in (a, b)) < SPREAD * between
-
-    if not fits(high):
-        return None
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
+        if a.angle + b.angle >= SPREAD * between:
+            raise GeometryError(
+                f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, "
+                f"and their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"
+            )
