@@ -35,9 +35,6 @@ PartitionLike: TypeAlias = "Partition | Layout | str"
 
 SIX = SixTetrahedra.name
 
-MANY = 5
-"""Contacts from which on strips are looked for where clips are said to leave room."""
-
 
 def place(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> PlacedContacts:
     """Pipes or contacts in place on a partition, with their clips turned: the first of `places`."""
@@ -121,9 +118,7 @@ def _on_layouts(
     except GeometryError as error:
 
         def fits(moved: Sequence[Contact]) -> bool:
-            # few contacts that no fan keeps apart are hardly ever kept so by strips, which take long to look for
-            usual = "fan" if len(moved) < MANY else None
-            return any(True for _ in _on_regions(moved, [None] * len(moved), order, kind or usual))
+            return any(True for _ in _on_regions(moved, [None] * len(moved), order, kind))
 
         raise _with_room(error, room_farther_out(contacts, fits)) from None
 

@@ -99,11 +99,18 @@ class Node:
         """
         failure: GeometryError | None = None
         found = False
+        hopeless: list[Maker] = []  # rungs that differ in their walls have the same layout
         for rung in LADDERS[min(max(order, 1), max(LADDERS))]:
-            if kind not in (None, rung.kind):
+            if kind not in (None, rung.kind) or rung.make in hopeless:
                 continue
             try:
-                made = region(rung.make(self.discs, self.center), self.discs, rung.walls)
+                layout = rung.make(self.discs, self.center)
+            except GeometryError as error:
+                failure = error
+                hopeless.append(rung.make)
+                continue
+            try:
+                made = region(layout, self.discs, rung.walls)
             except GeometryError as error:
                 failure = error
                 continue

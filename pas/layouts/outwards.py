@@ -29,8 +29,8 @@ Fits = Callable[[Sequence[Contact]], bool]
 def room_farther_out(contacts: Sequence[Contact], fits: Fits, center: Vector | None = None) -> str:
     """The sentence that says at which distances from the centre clips leave room; empty where none are found.
 
-    All planes are moved by one factor, exactly; the least is found by bisection, so it is the least where room only
-    grows farther out.
+    All planes are moved by one factor, exactly, and there was room at the one that is said.  It is found by bisection,
+    and the least within some per cent: where room begins, that of layouts with short rays comes and goes.
     """
     try:
         rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
