@@ -7,7 +7,7 @@ by a region (see `pas.partition.cells` and `pas.layouts.region`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -27,7 +27,8 @@ Ray = tuple[int, int, int]
 Triangle = tuple[int, int, int]
 
 SPHERE, PICTURE = "pas.layouts.sphere:sphere_mesh", "pas.render.layout:picture"
-"""Where its mesh and its picture are made, in rooms above."""
+DIMENSIONS = "pas.blending.dimensions:dimensions"
+"""Where its mesh and its picture are made and its surfaces counted, in rooms above."""
 
 
 @dataclass(frozen=True)
@@ -201,6 +202,18 @@ class Layout(Shape):
         """
         drawn = loaded(PICTURE)(self, path, contacts, **options)
         return None if drawn is None else Path(drawn)
+
+    def dimensions(self, contacts: Sequence[Any], order: int, degrees: Iterable[int] | int) -> dict[int, int]:
+        """The dimension of the space of all GC^`order` surfaces on it that meet the contacts, by degree; exact.
+
+        `contacts` as for `pas.blend`, with their region chosen as `pas.solutions` does; without any, those of all
+        piecewise polynomials that are C^order, sums of homogeneous splines (Alfeld, Neamtu and Schumaker 1996).
+        `degrees` are one or several.
+
+        Raises `GeometryError` for contacts that do not fit, `ValueError` or `TypeError` for wrong arguments.
+        """
+        table: dict[int, int] = loaded(DIMENSIONS)(self, contacts, order, degrees)
+        return table
 
     def to_record(self) -> dict[str, Any]:
         """The layout as a table of plain data."""
