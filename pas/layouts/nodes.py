@@ -82,6 +82,8 @@ class Node:
         Raises `GeometryError` for a contact without such a curve, curves that are seen across one another, or a
         centre that lies beyond a clip.
         """
+        for number, contact in enumerate(contacts, start=1):
+            _check_flat(number, contact)
         rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
         if center is None:
             _check_planes(rims)
@@ -132,6 +134,20 @@ def rim_of_contact(number: int, contact: Movable) -> Rim:
         return contact.rim
     except GeometryError as error:
         raise GeometryError(f"contact {number}: {error}") from None
+
+
+def _check_flat(number: int, contact: Contact) -> None:
+    """That the curve is not the edge of a plate: no flat face of a region can end a surface there.
+
+    The one plane through that curve is the plate's own, which the surface touches all along it.  With GC^1 the
+    polynomial goes on beyond the clip on the same side of that plane, so in any region with plane walls there is
+    surface that is not in use.
+    """
+    if contact.surface.degree == 1:
+        raise GeometryError(
+            f"contact {number}: the surface {contact.surface} is a plane, which a blend touches all along its curve, so "
+            "no plane face of a region ends the blend there; for plates give partition=pas.SingleCell(lower, upper)"
+        )
 
 
 def _check_planes(rims: Sequence[Rim]) -> None:
