@@ -145,8 +145,8 @@ def _check_flat(number: int, contact: Contact) -> None:
     """
     if contact.surface.degree == 1:
         raise GeometryError(
-            f"contact {number}: the surface {contact.surface} is a plane, which a blend touches all along its curve, so "
-            "no plane face of a region ends the blend there; for plates give partition=pas.SingleCell(lower, upper)"
+            f"contact {number}: the surface {contact.surface} is a plane, which a blend touches all along its curve, "
+            "so no plane face of a region ends the blend there; for plates give partition=pas.SingleCell(lower, upper)"
         )
 
 
