@@ -44,7 +44,7 @@ STEP, MUCH_NEARER = 1.01, 0.6
 FARTHEST = 1000.0
 """How many widths out a clip may be."""
 
-FINE, COARSEST = 64, 1 / 8
+FINE, COARSEST = 64, 1 / 2
 """Parts of its axis to which a clip is rounded, up; more where they are longer than this share of the width."""
 
 
