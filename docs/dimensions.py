@@ -2,7 +2,8 @@
 
     python docs/dimensions.py
 
-Everything in the tables is measured: `pas.solutions([], order, degree, partition).dimension`.
+Everything in the tables is measured: `pas.solutions([], order, degree, partition).dimension`, of a layout
+`layout.dimensions([], order, [degree])`.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ class Bench:
     """A partition, a formula for dimensions by order and degree, the orders for which it holds, and where it stands."""
 
     title: str
-    partition: Callable[[], pas.Partition]
+    partition: Callable[[], pas.Partition | pas.Layout]
     formula: Callable[[int, int], int]
     orders: tuple[int, ...]
     words: str
@@ -66,6 +67,29 @@ def choose(n: int, k: int) -> int:
     return comb(n, k) if n >= 0 else 0
 
 
+AROUND = ((7, -1, 1), (3, 8, -2), (-4, 6, 1), (-9, 1, 2), (-3, -7, 3), (2, -9, 1))
+"""Rays of six half-planes through the line along (1, 2, 5), no two of which make a plane."""
+
+
+def fan() -> pas.Layout:
+    """Six half-planes through one line."""
+    count = len(AROUND)
+    pieces = [(0, 2 + i, 1, 2 + (i + 1) % count) for i in range(count)]
+    return pas.Layout([(1, 2, 5), (-1, -2, -5), *AROUND], pieces, name="fan of 6 half-planes")
+
+
+def lunes(r: int, n: int) -> int:
+    """The sum over the degrees up to n of dimensions around a vertex of 6 edges with 6 slopes, as for the cube."""
+    return sum(around_a_vertex(r, k, edges=len(AROUND), slopes=len(AROUND)) for k in range(n + 1))
+
+
+def count_of(partition: pas.Partition | pas.Layout, r: int, n: int) -> int:
+    """The dimension that is counted."""
+    if isinstance(partition, pas.Layout):
+        return partition.dimensions([], r, [n])[n]
+    return pas.solutions([], r, n, partition).dimension
+
+
 BENCHES = (
     Bench(
         "Alfeld split, one tetrahedron in four",
@@ -91,14 +115,22 @@ BENCHES = (
         "the sum over k = 0 .. n of `C(r+2, 2) + 6 C(k-r+1, 2) + sum over j of (r + j + 1 - 3 j)+`, Schumaker's (1979) "
         "for plane splines around a vertex with six edges of three slopes (Lai and Schumaker 2007, theorem 9.3)",
     ),
+    Bench(
+        "Fan of six half-planes, a layout",
+        fan,
+        lunes,
+        (1, 2, 3),
+        "the same with six slopes, `(r + j + 1 - 6 j)+`; for r = 1 that is 13 + 10 N for n = 4 and N half-planes, for "
+        "r = 2 it is 28 + 10 N for n = 5 and 34 + 20 N for n = 6",
+    ),
 )
 
-HEAD = """# Dimensions of spline spaces on splits
+HEAD = """# Dimensions of spline spaces on splits and layouts
 
-Splines of degree at most n that are C^r on a split of one cell, with no contacts to meet: counted by exact linear
-algebra (`pas.solutions([], order=r, degree=n, partition=...).dimension`) and by a published formula.  Made by
-`python docs/dimensions.py`; of the counts for r = 1 those up to n = 4 and 5 are tests, there checked by floating-point
-ranks as well.
+Splines of degree at most n that are C^r on a split of one cell or on a layout, with no contacts to meet: counted by
+exact linear algebra (`pas.solutions([], order=r, degree=n, partition=...).dimension`, `layout.dimensions`) and by a
+published formula.  Made by `python docs/dimensions.py`; of the counts for r = 1 those up to n = 4 and 5 are tests,
+there checked by floating-point ranks as well.
 """
 
 
@@ -108,7 +140,7 @@ def table(bench: Bench) -> str:
     lines = [f"## {bench.title}\n", f"Formula: {bench.words}.\n", "| r | n | counted | formula |", "|---|---|---|---|"]
     for r in bench.orders:
         for n in range(1, HIGHEST[r] + 1):
-            counted, expected = pas.solutions([], r, n, partition).dimension, bench.formula(r, n)
+            counted, expected = count_of(partition, r, n), bench.formula(r, n)
             if counted != expected:
                 raise ValueError(
                     f"{bench.title}: {counted} counted for r = {r}, n = {n}, where {expected} are published"

@@ -142,6 +142,7 @@ KINDS: Registry[Kind[Any]] = Registry(
         "sphere blend": "pas.kinds.sphere_blend:BLEND",
         "rational patch": "pas.kinds.rational_patch:PATCH",
         "mesh": "pas.kinds.mesh:MESH",
+        "layout": "pas.kinds.layout:LAYOUT",
     },
 )
 """All kinds of shapes; a user's own is added by `KINDS.register(Kind(...))`."""

@@ -89,7 +89,11 @@ def test_splits_are_partitions_with_records(name):
 def test_formulas_and_counts_agree_and_the_page_has_them():
     bench = runpy.run_path(str(ROOT / "docs/dimensions.py"))
     page = (ROOT / "docs/dimensions.md").read_text(encoding="utf-8")
-    for item, name in zip(bench["BENCHES"], SPLITS, strict=True):
+    *splits, fan = bench["BENCHES"]
+    for degree, dimension in ((1, 4), (2, 13), (3, 34), (4, 73)):
+        assert fan.formula(1, degree) == fan.partition().dimensions([], 1, degree)[degree] == dimension
+        assert f"| 1 | {degree} | {dimension} | {dimension} |" in page.split("## Fan")[1]
+    for item, name in zip(splits, SPLITS, strict=True):
         assert item.partition is SPLITS[name]
         for split, degree, dimension in PUBLISHED:
             if split == name:

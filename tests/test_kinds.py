@@ -62,6 +62,9 @@ SAMPLES = {
     "sphere blend": _through_sphere,
     "rational patch": lambda: pas.bezier_patches(pas.torus(2, 1), SQUARE)[0],
     "mesh": lambda: _ball(),
+    "layout": lambda: pas.Layout(
+        [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1)], [(0, 1, 2), (1, 0, 3), (2, 1, 3), (0, 2, 3)], ("1/3", 0, 2)
+    ),
 }
 """One shape of each kind: a new kind needs one here."""
 

@@ -16,6 +16,7 @@ from pas.layouts.nodes import KINDS, LADDERS, Node
 from pas.layouts.planes import arrangement
 from pas.layouts.region import region
 from pas.partition.layout import Layout, normal_of, turns
+from pas.render.layout import colors
 from pas.surface.contact import as_contact
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -284,6 +285,7 @@ def test_a_layout_may_not_go_round_twice():
         ),
         ([pipe(X, 1, 2), ("x^2 - z^2 - 1", "y - 2")], "contact 2: .* not closed"),
         ([pipe(X, 1, 2), ("x^2 + z^2 + 1", "y - 2")], "contact 2: .* no real point"),
+        ([pipe(Z, 1, 2), pas.Plate(Z, 2)], r"contact 2: the surface z is a plane.*partition=pas\.SingleCell"),
     ],
 )
 def test_nodes_that_cannot_be(items, words):
@@ -335,9 +337,42 @@ def test_struts_have_clips_where_a_blend_has_room():
     for a, b in combinations(node.discs, 2):
         assert a.angle + b.angle <= 0.6 * np.arccos(np.clip(a.direction @ b.direction, -1, 1)) + 1e-9
     given = pas.struts([(X, 1, 5), ((-1, 2, 0), 1), ((0, -1, 3), "3/4", "7/2")], 2)
-    assert [str(p.clip) for p in given] == ["5", str(free[1].clip), "7/2"]
+    assert [str(p.clip) for p in (given[0], given[2])] == ["5", "7/2"]
+    assert given[1].clip <= free[1].clip
     moved = pas.struts([(X, 1), ((-1, 2, 0), 1)], 1, center=(1, 2, "1/3"))
     assert [str(p.point[2]) for p in moved] == ["1/3", "1/3"]
+
+
+def test_pictures_of_layouts_with_the_curves_of_contacts(tmp_path, monkeypatch):
+    placed = next(places(NODES["three skew"], 1))
+    layout, contacts = placed.partition.layout, placed.contacts
+    with_discs = layout.picture(tmp_path / "a.png", contacts, size=(160, 120))
+    without = layout.picture(tmp_path / "b.png", size=(160, 120))
+    drawn = pas.draw(layout, tmp_path / "c.png", size=(160, 120))
+    assert without.read_bytes() == drawn.read_bytes() != with_discs.read_bytes()
+    with pytest.raises(pas.GeometryError, match="fits in no piece of the layout"):
+        lunes(5).picture(tmp_path / "d.png", [pipe(Z, 1, 2)])
+    with pytest.raises(ValueError, match=r"\.png"):
+        layout.picture(tmp_path / "d.jpg")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    with pytest.raises(pas.MissingLibraryError, match="a window needs a screen"):
+        layout.picture()
+
+
+def test_the_sphere_of_a_layout_has_its_pieces_as_faces():
+    layout = lunes(7)
+    mesh = layout.mesh(1e-3)
+    assert mesh.is_closed
+    assert mesh.euler_characteristic == 2
+    assert mesh.volume == pytest.approx(4 / 3 * np.pi, rel=3e-3)
+    # the areas of lunes are those of their angles
+    turned = np.unwrap([np.arctan2(y, x) for x, y, _ in [*layout.rays[2:], layout.rays[2]]])
+    assert list(mesh.face_areas.values()) == pytest.approx(2 * np.diff(turned), rel=3e-3)
+    for size in (5, 7):
+        found = colors(lunes(size))
+        assert all(found[arc.first] != found[arc.second] for arc in lunes(size).arcs)
 
 
 def test_a_node_in_one_line():

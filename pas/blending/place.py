@@ -15,7 +15,10 @@ from pas.algebra.inputs import check_order
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError, meant
+from pas.layouts.arms import is_free
+from pas.layouts.clips import with_clips
 from pas.layouts.nodes import KINDS, Node
+from pas.layouts.outwards import room_farther_out
 from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
@@ -53,15 +56,14 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
     check_order(order)
     if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
-    items = list(items)
-    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
-    pipes = [item if isinstance(item, Circular) else None for item in items]
+    items = _ended(list(items), order, partition)
+    contacts, pipes = _as_contacts(items)
     if isinstance(partition, Partition):
         if not contacts and len(partition.pieces) == 1:
             raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
         yield _placed(contacts, pipes, order, partition)
     elif isinstance(partition, Layout):
-        yield _placed(contacts, pipes, order, region(partition, Node.of(contacts, partition.center).discs))
+        yield _on_layout(contacts, pipes, order, partition)
     elif partition == SIX:
         yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
     elif partition is None or (isinstance(partition, str) and partition in KINDS):
@@ -78,6 +80,30 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
         )
 
 
+def _ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
+    """The items, those that may end anywhere ended where there is room among the others."""
+    free = [number for number, item in enumerate(items, start=1) if is_free(item)]
+    if not free:
+        return list(items)
+    if isinstance(partition, Partition):
+        raise GeometryError(
+            f'contact {free[0]} has the clip "auto", for which the program makes a region; where the partition is '
+            "given, its clip must be a number"
+        )
+    for i, item in enumerate(items):
+        if i + 1 not in free:
+            as_contact(item, f"contacts[{i}]")  # says what is wrong with it before others are placed
+    if partition == SIX:
+        return with_clips(items, order, serves=lambda ended: _corner(*_as_contacts(ended), order) is not None)
+    return with_clips(items, order, partition if isinstance(partition, Layout) or partition in KINDS else None)
+
+
+def _as_contacts(items: Sequence[Any]) -> tuple[list[Contact], list[Circular | None]]:
+    """The contacts, and of which pipe or cone each is."""
+    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
+    return contacts, [item if isinstance(item, Circular) else None for item in items]
+
+
 def _on_layouts(
     contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
 ) -> Iterator[PlacedContacts]:
@@ -87,6 +113,35 @@ def _on_layouts(
             f"a blend joins two contacts or more, and here {'is one' if contacts else 'are none'}; for a surface "
             "that meets one contact give a partition, such as pas.SingleCell(lower, upper)"
         )
+    try:
+        yield from _on_regions(contacts, pipes, order, kind)
+    except GeometryError as error:
+
+        def fits(moved: Sequence[Contact]) -> bool:
+            return any(True for _ in _on_regions(moved, [None] * len(moved), order, kind))
+
+        raise _with_room(error, room_farther_out(contacts, fits)) from None
+
+
+def _on_layout(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, layout: Layout
+) -> PlacedContacts:
+    def placed(moved: Sequence[Contact]) -> PlacedContacts:
+        return _placed(moved, pipes, order, region(layout, Node.of(moved, layout.center).discs))
+
+    try:
+        return placed(contacts)
+    except GeometryError as error:
+        raise _with_room(error, room_farther_out(contacts, lambda moved: bool(placed(moved)), layout.center)) from None
+
+
+def _with_room(error: GeometryError, where: str) -> GeometryError:
+    return GeometryError(f"{error}; {where}") if where else error
+
+
+def _on_regions(
+    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
+) -> Iterator[PlacedContacts]:
     failure: GeometryError | None = None
     found = False
     for made in Node.of(contacts).regions(order, kind):

@@ -9,7 +9,7 @@
                                    # of its class: [[cones]], [[spheres]], ..., [[contacts]] of bare polynomials
     axis = [1, 0, 0]
     radius = "1/3"                 # exact: a string, an integer, or the decimal as written
-    clip = 1
+    clip = 1                       # or "auto" for pipes, cones, elliptic pipes and hyperboloids: where there is room
     point = [0, 0, 0]              # optional
 
     [partition]                    # optional; its kind is "fan", "strips" or "planes", "layout" with rays and pieces,

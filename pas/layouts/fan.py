@@ -94,10 +94,7 @@ def best_gaps(discs: Sequence[Seen]) -> Gaps:
             best = (worth, gaps)
     if best is None or min(best[1].sizes) < LEAST_GAP:
         found = "" if best is None else f" (the best leaves a gap of {degrees(min(best[1].sizes)):.2g} degrees)"
-        raise GeometryError(
-            f"no fan of half-planes through one axis keeps the {len(discs)} contacts apart{found}; clips further out "
-            "or smaller radii would make room"
-        )
+        raise GeometryError(f"no fan of half-planes through one axis keeps the {len(discs)} contacts apart{found}")
     return best[1]
 
 

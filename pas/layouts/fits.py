@@ -23,8 +23,7 @@ def check_fits(layout: Layout, discs: Sequence[Seen]) -> list[int]:
             towards = ", ".join(f"{c:.3g}" for c in disc.direction)
             raise GeometryError(
                 f"the curve of contact {disc.number} fits in no piece of the layout ({layout.name}): it is seen "
-                f"{degrees(disc.angle):.3g} degrees wide around ({towards}); clips further out or a smaller radius "
-                "would make it narrower"
+                f"{degrees(disc.angle):.3g} degrees wide around ({towards})"
             )
         if here[0] in found:
             raise GeometryError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import degrees, tan
+from math import degrees
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from pas.layouts.strips import strips
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.surface.contact import Contact
+from pas.surface.movable import Movable
 from pas.surface.rims import Rim, outlook
 
 CURVE_POINTS = 96
@@ -28,9 +29,6 @@ CURVE_POINTS = 96
 
 SPREAD = 0.95
 """Share of the angle between two contacts that their curves may take up."""
-
-FARTHEST = 2.0**20
-"""How many times farther out a clip may be said to be."""
 
 Maker = Callable[[Sequence[Seen], Vector], Layout]
 
@@ -84,16 +82,15 @@ class Node:
         Raises `GeometryError` for a contact without such a curve, curves that are seen across one another, or a
         centre that lies beyond a clip.
         """
-        rims = [_rim(number, contact) for number, contact in enumerate(contacts, start=1)]
+        for number, contact in enumerate(contacts, start=1):
+            _check_flat(number, contact)
+        rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
         if center is None:
             _check_planes(rims)
         place = center_of(rims) if center is None else center
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
             _check_outlook(number, contact, rim, place)
-        discs = tuple(
-            Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), place)
-            for number, rim in enumerate(rims, start=1)
-        )
+        discs = tuple(seen(number, rim, place) for number, rim in enumerate(rims, start=1))
         _check_apart(discs)
         return cls(place, discs)
 
@@ -104,25 +101,53 @@ class Node:
         """
         failure: GeometryError | None = None
         found = False
+        hopeless: list[Maker] = []  # rungs that differ in their walls have the same layout
         for rung in LADDERS[min(max(order, 1), max(LADDERS))]:
-            if kind not in (None, rung.kind):
+            if kind not in (None, rung.kind) or rung.make in hopeless:
                 continue
             try:
-                made = region(rung.make(self.discs, self.center), self.discs, rung.walls)
+                layout = rung.make(self.discs, self.center)
+            except GeometryError as error:
+                failure = error
+                hopeless.append(rung.make)
+                continue
+            try:
+                made = region(layout, self.discs, rung.walls)
             except GeometryError as error:
                 failure = error
                 continue
             found = True
             yield made
         if not found and failure is not None:
-            raise failure
+            none = f"no layout keeps these {len(self.discs)} contacts apart: "
+            raise GeometryError(f"{'' if kind else none}{failure}")
 
 
-def _rim(number: int, contact: Contact) -> Rim:
+def seen(number: int, rim: Rim, center: Vector) -> Seen:
+    """A contact's curve as seen from the centre; raises `GeometryError` where that is in its plane."""
+    return Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), center)
+
+
+def rim_of_contact(number: int, contact: Movable) -> Rim:
+    """The curve of contact `number` (from 1); raises `GeometryError` with that number where there is none."""
     try:
         return contact.rim
     except GeometryError as error:
         raise GeometryError(f"contact {number}: {error}") from None
+
+
+def _check_flat(number: int, contact: Contact) -> None:
+    """That the curve is not the edge of a plate: no flat face of a region can end a surface there.
+
+    The one plane through that curve is the plate's own, which the surface touches all along it.  With GC^1 the
+    polynomial goes on beyond the clip on the same side of that plane, so in any region with plane walls there is
+    surface that is not in use.
+    """
+    if contact.surface.degree == 1:
+        raise GeometryError(
+            f"contact {number}: the surface {contact.surface} is a plane, which a blend touches all along its curve, "
+            "so no plane face of a region ends the blend there; for plates give partition=pas.SingleCell(lower, upper)"
+        )
 
 
 def _check_planes(rims: Sequence[Rim]) -> None:
@@ -156,31 +181,8 @@ def _check_apart(discs: Sequence[Seen]) -> None:
     """That no two curves are seen across one another from the centre."""
     for a, b in combinations(discs, 2):
         between = angle_between(a.direction, b.direction)
-        if a.angle + b.angle < SPREAD * between:
-            continue
-        words = (
-            f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, and "
-            f"their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"
-        )
-        factor = _outwards(a, b, between)
-        if factor is None:
-            raise GeometryError(f"{words}; no clips are far enough out for directions as close as these")
-        raise GeometryError(
-            f"{words}; clips at distances of at least {factor * a.distance:.4g} and {factor * b.distance:.4g} from the "
-            "centre would leave room"
-        )
-
-
-def _outwards(a: Seen, b: Seen, between: float) -> float | None:
-    """By which factor the clips of two contacts must be moved outwards."""
-    low, high = 1.0, FARTHEST
-
-    def fits(factor: float) -> bool:
-        return sum(float(np.arctan(tan(min(d.angle, 1.5)) / factor)) for d in (a, b)) < SPREAD * between
-
-    if not fits(high):
-        return None
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
+        if a.angle + b.angle >= SPREAD * between:
+            raise GeometryError(
+                f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, "
+                f"and their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"
+            )

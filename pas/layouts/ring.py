@@ -53,8 +53,7 @@ def clip_polygon(disc: Seen, rays: Sequence[Ray]) -> list[Vector]:
                 if (normals @ unit(polygon).T).min() > least and _surrounds(disc, polygon):
                     return [disc.on_plane(corner) for corner in polygon]
     raise GeometryError(
-        f"there is no room for a clip face round the curve of contact {disc.number} in its piece of the layout; clips "
-        "further out or a smaller radius would make room"
+        f"there is no room for a clip face round the curve of contact {disc.number} in its piece of the layout"
     )
 
 

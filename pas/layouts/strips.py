@@ -72,9 +72,7 @@ def strips(discs: Sequence[Seen], center: Vector) -> Layout:
                         return layout
                 except GeometryError as error:
                     failure = error
-    raise failure or GeometryError(
-        "no layout of strips leaves room round all contacts; clips further out would make some"
-    )
+    raise failure or GeometryError("no layout of strips leaves room round all contacts")
 
 
 @dataclass(frozen=True)

@@ -7,20 +7,28 @@ by a region (see `pas.partition.cells` and `pas.layouts.region`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import gcd, hypot, lcm
+from pathlib import Path
 from typing import Any, Self
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, plain, vector
 from pas.described import constructor_keys
 from pas.errors import GeometryError
+from pas.registry import loaded
+from pas.shape import Shape
+from pas.verdicts import Findings, Status, Verdict
 
 Ray = tuple[int, int, int]
 Triangle = tuple[int, int, int]
+
+SPHERE, PICTURE = "pas.layouts.sphere:sphere_mesh", "pas.render.layout:picture"
+DIMENSIONS = "pas.blending.dimensions:dimensions"
+"""Where its mesh and its picture are made and its surfaces counted, in rooms above."""
 
 
 @dataclass(frozen=True)
@@ -35,15 +43,19 @@ class Arc:
     normal: Ray
 
 
-class Layout:
+class Layout(Shape):
     """The directions around `center`, cut into pieces.
 
     `rays` are directions (three exact numbers each, of any length); `pieces` go round each piece by the numbers of its
     rays, counterclockwise seen from outside.  Two rays that follow one another are joined by the shorter arc of a great
     circle, so they must not be opposite.  `name` says in summaries what it is.
 
+    As a shape it is the sphere of radius 1 around the centre, with the pieces as its faces.
+
     Raises `GeometryError` where the pieces do not cover all directions exactly once, `ValueError` for wrong numbers.
     """
+
+    kind = "layout"
 
     def __init__(
         self,
@@ -165,6 +177,43 @@ class Layout:
 
     def __repr__(self) -> str:
         return f"<Layout {self.name!r}: {len(self.pieces)} pieces, {len(self.rays)} rays>"
+
+    def __str__(self) -> str:
+        words = ", ".join(map(plain, self.center))
+        return f"{self.name}: {len(self.pieces)} pieces between {len(self.rays)} rays from ({words})"
+
+    @property
+    def certificate(self) -> Findings:
+        """That it is a layout, which is checked exactly where it is made."""
+        reason = "every arc has a piece on either side, and one direction lies in one piece: exact"
+        return Findings((Verdict(Status.PROVED, "the pieces cover all directions once", reason),))
+
+    def mesh(self, tolerance: float | None = None) -> Any:
+        """The sphere of directions as a closed `pas.Mesh` with a face for each piece; see `Shape.mesh`."""
+        return loaded(SPHERE)(self, tolerance)
+
+    def picture(self, path: str | Path | None = None, contacts: Sequence[Any] = (), **options: Any) -> Path | None:
+        """Draw the sphere of directions with its pieces, their arcs and the curves of contacts (`.png`).
+
+        `contacts` are those of a node around this centre.  Without a path it is shown in a window.  `options` are those
+        of `pas.draw`, such as `view` and `size`; returns the path.
+
+        Raises `GeometryError` for contacts that do not fit the pieces, and what `pas.draw` and `pas.show` raise.
+        """
+        drawn = loaded(PICTURE)(self, path, contacts, **options)
+        return None if drawn is None else Path(drawn)
+
+    def dimensions(self, contacts: Sequence[Any], order: int, degrees: Iterable[int] | int) -> dict[int, int]:
+        """The dimension of the space of all GC^`order` surfaces on it that meet the contacts, by degree; exact.
+
+        `contacts` as for `pas.blend`, with their region chosen as `pas.solutions` does; without any, those of all
+        piecewise polynomials that are C^order, sums of homogeneous splines (Alfeld, Neamtu and Schumaker 1996).
+        `degrees` are one or several.
+
+        Raises `GeometryError` for contacts that do not fit, `ValueError` or `TypeError` for wrong arguments.
+        """
+        table: dict[int, int] = loaded(DIMENSIONS)(self, contacts, order, degrees)
+        return table
 
     def to_record(self) -> dict[str, Any]:
         """The layout as a table of plain data."""

@@ -42,7 +42,8 @@ def blend(
 ) -> Blend:
     """Find, choose and prove the blend of two contacts or more.
 
-    `contacts` are pipes or other primitives, contacts or pairs (surface, clip), `order` the k of GC^k.  Without a
+    `contacts` are pipes or other primitives, contacts or pairs (surface, clip), `order` the k of GC^k.  Those with the
+    clip "auto" are ended as near as a fair blend leaves room for (see `pas.struts`).  Without a
     `partition`, layouts of pieces around the node are tried in turn; it may be a `pas.Partition`, a `pas.Layout`, or
     the name of a kind of layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a
     `degree` it is raised until the proofs pass, and by default further while the surface is not fair (see

@@ -15,6 +15,7 @@ from pas.pipeline.blend import blend
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage
 from pas.surface.contacts.pipe import Pipe
+from pas.surface.endless import AUTO
 
 Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 """A direction and a radius, and where the pipe is clipped if that is given (in lengths of the direction)."""
@@ -23,16 +24,16 @@ Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -> list[Pipe]:
     """The pipes of a node: from `center` along directions, each (direction, radius) or (direction, radius, clip).
 
-    Pipes without a clip end as near as a fair blend of this order leaves room for: no two circles take up more than
-    0.6 of the angle between their directions, an arc of 0.6 of the wider radius fits between any two, and from order 2
-    or four pipes on a fan of half-planes keeps them apart.  Lengths are in the model's units, `clip` in lengths of the
-    direction.
+    Pipes without a clip, or with the clip "auto", end as near as a fair blend of this order leaves room for: no two
+    circles take up more than 0.6 of the angle between their directions, an arc of 0.6 of the wider radius fits between
+    any two, and from order 2 or four pipes on a fan of half-planes keeps them apart.  Clips that are given stay, and
+    the others keep apart from them.  Lengths are in the model's units, `clip` in lengths of the direction.
 
     Raises `GeometryError` for directions less than 10 degrees apart, `ValueError` and `TypeError` for wrong items.
     """
     check_order(order)
     place = vector(center, "center")
-    axes, radii, given = [], [], []
+    pipes: list[Pipe] = []
     if isinstance(items, str) or not hasattr(items, "__iter__"):
         raise TypeError(f"struts must be pairs (direction, radius), not {shown(items)}")
     for number, item in enumerate(items):
@@ -40,17 +41,14 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
             raise TypeError(
                 f"struts[{number}] must be (direction, radius) or (direction, radius, clip), not {shown(item)}"
             )
-        axes.append(vector(item[0], f"direction of struts[{number}]"))
-        radii.append(rational(item[1], f"radius of struts[{number}]"))
-        given.append(rational(item[2], f"clip of struts[{number}]") if len(item) == 3 else None)
-        Pipe(axes[-1], radii[-1], 1)  # refuses what is no direction and no radius
-    if len(axes) < 2:
-        raise ValueError(f"a node joins two struts or more, not {len(axes)}")
-    placed = with_clips(axes, radii, order, place)
-    return [
-        pipe if clip is None else Pipe(pipe.axis, pipe.radius, clip, place)
-        for pipe, clip in zip(placed, given, strict=True)
-    ]
+        axis = vector(item[0], f"direction of struts[{number}]")
+        radius = rational(item[1], f"radius of struts[{number}]")
+        clip = item[2] if len(item) == 3 else AUTO
+        clip = clip if clip == AUTO else rational(clip, f"clip of struts[{number}]")
+        pipes.append(Pipe(axis, radius, clip, place))
+    if len(pipes) < 2:
+        raise ValueError(f"a node joins two struts or more, not {len(pipes)}")
+    return with_clips(pipes, order)
 
 
 @limited("making a node", "a lower order")

@@ -170,7 +170,8 @@ def solutions(
 ) -> SolutionSpace:
     """All surfaces that meet the contacts with GC^`order`, exact.
 
-    `contacts` are pipes, contacts or pairs (surface, clip).  The `partition` is a
+    `contacts` are pipes, contacts or pairs (surface, clip); clips that are "auto" are placed as by
+    `pas.blend`.  The `partition` is a
     `pas.SingleCell(...)` for single polynomials, or several cells; without one, three
     perpendicular contacts get the six-tetrahedra corner.
 

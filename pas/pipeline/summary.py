@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pas.algebra.rational import plain
+from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
@@ -15,7 +18,7 @@ if TYPE_CHECKING:
 def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     """A table of what was asked, what was found and what was proved; `extra` adds lines."""
     surface = blend.surface
-    rows = [(f"contact {i}", str(contact)) for i, contact in enumerate(surface.contacts, start=1)]
+    rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [
         ("partition", _partition(surface)),
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
@@ -44,6 +47,15 @@ def _partition(surface: PiecewiseSurface) -> str:
     if region.title == region.name or region.center is None:
         return region.title
     return f"{region.title}, centre ({', '.join(map(plain, region.center))})"
+
+
+def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
+    """How far from the centre of the node a contact ends, where there is one and the clip is a plane."""
+    center = surface.partition.center
+    if center is None or contact.clip.degree != 1:
+        return ""
+    slope = float(np.linalg.norm(contact.clip.gradient(np.zeros(3))))
+    return f", {abs(float(contact.clip.at(center))) / slope:.4g} from the centre"
 
 
 def _tried(blend: Blend) -> str:

@@ -65,7 +65,13 @@ def draw(
     """
     target(path, (".png",), "a picture")
     picture = Picture.of(options)
-    plotter = plotted(offscreen_pyvista(), scene_of(shape, picture, mesh), picture, off_screen=True)
+    return draw_scene(scene_of(shape, picture, mesh), picture, path)
+
+
+def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
+    """Draw a scene into a PNG file; returns the path.  Raises `ValueError` for another suffix."""
+    target(path, (".png",), "a picture")
+    plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
     with replacing(path) as temporary:
         plotter.screenshot(str(temporary))
     plotter.close()

@@ -10,7 +10,7 @@ from typing import Unpack
 from pas.errors import MissingLibraryError
 from pas.mesh.mesh import Mesh
 from pas.render.picture import plotted
-from pas.render.scene import Picture, PictureOptions, scene_of
+from pas.render.scene import Picture, PictureOptions, Scene, scene_of
 from pas.shape import Shape
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
@@ -28,7 +28,11 @@ def show(
     `mesh` and `options` are those of `pas.draw`.  Raises `MissingLibraryError` where there is no screen.
     """
     picture = Picture.of(options)
-    scene = scene_of(shape, picture, mesh)
+    show_scene(scene_of(shape, picture, mesh), picture)
+
+
+def show_scene(scene: Scene, picture: Picture) -> None:
+    """Show a scene in a window; raises `MissingLibraryError` where there is no screen."""
     if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in SCREENS):
         raise MissingLibraryError(
             "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"

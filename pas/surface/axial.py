@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import Any
+from typing import Any, Literal
 
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
 from pas.surface.contact import Contact
 from pas.surface.movable import Movable
 
@@ -25,7 +25,7 @@ class Axial(Movable):
     """
 
     axis: Vector
-    clip: fmpq
+    clip: fmpq | Literal["auto"]
     point: Vector
 
     def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
@@ -35,6 +35,16 @@ class Axial(Movable):
             object.__setattr__(self, name, value)
         if all(a == 0 for a in self.axis):
             raise ValueError("axis must not be the zero vector")
+
+    @property
+    def end(self) -> fmpq:
+        """The clip as a number."""
+        return rational(self.clip, "clip")
+
+    @property
+    def ending(self) -> str:
+        """Where it ends, in words."""
+        return f"clipped at {plain(self.end)}"
 
     @property
     def along(self) -> fmpq_mpoly:
@@ -57,8 +67,8 @@ class Axial(Movable):
 
     def ended(self, surface: fmpq_mpoly, turned: bool = True) -> Contact:
         """The contact of a surface with the clip plane; `turned` to the point where `clip` is negative."""
-        scale = -self.clip_scale if turned and self.clip < 0 else self.clip_scale
-        return Contact(Polynomial.from_raw(surface), Polynomial.from_raw((self.along - self.clip) * scale))
+        scale = -self.clip_scale if turned and self.end < 0 else self.clip_scale
+        return Contact(Polynomial.from_raw(surface), Polynomial.from_raw((self.along - self.end) * scale))
 
     @property
     def clip_scale(self) -> fmpq:
@@ -83,6 +93,11 @@ def perpendicular(values: Any, name: str, number: int, to: Vector | None = None)
         if dot(a, b) != 0:
             raise ValueError(f"{name} must be perpendicular to one another, and number {i + 1} and {j + 1} are not")
     return vectors
+
+
+def longest(vectors: Sequence[Vector]) -> float:
+    """The largest length."""
+    return max(to_float(dot(v, v)) for v in vectors) ** 0.5
 
 
 def positive(value: fmpq, name: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from flint import fmpq
 
@@ -17,7 +17,8 @@ class Cone(Circular):
 
     `radius` is that of the circle in the clip plane, which passes through `point + clip * axis`; the radius grows by
     `slope` for each length of `axis`, away from the point.  All numbers are exact; `slope` may be negative, and 0 makes
-    a pipe.  With `w = x - point` and `u = w . axis / |axis|^2`, its polynomial is
+    a pipe.  With the clip "auto" the program ends it where a blend has room, and `radius` is that of the circle around
+    `point`.  With `w = x - point` and `u = w . axis / |axis|^2`, its polynomial is
     `|w|^2 - u^2 |axis|^2 - (radius + slope (u - clip))^2`.
 
     Raises `ValueError` for a zero axis or a radius that is not positive.
@@ -27,7 +28,7 @@ class Cone(Circular):
 
     axis: Vector
     radius: fmpq
-    clip: fmpq
+    clip: fmpq | Literal["auto"]
     slope: fmpq
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -38,7 +39,8 @@ class Cone(Circular):
 
     def __str__(self) -> str:
         axis, point = (", ".join(plain(c) for c in v) for v in (self.axis, self.point))
+        where = "where" if self.ends else "and at that point"
         return (
-            f"cone along ({axis}) through ({point}), clipped at {plain(self.clip)} where its radius is "
-            f"{plain(self.radius)}, with slope {plain(self.slope)}"
+            f"cone along ({axis}) through ({point}), {self.ending} {where} its radius is {plain(self.radius)}, "
+            f"with slope {plain(self.slope)}"
         )

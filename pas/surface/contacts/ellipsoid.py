@@ -10,7 +10,7 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.rational import Exact, Vector, VectorLike, plain
+from pas.algebra.rational import Exact, Vector, VectorLike
 from pas.surface.axial import Axial, listed, perpendicular
 from pas.surface.contact import Contact
 
@@ -52,5 +52,5 @@ class Ellipsoid(Axial):
         semiaxes = ", ".join(f"({listed(a)})" for a in self.semiaxes)
         return (
             f"ellipsoid with semi-axes {semiaxes} around ({listed(self.point)}), "
-            f"clipped at {plain(self.clip)} along ({listed(self.axis)})"
+            f"{self.ending} along ({listed(self.axis)})"
         )

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from math import hypot
+from typing import ClassVar, Literal
 
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.rational import Exact, Vector, VectorLike, plain
-from pas.surface.axial import Axial, listed, perpendicular, positive
+from pas.algebra.rational import Exact, Vector, VectorLike, plain, to_float
+from pas.surface.axial import listed, longest, perpendicular, positive
 from pas.surface.contact import Contact
+from pas.surface.endless import Endless
 
 
 @dataclass(frozen=True)
-class Hyperboloid(Axial):
+class Hyperboloid(Endless):
     """An elliptic hyperboloid of one sheet, cut off by a plane normal to its axis.
 
     `semiaxes` are those of its waist, the ellipse around `point`, vectors across the axis and one another; `conjugate`
@@ -32,7 +34,7 @@ class Hyperboloid(Axial):
 
     axis: Vector
     semiaxes: tuple[Vector, ...]
-    clip: fmpq
+    clip: fmpq | Literal["auto"]
     conjugate: fmpq
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -55,9 +57,13 @@ class Hyperboloid(Axial):
         """The surface and its clip plane as polynomials."""
         return self.ended(self.squares(self.semiaxes) - (self.along * (1 / self.conjugate)) ** 2 - 1)
 
+    def width(self, clip: float) -> float:
+        """The longer semi-axis of the ellipse at a clip."""
+        return longest(self.semiaxes) * hypot(1, clip / to_float(self.conjugate))
+
     def __str__(self) -> str:
         semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)
         return (
             f"hyperboloid along ({listed(self.axis)}) through ({listed(self.point)}) with semi-axes {semiaxes}, "
-            f"conjugate semi-axis {plain(self.conjugate)}, clipped at {plain(self.clip)}"
+            f"conjugate semi-axis {plain(self.conjugate)}, {self.ending}"
         )

@@ -10,7 +10,7 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.rational import Exact, Vector, VectorLike, plain
+from pas.algebra.rational import Exact, Vector, VectorLike
 from pas.surface.axial import Axial, listed, perpendicular
 from pas.surface.contact import Contact
 
@@ -54,5 +54,5 @@ class Paraboloid(Axial):
         semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)
         return (
             f"paraboloid along ({listed(self.axis)}) through ({listed(self.point)}) with semi-axes {semiaxes}, "
-            f"clipped at {plain(self.clip)}"
+            f"{self.ending}"
         )

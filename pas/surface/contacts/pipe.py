@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from flint import fmpq
 
@@ -18,7 +18,8 @@ class Pipe(Circular):
     `axis` is its direction (any nonzero rational vector, of any length), `radius` its radius,
     `point` a point on its axis.  The clip plane passes through `point + clip * axis`; the blend's
     side of it is the one with `point` (the side in the direction of -axis where `clip` is 0).
-    All numbers are exact (see `pas.Polynomial`).  Its polynomials are rational, since nothing is
+    With the clip "auto" `pas.blend` ends it where there is room among the other contacts.  All
+    numbers are exact (see `pas.Polynomial`).  Its polynomials are rational, since nothing is
     normalised by a square root: `|w|^2 - (w . axis)^2 / |axis|^2 - radius^2` with `w = x - point`.
 
     Raises `ValueError` for a zero axis or a radius that is not positive.
@@ -28,7 +29,7 @@ class Pipe(Circular):
 
     axis: Vector
     radius: fmpq
-    clip: fmpq
+    clip: fmpq | Literal["auto"]
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
     def __init__(self, axis: VectorLike, radius: Exact, clip: Exact, point: VectorLike = (0, 0, 0)) -> None:
@@ -41,4 +42,4 @@ class Pipe(Circular):
 
     def __str__(self) -> str:
         axis, point = (", ".join(plain(c) for c in v) for v in (self.axis, self.point))
-        return f"pipe of radius {plain(self.radius)} along ({axis}) through ({point}), clipped at {plain(self.clip)}"
+        return f"pipe of radius {plain(self.radius)} along ({axis}) through ({point}), {self.ending}"

@@ -48,5 +48,5 @@ class Sphere(Axial):
     def __str__(self) -> str:
         return (
             f"sphere of radius {plain(self.radius)} around ({listed(self.point)}), "
-            f"clipped at {plain(self.clip)} along ({listed(self.axis)})"
+            f"{self.ending} along ({listed(self.axis)})"
         )
