@@ -26,8 +26,8 @@ from pas.surface.geometry import FIRST, derivatives
 
 EVEN, DEEPEST, FACES = 3, 8, 12
 """Quarterings of every outer face, and of those on a contact curve: seen from the centre, neighbours are foreshortened
-there, so that the area near their curves is the least certain.  That is for so many outer faces, as six tetrahedra have;
-of more, which are smaller, each is quartered less often."""
+there, so that the area near their curves is the least certain.  That is for so many outer faces, as six tetrahedra
+have; of more, which are smaller, each is quartered less often."""
 
 SHARE = 1.6
 """Area of the surface that one ray may stand for, over the mean for the number of rays asked for."""
