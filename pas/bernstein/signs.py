@@ -190,7 +190,8 @@ def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
         return np.zeros(len(batch), dtype=bool)
     at_vertices = _at_vertices(batch.zeros[0], batch.corners.shape[1])
     if batch.below:
-        return ((at_vertices < -bound) & (_at_vertices(batch.value, batch.corners.shape[1]) < -bound)).any(axis=1)
+        both = (at_vertices < -bound) & (_at_vertices(batch.value, batch.corners.shape[1]) < -bound)
+        return np.asarray(both.any(axis=1))
     changes = (at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound)
     return changes & (batch.value.max(axis=1) < -bound)
 

@@ -15,13 +15,13 @@ def wall_mesh(outer: Mesh, inner: Mesh, planes: Sequence[Floats], names: Sequenc
     """The closed mesh between two sheets that end in the same planes.
 
     `planes` are (4,) each, a unit normal that points out of the wall and the value of `normal . x` there; `names` are
-    the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no ring, as where
-    curves are not seen around from the middle of the inner one.
+    the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no ring, as
+    where curves are not seen around from the middle of the inner one.
     """
     sheets = [(outer.points, outer.triangles), (inner.points, inner.triangles[:, ::-1])]
     points, start = np.concatenate([p for p, _ in sheets]), len(outer.points)
     triangles = [outer.triangles, sheets[1][1] + start]
-    loops = [loop for loop in _loops(outer)], [loop + start for loop in _loops(inner)]
+    loops = _loops(outer), [loop + start for loop in _loops(inner)]
     normals = [outer.normals, -inner.normals[:, ::-1]]
     for plane, name in zip(planes, names[2:], strict=True):
         pair = [min(some, key=lambda loop: _off(points[loop], plane), default=None) for some in loops]
@@ -82,14 +82,14 @@ def _ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name
     first = points[inner[0]] - middle
     axes = np.stack([first, np.cross(normal, first)])
     rings = []
-    for loop in (outer, inner):
-        x, y = axes @ (points[loop] - middle).T
+    for given in (outer, inner):
+        x, y = axes @ (points[given] - middle).T
         angles = np.arctan2(y, x)
         turned = np.unwrap(angles)
-        if turned[-1] < turned[0]:
-            loop, angles = loop[::-1], angles[::-1]
+        step = 1 if turned[-1] > turned[0] else -1
         begin = int(angles.argmin())
-        angles, loop = np.roll(angles, -begin), np.roll(loop, -begin)
+        angles, loop = (np.roll(some, -begin)[::step] for some in (angles, given))
+        angles, loop = (some if step == 1 else np.roll(some, 1) for some in (angles, loop))
         if (np.diff(angles) <= 0).any():
             raise MeshError(f"{name} is no ring that can be seen around from the middle of its inner curve")
         rings.append((loop.tolist(), [*angles.tolist(), angles[0] + 2 * np.pi]))

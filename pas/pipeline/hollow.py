@@ -1,12 +1,13 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order around one centre, with the same clips; between their contacts is a thickness.  That
-the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is between
-the ends is measured.
+the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
+between the ends is measured.
 
 `Solid.shell` makes walls of any solid, of one thickness everywhere, from exact distances on a lattice: in minutes, with
 inner faces that are no polynomials.  A hollow blend takes a second or two, both its sides are fair algebraic surfaces
-with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them.
+with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them, but thinner
+where the centre of the node is near the outer side, as that of an elbow is: the inner side goes around the centre, too.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.rational import Exact, plain, rational, to_float, to_floats
+from pas.algebra.rational import Exact, plain, rational, to_floats
 from pas.blending.place import PartitionLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.wishes import Wishes
@@ -82,7 +83,7 @@ class HollowBlend(Shape):
     @cached_property
     def wall(self) -> Wall:
         """How thick the wall is where it is thinnest, measured."""
-        meshes = self.outer.mesh(), self.inner.mesh()
+        meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
         distance, place = least_distance(*meshes)
         x, y, z = place.tolist()
         return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
@@ -104,8 +105,7 @@ class HollowBlend(Shape):
         Its faces are "blend", "inside of blend", "end 1", ...  Raises `MeshError` as `PiecewiseSurface.mesh` does, and
         where an end is no plane ring.
         """
-        if tolerance is None:
-            tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
+        tolerance = self._tolerance if tolerance is None else tolerance
         ends = range(1, len(self.outer.surface.contacts) + 1)
         return wall_mesh(
             self.outer.surface.mesh(tolerance),
@@ -113,6 +113,11 @@ class HollowBlend(Shape):
             [self._plane(number - 1) for number in ends],
             ["blend", "inside of blend", *(f"end {number}" for number in ends)],
         )
+
+    @property
+    def _tolerance(self) -> float:
+        """That of meshes where none is given, the same for both sides."""
+        return DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
     def _plane(self, number: int) -> np.ndarray:
         """The plane of an end as (4,): a unit normal outwards, and its distance from the origin."""
@@ -130,13 +135,13 @@ class HollowBlend(Shape):
             beyond = part.fairness.beyond(part.limits) if part.fairness is not None else ("not measured",)
             fair = f"not fair: {', '.join(beyond)}" if beyond else "fair"
             parts.append(f"{name}: GC^{part.surface.order}, {part.surface}, {fair}")
+        parts.append(f"wall at its thinnest: {self.wall}")
         return "\n".join(parts)
 
     def __repr__(self) -> str:
+        degrees = f"degrees {self.outer.surface.degree} and {self.inner.surface.degree}"
         word = "proved" if self.certificate.proved else "not proved"
-        return f"<HollowBlend GC^{self.outer.surface.order}, degrees {self.outer.surface.degree} and " + (
-            f"{self.inner.surface.degree}, {word}>"
-        )
+        return f"<HollowBlend GC^{self.outer.surface.order}, {degrees}, {word}>"
 
 
 def hollow(
@@ -165,26 +170,16 @@ def hollow(
     if best is None:
         assert failure is not None
         raise NotProvedError(f"no inner surface was found: {failure}; a thinner wall may have one", None) from failure
-    if prove and not _enclosed(best):
+    if prove and not best.certificate.proved:
         failed = next(v for v in best.certificate.verdicts if not v.proved)
-        raise NotProvedError(f"the wall is not proved: {failed}; {_advice(best)}", best)
+        advice = "inner contacts farther inside" if size is None else "a thinner wall"
+        raise NotProvedError(f"the wall is not proved: {failed}; {advice} or clips farther out may help", best)
     return best
-
-
-def _advice(made: HollowBlend) -> str:
-    thinner = "contacts" if made.thickness is None else "wall"
-    return f"a thinner {thinner}, or clips farther out, may leave room" if made.thickness is not None else (
-        f"inner {thinner} farther inside may leave room"
-    )
-
-
-def _enclosed(made: HollowBlend) -> bool:
-    return made.certificate.proved
 
 
 def _rank(made: HollowBlend) -> tuple[bool, float]:
     """What is proved before what is not, then the fairer one."""
-    return not _enclosed(made), excess(made.inner)
+    return not made.certificate.proved, excess(made.inner)
 
 
 def _ways(outer: Blend) -> Iterator[Way]:

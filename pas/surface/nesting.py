@@ -1,9 +1,9 @@
 """The proof that one piecewise surface is inside another: what a hollow node promises.
 
-Both surfaces are seen from one centre, around which each has its region of tetrahedra with that centre for a corner.
-The directions in which a cell of the one and a cell of the other lie have cones in common, which are cut into triangles
-exactly; over each the inner cell is a tetrahedron in which both surfaces are one polynomial, f of the outer one and g of
-the inner one.  Claims:
+Both surfaces are seen from one centre, and no ray from there changes cells (see `pas.partition.cells`).  The directions
+in which rays leave the inner region through a face and the outer one through another make a cone, which is cut into
+triangles exactly; over each of these the inner region is a tetrahedron in which both surfaces are one polynomial, f of
+the outer one and g of the inner one.  Claims:
 
 Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in that
 direction (unless both faces are in one plane).  So the inner body, with its sections in the clip faces, is in the
@@ -24,11 +24,11 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, to_floats
 from pas.bernstein.forms import nearby_forms
 from pas.bernstein.signs import Limits, SignResult, prove_positive_inside
-from pas.partition.cells import Partition
+from pas.partition.cells import OuterFace, Partition
 from pas.surface.contact_proofs import from_signs
 from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Status, Verdict
@@ -42,11 +42,11 @@ HALVINGS = Limits(halvings=30)
 
 @dataclass(frozen=True)
 class Common:
-    """A tetrahedron of the inner region over a triangle of directions, all in one cell of the outer one's, too.
+    """A tetrahedron of the inner region over a triangle of directions, which leave both regions through one face each.
 
     `corners` are its exact points in the outer surface's local coordinates, the centre first; `inner` and `outer` are
-    the cells, and `beyond` is the plane of the outer cell's outer face, positive outside, None where that plane is that
-    of the inner cell's.
+    the pieces, and `beyond` is the plane of the outer region's face, positive outside, None where that is the plane of
+    the inner one's.
     """
 
     corners: tuple[Vector, ...]
@@ -71,18 +71,17 @@ def _inside(inner: PiecewiseSurface, outer: PiecewiseSurface) -> Verdict:
         return Verdict(Status.UNDECIDED, INSIDE, "a clip passes through a region, so that a part of it only is in use")
     parts = common_parts(_in_frame_of(inner.partition, outer.partition), outer.local)
     below = [outer.partition.frame.localise(p).raw for p in inner.polynomials]
-    pieces = [inner.partition.piece_of[part.inner] for part in parts]
     corners = [part.corners for part in parts]
-    values = [-outer.patches[outer.partition.piece_of[part.outer]].raw for part in parts]
-    found = _prove(values, outer.degree, [below[p] for p in pieces], inner.degree, corners)
+    values = [-outer.patches[part.outer].raw for part in parts]
+    found = _prove(values, outer.degree, [below[part.inner] for part in parts], inner.degree, corners)
     reason = "the inner surface is not inside the outer one"
     if found.status is not Status.PROVED:
         return from_signs(outer, INSIDE, reason, found)
-    walls = [(part, piece) for part, piece in zip(parts, pieces, strict=True) if part.beyond is not None]
     examined = found.simplices
+    walls = [(part, -part.beyond.raw) for part in parts if part.beyond is not None]
     if walls:
-        planes = [-part.beyond.raw for part, _ in walls if part.beyond is not None]
-        found = _prove(planes, 1, [below[p] for _, p in walls], inner.degree, [part.corners for part, _ in walls])
+        narrow = [below[part.inner] for part, _ in walls]
+        found = _prove([raw for _, raw in walls], 1, narrow, inner.degree, [part.corners for part, _ in walls])
         examined += found.simplices
         if found.status is not Status.PROVED:
             return from_signs(outer, INSIDE, "the inner surface is not in the region of the outer one", found)
@@ -137,34 +136,25 @@ def _in_frame_of(partition: Partition, other: Partition) -> Partition:
 
 
 def common_parts(inner: Partition, outer: Partition) -> list[Common]:
-    """The inner cells cut along the directions of the outer cells; both partitions around the origin, one frame."""
-    theirs = [(number, *_outward(outer, number)) for number in range(len(outer.cells))]
+    """The inner region cut along the directions of both regions' outer faces; both around the origin, in one frame."""
+    theirs = [(face, _turned(outer, face)) for face in outer.outer_faces]
     parts = []
-    for number in range(len(inner.cells)):
-        triangle, plane = _outward(inner, number)
-        for other, window, beyond in theirs:
+    for face in inner.outer_faces:
+        triangle = _turned(inner, face)
+        for other, window in theirs:
             shared = _clipped(triangle, window)
-            wall = None if beyond == plane else beyond
+            wall = None if other.plane == face.plane else other.plane
             for i in range(1, len(shared) - 1):
-                ends = [_on_plane(ray, plane) for ray in (shared[0], shared[i], shared[i + 1])]
+                ends = [_on_plane(ray, face.plane) for ray in (shared[0], shared[i], shared[i + 1])]
                 if dot(ends[0], cross(ends[1], ends[2])) != 0:
-                    parts.append(Common(((fmpq(0), fmpq(0), fmpq(0)), *ends), number, other, wall))
+                    parts.append(Common(((fmpq(0), fmpq(0), fmpq(0)), *ends), face.piece, other.piece, wall))
     return parts
 
 
-def _outward(partition: Partition, cell: int) -> tuple[tuple[Vector, ...], Polynomial]:
-    """The corners of a cell's face opposite the origin, counterclockwise seen from outside, and its plane."""
-    a, b, c = (v for v in partition.corners(partition.cells[cell]) if any(v))
-    if dot(a, cross(b, c)) < 0:
-        b, c = c, b
-    normal = cross(_minus(b, a), _minus(c, a))
-    return (a, b, c), _plane(normal, dot(normal, a))
-
-
-def _plane(normal: Vector, level: fmpq) -> Polynomial:
-    """`normal . x - level` for a positive level, with coprime whole coefficients."""
-    plane = Polynomial.from_raw(sum((g * n for g, n in zip(GENERATORS, normal, strict=True)), GENERATORS[0] * 0) - level)
-    return plane.primitive() if plane.primitive().raw(0, 0, 0) < 0 else -plane.primitive()
+def _turned(partition: Partition, face: OuterFace) -> tuple[Vector, Vector, Vector]:
+    """The corners of an outer face, counterclockwise seen from outside."""
+    a, b, c = partition.corners(face.vertices)
+    return (a, b, c) if dot(a, cross(b, c)) > 0 else (a, c, b)
 
 
 def _on_plane(ray: Vector, plane: Polynomial) -> Vector:
@@ -195,7 +185,3 @@ def _clipped(triangle: Sequence[Vector], window: Sequence[Vector]) -> list[Vecto
                 kept.append(ray)
         rays = kept
     return rays
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

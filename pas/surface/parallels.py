@@ -5,8 +5,8 @@ cylinders and tori get their parallel surfaces; cones, and what else widens from
 two sheets), move along their axes, so that cones get theirs as well.  Ellipsoids, elliptic cylinders and hyperboloids
 of one sheet, whose parallel surfaces are of higher degree, get semi-axes less the thickness.
 
-Guaranteed: the polynomials are exact, and as exact as the radii are parallel surfaces exact; an irrational radius is
-rounded to 32 binary digits.  Not guaranteed: that the inner surface is inside (see `pas.surface.nesting`, which proves it).
+Guaranteed: the polynomials are exact.  Parallel surfaces are exact where the radii are rational; irrational numbers are
+rounded to 32 binary digits.  Not guaranteed: that the inner surface is inside, which `pas.surface.nesting` proves.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ LARGEST_DENOMINATOR = 10**6
 rounded numbers, and then checked exactly."""
 
 DIGITS = 32
-"""Binary digits of numbers that are irrational: few enough for short polynomials, and far below what walls are made to."""
+"""Binary digits of numbers that are irrational: few enough for short polynomials, too fine for walls."""
 
 Axes = tuple[tuple[Vector, fmpq], ...]
 """Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
@@ -57,8 +57,8 @@ def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact
         if surface is not None:
             return Contact(surface, contact.clip, contact.near)
     raise GeometryError(
-        f"contact {number}: no inner surface is known for {short(str(contact.surface))}, only for quadrics with rational "
-        "principal axes that have an inside, and tori; give the inner contacts yourself, as in "
+        f"contact {number}: no inner surface is known for {short(str(contact.surface))}, only for quadrics with "
+        "rational principal axes that have an inside, and for tori; give the inner contacts yourself, as in "
         "blend.hollow(inner=[(surface, clip), ...])"
     )
 
@@ -141,13 +141,14 @@ def _moved_in(contact: Contact, thickness: fmpq, axes: Axes) -> Polynomial | Non
     length = thickness * _rounded(share / sqrt(to_float(dot(axis, axis))) * way)
     x, y, z = (a * length for a in axis)
     moved = translation((x, y, z)).polynomial(f)
-    if moved.raw(*rim.center) >= 0:
+    turned = dot(_slope(moved, rim.center), axis) * way >= 0  # the tip has passed the rim
+    if turned or moved.raw(*rim.center) >= 0:
         raise _TooThickError(f"{rim.radii[0]:.6g}")
     return moved
 
 
 def _torus(contact: Contact, thickness: fmpq) -> Polynomial | None:
-    """The parallel surface of a torus `(|w|^2 + R^2 - r^2)^2 - 4 R^2 (|w|^2 - (w . a)^2 / |a|^2)`, w from its centre."""
+    """The parallel surface of a torus; None for another surface."""
     f = contact.surface
     lead = f.raw.to_dict().get((4, 0, 0), ZERO) if f.degree == 4 else ZERO
     if lead <= 0:
@@ -173,7 +174,7 @@ def _torus(contact: Contact, thickness: fmpq) -> Polynomial | None:
 
 
 def torus(center: Sequence[fmpq], axis: Vector, major2: fmpq, minor2: fmpq) -> Polynomial:
-    """The polynomial of a torus by the squares of its radii."""
+    """`(|w|^2 + R^2 - r^2)^2 - 4 R^2 (|w|^2 - (w . a)^2 / |a|^2)`, w from the centre, by the squares of its radii."""
     x, y, z = (g - c for g, c in zip(GENERATORS, center, strict=True))
     square, along = x * x + y * y + z * z, x * axis[0] + y * axis[1] + z * axis[2]
     tube = square + (major2 - minor2)
