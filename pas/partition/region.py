@@ -10,7 +10,6 @@ from pas.algebra.rational import vector
 from pas.partition.cells import Partition
 from pas.partition.layout import primitive
 
-
 DIRECTION = re.compile(r"\(-?\d+, -?\d+, -?\d+\)")
 """A direction in the title of a layout, as that of the axis of a fan."""
 

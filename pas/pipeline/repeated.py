@@ -1,12 +1,12 @@
 """Blends that were found before: the same contacts up to a similarity are not solved again.
 
-Of the last blends that were found and proved, the contacts, the pieces and their polynomials are kept.  Contacts that an
-exact similarity (a rotation or reflection with rational entries, a rational scale, a translation) takes to those of such
-a blend, in whatever order, get its surface moved by that map.  The map is found from points and normals of the contacts'
-curves, and then every polynomial is compared exactly.
+Of the last blends that were found and proved, the contacts, the pieces and their polynomials are kept.  Contacts that
+an exact similarity (a rotation or reflection with rational entries, a rational scale, a translation) takes to those of
+such a blend, in whatever order, get its surface moved by that map.  The map is found from points and normals of the
+contacts' curves, and then every polynomial is compared exactly.
 
-Guaranteed: verdicts are carried over soundly.  An exact similarity takes cells to cells, planes to planes, the centre to
-the centre and rays to rays; divisibility of polynomials, and signs on cells, do not change under an affine map, nor
+Guaranteed: verdicts are carried over soundly.  An exact similarity takes cells to cells, planes to planes, the centre
+to the centre and rays to rays; divisibility of polynomials, and signs on cells, do not change under an affine map, nor
 does the sign of the derivative along rays from the centre.  So each claim holds of the image iff it holds of the
 original.  The usual energy and the limits of fairness have no unit and do not change.
 
@@ -165,8 +165,8 @@ def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
 def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[tuple[Affine, fmpq]]:
     """Exact similarities with their scales that may take some anchors to others, in whatever order.
 
-    As many anchors as span the space, or the plane that all lie in, are tried in all places.  Where all are on one line,
-    a reflection takes the one line to the other.
+    As many anchors as span the space, or the plane that all lie in, are tried in all places.  Where all are on one
+    line, a reflection takes the one line to the other.
     """
     if len(before) != len(after):
         return
@@ -225,7 +225,7 @@ def _independent(vectors: Sequence[Vector]) -> list[int]:
 
 
 def _reflected(old: Vector, new: Vector, scale: fmpq) -> Matrix:
-    """A reflection, or none, that takes one vector to another of the same length (Householder 1958), times the scale."""
+    """A reflection that takes a vector to another of its length (Householder 1958), or none, times the scale."""
     w = _minus(new, old)
     square = dot(w, w)
     rows = [[scale * ((i == j) - (2 * w[i] * w[j] / square if square else 0)) for j in range(3)] for i in range(3)]
@@ -323,7 +323,11 @@ def _usual(blend: Blend) -> bool:
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
     """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
     plain = Wishes(energy=wishes.energy, limits=wishes.limits)
-    if type(wishes.energy) not in (type(None), CurvatureVariation) or wishes != plain or wishes.normalize != MeanAlpha():
+    if (
+        type(wishes.energy) not in (type(None), CurvatureVariation)
+        or wishes != plain
+        or wishes.normalize != MeanAlpha()
+    ):
         return None
     energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
     return (energy, wishes.limits, *others)
