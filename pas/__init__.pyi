@@ -130,8 +130,10 @@ from .partition.single_cell import SingleCell as SingleCell
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
 from .partition.worsey_farin_split import WorseyFarinSplit as WorseyFarinSplit
 from .pipeline.blend import blend as blend
+from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.node import node as node
 from .pipeline.node import struts as struts
+from .pipeline.repeated import keep_blends as keep_blends
 from .pipeline.result import Blend as Blend
 from .pipeline.space import SolutionSpace as SolutionSpace
 from .pipeline.space import solutions as solutions

@@ -131,6 +131,7 @@ KINDS: Registry[Kind[Any]] = Registry(
     "kind of shape",
     {
         "blend": "pas.kinds.blend:BLEND",
+        "hollow blend": "pas.kinds.hollow_blend:BLEND",
         "surface": "pas.kinds.surface:SURFACE",
         "solid": "pas.kinds.solid:SOLID",
         "part": "pas.kinds.assembly:PART",

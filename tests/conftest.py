@@ -15,6 +15,8 @@ import pas
 settings.register_profile("shared machines", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("shared machines")  # no test fails because another program took the processor
 
+pas.keep_blends(0)  # what a test asks for is solved, not remembered from another test
+
 DATA = Path(__file__).parent / "data"
 ROOT = Path(__file__).parent.parent
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))

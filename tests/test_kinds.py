@@ -51,6 +51,7 @@ def _ball():
 
 SAMPLES = {
     "blend": lambda: solved(EQUAL, 1),
+    "hollow blend": lambda: solved(EQUAL, 1).hollow("1/10"),
     "surface": lambda: solved(EQUAL, 1).surface,
     "solid": lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1) - solid.ball((0, 0, 0), "1/2"),
     "part": lambda: solid.assembly(ball=(solid.ball((0, 0, 0), 1), "#102030"))["ball"],

@@ -84,6 +84,7 @@ SAMPLES = {
     "GeneratrixBlend": generatrix,
     "GeneratrixCertificate": lambda: generatrix().certificate,
     "GeneratrixShape": lambda: generatrix().shape,
+    "HollowBlend": lambda: corner().hollow("1/10"),
     "Ideal": lambda: pas.Ideal(LONG, LONG * "x"),
     "IsolatedPoint": lambda: pas.IsolatedPoint(1, "x", 0.5, fmpq(1, 3), "t - 1/2", next(iter(pas.PointKind))),
     "Layout": lambda: pas.Layout(

@@ -6,7 +6,9 @@ B-coefficient, and equals them at the vertices.  So a simplex is settled when al
 one `zero` have one sign or those of `value` are positive; the claim is refuted when those of
 `value` are negative and `zero` changes sign between two vertices (then it vanishes in between);
 any other simplex is halved at its longest edge.  Several polynomials may change their signs
-without a common zero: with them a claim is proved or left undecided.
+without a common zero: with them a claim is proved or left undecided.  Of where another polynomial is
+not positive, a simplex is settled when all coefficients of that or of `value` are positive, and the
+claim is refuted where both are negative at a vertex.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
 2^-53), or with another error that is known.  One halving is a product with rows of at most n+1
@@ -54,16 +56,20 @@ class SignResult:
 
 @dataclass
 class _Simplices:
-    """A batch: B-coefficients (N, m), corner points (N, d+1, 3), numbers of origin (N,)."""
+    """A batch: B-coefficients (N, m), corner points (N, d+1, 3), numbers of origin (N,).
+
+    The claim is about where all `zeros` vanish, or with `below` where the one there is not positive.
+    """
 
     zeros: tuple[Floats, ...]
     value: Floats
     corners: Floats
     source: NDArray[np.intp]
+    below: bool = False
 
     def select(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> _Simplices:
         zeros = tuple(zero[chosen] for zero in self.zeros)
-        return _Simplices(zeros, self.value[chosen], self.corners[chosen], self.source[chosen])
+        return _Simplices(zeros, self.value[chosen], self.corners[chosen], self.source[chosen], self.below)
 
     def __len__(self) -> int:
         return len(self.value)
@@ -109,12 +115,16 @@ def prove_positive(
     `pas.bernstein.forms.rounded`), each off by at most `error`, `corners` (N, d+1, 3) the simplices.  Nothing is
     claimed of no simplices, which is proved.  UNDECIDED where the limits are reached first.
     """
-    limits = limits or Limits()
     zeros = (where_zero,) if isinstance(where_zero, np.ndarray) else tuple(where_zero or ())
-    if not len(value):
+    return _searched(_Simplices(zeros, value, corners, np.arange(len(value))), limits, error)
+
+
+def _searched(batch: _Simplices, limits: Limits | None, error: float) -> SignResult:
+    """Branch and bound over a batch."""
+    limits = limits or Limits()
+    if not len(batch):
         return SignResult(Status.PROVED, np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.intp), 0)
-    batch = _Simplices(zeros, value, corners, np.arange(len(value)))
-    degrees = [_degree(c.shape[1], corners.shape[1]) for c in (value, *zeros)]
+    degrees = [_degree(c.shape[1], batch.corners.shape[1]) for c in (batch.value, *batch.zeros)]
     found, examined, halved, witness = _Findings(), 0, 0, None
     while len(batch):
         checkpoint(f"proving signs ({examined} simplices examined)")
@@ -139,6 +149,16 @@ def prove_positive(
     return SignResult(status, points, centres, np.concatenate([sources, batch.source]), examined, witness)
 
 
+def prove_positive_inside(
+    value: Floats, inside: Floats, corners: Floats, limits: Limits | None = None, error: float = UNIT_ROUNDOFF
+) -> SignResult:
+    """Prove that `value > 0` wherever another polynomial, `inside`, is not positive: arguments as `prove_positive` has.
+
+    A simplex is settled when all coefficients of `value` or all of `inside` are positive.
+    """
+    return _searched(_Simplices((inside,), value, corners, np.arange(len(value)), below=True), limits, error)
+
+
 def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
     """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
     nowhere = np.full((len(corners), 1), -1.0)
@@ -157,7 +177,9 @@ def _degree(size: int, vertices: int) -> int:
 def _settled(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     settled = batch.value.min(axis=1) > bound
     for zero in batch.zeros:
-        settled |= (zero.min(axis=1) > bound) | (zero.max(axis=1) < -bound)
+        settled |= zero.min(axis=1) > bound
+        if not batch.below:
+            settled |= zero.max(axis=1) < -bound
     return settled
 
 
@@ -167,6 +189,9 @@ def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     if len(batch.zeros) > 1:
         return np.zeros(len(batch), dtype=bool)
     at_vertices = _at_vertices(batch.zeros[0], batch.corners.shape[1])
+    if batch.below:
+        both = (at_vertices < -bound) & (_at_vertices(batch.value, batch.corners.shape[1]) < -bound)
+        return np.asarray(both.any(axis=1))
     changes = (at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound)
     return changes & (batch.value.max(axis=1) < -bound)
 
@@ -175,6 +200,8 @@ def _near_witnesses(batch: _Simplices) -> Floats:
     """A point of each violating simplex: its worst vertex, or one near the zero set."""
     vertices = batch.corners.shape[1]
     rows = np.arange(len(batch))
+    if batch.below:
+        return batch.corners[rows, _worst_vertices(batch)]
     if not batch.zeros:
         return batch.corners[rows, _at_vertices(batch.value, vertices).argmin(axis=1)]
     values = _at_vertices(batch.zeros[0], vertices)
@@ -187,6 +214,8 @@ def _near_witnesses(batch: _Simplices) -> Floats:
 def _witness(batch: _Simplices, row: int) -> Floats:
     """Where one simplex violates the claim: its worst vertex, or the zero between two vertices."""
     vertices, corners = batch.corners.shape[1], batch.corners[row]
+    if batch.below:
+        return corners[_worst_vertices(batch)[row]]
     if not batch.zeros:
         return corners[_at_vertices(batch.value[[row]], vertices)[0].argmin()]
     values = _at_vertices(batch.zeros[0][[row]], vertices)[0]
@@ -204,6 +233,12 @@ def _witness(batch: _Simplices, row: int) -> Floats:
         else:
             edge = first
     return corners[low] * (1 - share) + corners[high] * share
+
+
+def _worst_vertices(batch: _Simplices) -> NDArray[np.intp]:
+    """Where both polynomials are most negative (N,)."""
+    both = (_at_vertices(c, batch.corners.shape[1]) for c in (batch.value, batch.zeros[0]))
+    return np.maximum(*both).argmin(axis=1)
 
 
 def _at_vertices(coefficients: Floats, vertices: int) -> Floats:
@@ -230,10 +265,11 @@ def _halve(batch: _Simplices, degrees: list[int]) -> _Simplices:
                 zero @ halving(degree, vertices, int(edge))[side].T
                 for zero, degree in zip(part.zeros, degrees[1:], strict=True)
             )
-            halves.append(_Simplices(zeros, value, corners, part.source))
+            halves.append(_Simplices(zeros, value, corners, part.source, batch.below))
     return _Simplices(
         tuple(map(np.concatenate, zip(*(h.zeros for h in halves), strict=True))),
         np.concatenate([h.value for h in halves]),
         np.concatenate([h.corners for h in halves]),
         np.concatenate([h.source for h in halves]),
+        batch.below,
     )

@@ -21,6 +21,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, plain, to_float, to_floats, vector
@@ -116,6 +117,11 @@ class Partition:
     def from_record(cls, record: Mapping[str, Any]) -> Self:
         """The partition of a table, without its kind; raises as the constructor does."""
         return cls(**record)
+
+    def moved(self, map_: Affine) -> Partition:
+        """The image under an affine map, exact; cells and pieces keep their numbers."""
+        center = None if self.center is None else map_.exact(self.center)
+        return Partition([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces)
 
     def _check_indices(self) -> None:
         for i, cell in enumerate(self.cells):

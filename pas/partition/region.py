@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
+from pas.algebra.affine import Affine
+from pas.algebra.rational import vector
 from pas.partition.cells import Partition
+from pas.partition.layout import primitive
+
+DIRECTION = re.compile(r"\(-?\d+, -?\d+, -?\d+\)")
+"""A direction in the title of a layout, as that of the axis of a fan."""
 
 
 class Region(Partition):
@@ -16,6 +23,17 @@ class Region(Partition):
 
     name = "region"
 
+    def moved(self, map_: Affine) -> Region:
+        """See `Partition.moved`; a direction in the title goes along."""
+        center = None if self.center is None else map_.exact(self.center)
+        title = DIRECTION.sub(lambda found: _moved(found[0], map_), self.title)
+        return Region([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces, title)
+
     def to_record(self) -> dict[str, Any]:
         """The partition as a table of plain data, exact numbers as texts."""
         return super().to_record() | {"kind": self.name}
+
+
+def _moved(words: str, map_: Affine) -> str:
+    """A direction in words, moved."""
+    return str(primitive(map_.direction(vector(words.strip("()").split(", ")))))

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pas.algebra.affine import Affine
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, cross, dot, vector
 from pas.errors import GeometryError
@@ -62,6 +63,11 @@ class SixTetrahedra(Partition):
     def keys(cls) -> Mapping[str, bool]:
         """See `Partition.keys`."""
         return {"center": False, "legs": True}
+
+    def moved(self, map_: Affine) -> SixTetrahedra:
+        """See `Partition.moved`."""
+        assert self.center is not None
+        return SixTetrahedra(map_.exact(self.center), [map_.direction(leg) for leg in self.legs])
 
     def _vertex(self, origin: Vector, signs: tuple[int, int, int]) -> Vector:
         x, y, z = (

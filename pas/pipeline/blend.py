@@ -21,9 +21,10 @@ from pas.limits import Report, limited
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.ladder import FEWEST_UNKNOWNS, Ladder
+from pas.pipeline.repeated import KEPT, key_of
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.stages import OnStage, Stages
-from pas.surface.contact import ContactLike
+from pas.surface.contact import ContactLike, as_contact
 from pas.surface.placed import PlacedContacts
 
 
@@ -48,6 +49,8 @@ def blend(
     the name of a kind of layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a
     `degree` it is raised until the proofs pass, and by default further while the surface is not fair (see
     `pas.FairnessLimits`): the fairest is returned.  With degree="lowest" the first that is proved is.
+
+    Contacts that were blended before, up to a similarity, get the same blend moved exactly (see `pas.keep_blends`).
 
     What shapes the surface is in `wishes` (see `pas.Wishes`), or said by keywords, which go before
     these: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
@@ -75,6 +78,12 @@ def blend(
     if wished.basis is not None and given is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(on_stage)
+    key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
+    if key is not None and KEPT.most:
+        with stages.stage("repeated"):
+            known = KEPT.find(list(map(as_contact, contacts)), key)
+        if known is not None:
+            return known.blend(stages.seconds)
     with stages.stage("partition"):
         candidates = places(contacts, order, partition)
         placed = next(candidates)
@@ -90,6 +99,8 @@ def blend(
     for place in chain([placed], candidates):
         found = ladder.climb(place, 0 if own or not raised else FEWEST_UNKNOWNS)
         if found is not None:
+            if key is not None:
+                KEPT.keep(found, key)
             return found
     if ladder.failure is None and given is not None:
         raise _too_low(ladder.attempts[-1], _lowest(placed, given), order)

@@ -7,6 +7,7 @@ clip and ends in a flat cap.  The claims of contact become joints, which the sol
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,15 @@ from pas.solid.tree import Atom, combined
 from pas.surface.piecewise import PiecewiseSurface
 
 
-def body(surface: PiecewiseSurface, length: Any = None, names: Sequence[str] | None = None) -> Solid:
-    """The solid inside a surface and its neighbours; see `Blend.solid`."""
+def body(
+    surface: PiecewiseSurface, length: Any = None, names: Sequence[str] | None = None, face: str = "blend"
+) -> Solid:
+    """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`."""
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
     titles = _names(names, len(surface.contacts))
     pieces = Pieces(surface.partition, surface.polynomials)
-    inner = Solid(combined(False, Atom(pieces, "blend"), region(surface.partition)))
+    inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
     reach = _length(length, surface)
     planes = [_plane(surface, number) for number in range(len(surface.contacts))]
     caps = [_cap(plane, reach) for plane in planes]
@@ -39,10 +42,27 @@ def body(surface: PiecewiseSurface, length: Any = None, names: Sequence[str] | N
     solid = union([inner, *ends])
     for name, contact, plane in zip(titles, surface.contacts, planes, strict=True):
         if reach > 0:
-            solid = solid.joined("blend", name, (contact.surface, plane), surface.order)
+            solid = solid.joined(face, name, (contact.surface, plane), surface.order)
         else:
             solid = solid.cap(plane, f"{name} end")
     return solid
+
+
+def hollow_body(
+    outer: PiecewiseSurface, inner: PiecewiseSurface, length: Any = None, names: Sequence[str] | None = None
+) -> Solid:
+    """The solid between two surfaces and their neighbours; see `HollowBlend.solid`.
+
+    The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane.
+    """
+    reach = _length(length, outer)
+    titles = _names(names, len(outer.contacts))
+    cavity = body(inner, reach + outer.partition.frame.scale / 2, [f"{INSIDE} {t}" for t in titles], f"{INSIDE} blend")
+    return body(outer, reach, names) - (cavity if reach > 0 else replace(cavity, joints=()))
+
+
+INSIDE = "inside of"
+"""How faces of a cavity are named after those of the outside, as a shell's are."""
 
 
 def _plane(surface: PiecewiseSurface, number: int) -> Polynomial:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Unpack, cast
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.inputs import whole
+from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending.space import Member
 from pas.errors import GeometryError
@@ -23,16 +23,23 @@ from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.pipeline.bodies import body
 from pas.pipeline.summary import summary
+from pas.registry import loaded
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.certificate import Certificate
+from pas.surface.contact import ContactLike
 from pas.surface.fairness import Fairness
 from pas.surface.fairness_limits import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 if TYPE_CHECKING:
+    from pas.pipeline.hollow import HollowBlend
     from pas.pipeline.space import SolutionSpace
+
+
+HOLLOW = "pas.pipeline.hollow:hollow"
+"""Where the cavity of a blend is made, which is a blend itself."""
 
 
 @dataclass(frozen=True)
@@ -179,6 +186,33 @@ class Blend(Shape):
         a clip is no plane or the surface has no region.
         """
         return body(self.surface, length, names)
+
+    @limited("making a blend hollow", "a thinner wall")
+    def hollow(
+        self,
+        thickness: Exact | None = None,
+        *,
+        inner: Sequence[ContactLike] | None = None,
+        prove: bool = True,
+        seconds: float | None = None,
+        progress: Report | None = None,
+    ) -> HollowBlend:
+        """This blend with a cavity: with an inner blend that is proved inside it.
+
+        The inner contacts are this blend's a `thickness` inside (the model's units), with the same clips: parallel
+        pipes, spheres, tori and circular cones; for other quadrics see `pas.surface.parallels`.  Or `inner` gives them,
+        one for each contact, in planes of the same clips.  The inner blend has the same order and centre, the same
+        region and degree where these give a fair surface, else another degree or walls nearer by, and is chosen by the
+        same energy; this blend's points and handles are not asked of it.  With `prove=False` the result may be one that
+        is not proved.
+
+        The walls of `Solid.shell` have one thickness all over and take minutes; they serve for other solids.
+
+        Raises `GeometryError` for a thickness that is not below a contact's radius and for contacts without an inner
+        surface, `NotProvedError` where the inner blend is not proved or not inside (with the `HollowBlend`),
+        `ValueError` and `TypeError` for wrong arguments.
+        """
+        return cast("HollowBlend", loaded(HOLLOW)(self, thickness, inner, check_flag(prove, "prove")))
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(

@@ -49,7 +49,23 @@ def _branches(tree: Tree) -> list[Tree]:
 def _branch_box(tree: Tree) -> Floats | None:
     program = Program(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
-    return None if start is None else _shrunk(program, start)
+    return None if start is None else _shrunk(program, _within_unions(tree, start))
+
+
+def _within_unions(tree: Tree, start: Floats) -> Floats:
+    """A box that planes leave open, brought within the boxes of unions among the conditions.
+
+    Of a union with something taken away the parts are bounded one by one, as without that.
+    """
+    for part in tree.parts if isinstance(tree, Node) and (np.abs(start) >= FARTHEST).any() else ():
+        if not (isinstance(part, Node) and part.union):
+            continue
+        try:
+            box = bounding_box(part)
+        except GeometryError:  # empty or unbounded by itself: the whole says so
+            continue
+        start = np.stack([np.maximum(start[0], box[0]), np.minimum(start[1], box[1])])
+    return start
 
 
 def _linear_box(tree: Tree) -> Floats | None:

@@ -66,10 +66,7 @@ class Pieces:
 
     def moved(self, map_: Affine) -> Pieces:
         """The image under an affine map, exact."""
-        p = self.partition
-        center = None if p.center is None else map_.exact(p.center)
-        moved = Partition([map_.exact(v) for v in p.vertices], p.cells, center, p.pieces)
-        return Pieces(moved, [map_.polynomial(f) for f in self.polynomials])
+        return Pieces(self.partition.moved(map_), [map_.polynomial(f) for f in self.polynomials])
 
     def _touched(self, local: Floats, half: Floats) -> Bools:
         """Which cells (C, N) boxes in local coordinates may meet."""

@@ -1,0 +1,106 @@
+"""Meshes of walls: two open sheets, one inside the other, closed by flat rings between their boundaries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pas.errors import MeshError
+from pas.mesh.field import Floats, Integers
+from pas.mesh.mesh import Mesh
+
+
+def wall_mesh(outer: Mesh, inner: Mesh, planes: Sequence[Floats], names: Sequence[str]) -> Mesh:
+    """The closed mesh between two sheets that end in the same planes.
+
+    `planes` are (4,) each, a unit normal that points out of the wall and the value of `normal . x` there; `names` are
+    the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no ring, as
+    where curves are not seen around from the middle of the inner one.
+    """
+    sheets = [(outer.points, outer.triangles), (inner.points, inner.triangles[:, ::-1])]
+    points, start = np.concatenate([p for p, _ in sheets]), len(outer.points)
+    triangles = [outer.triangles, sheets[1][1] + start]
+    loops = _loops(outer), [loop + start for loop in _loops(inner)]
+    normals = [outer.normals, -inner.normals[:, ::-1]]
+    for plane, name in zip(planes, names[2:], strict=True):
+        pair = [min(some, key=lambda loop: _off(points[loop], plane), default=None) for some in loops]
+        if pair[0] is None or pair[1] is None:
+            raise MeshError(f"one of the two sheets does not end in {name}")
+        triangles.append(_ring(points, pair[0], pair[1], plane[:3], name))
+        normals.append(np.broadcast_to(plane[:3], (len(triangles[-1]), 3, 3)))
+    faces = np.repeat(np.arange(len(triangles)), [len(t) for t in triangles])
+    known = [m.deviation for m in (outer, inner) if m.deviation is not None]
+    return Mesh(
+        points,
+        np.concatenate(triangles),
+        faces,
+        tuple(names),
+        np.concatenate(normals),
+        deviation=max(known) if len(known) == 2 else None,
+    )
+
+
+def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:
+    """The least distance of the vertices of each of two meshes from the other, and the vertex (3,) where it is.
+
+    Measured between the meshes, so that it is off by as much as these are.
+    """
+    best, where = np.inf, np.zeros(3)
+    for one, other in ((first, second), (second, first)):
+        found = one.to_pyvista().compute_implicit_distance(other.to_pyvista())
+        distances = np.abs(np.asarray(found["implicit_distance"]))
+        if distances.min() < best:
+            best, where = float(distances.min()), np.asarray(found.points[distances.argmin()], dtype=float)
+    return best, where
+
+
+def _off(points: Floats, plane: Floats) -> float:
+    return float(np.abs(points @ plane[:3] - plane[3]).max())
+
+
+def _loops(mesh: Mesh) -> list[Integers]:
+    """The closed curves in which a mesh ends: vertices in order, the mesh to their left."""
+    t = mesh.triangles
+    directed = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
+    there = {(a, b) for a, b in directed.tolist()}
+    after = {a: b for a, b in there if (b, a) not in there}
+    loops = []
+    while after:
+        first, following = after.popitem()
+        loop = [first]
+        while following != first:
+            loop.append(following)
+            following = after.pop(following)
+        loops.append(np.array(loop))
+    return loops
+
+
+def _ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:
+    """Triangles between two loops in a plane, counterclockwise seen from the tip of its normal."""
+    middle = points[inner].mean(axis=0)
+    first = points[inner[0]] - middle
+    axes = np.stack([first, np.cross(normal, first)])
+    rings = []
+    for given in (outer, inner):
+        x, y = axes @ (points[given] - middle).T
+        angles = np.arctan2(y, x)
+        turned = np.unwrap(angles)
+        step = 1 if turned[-1] > turned[0] else -1
+        begin = int(angles.argmin())
+        angles, loop = (np.roll(some, -begin)[::step] for some in (angles, given))
+        angles, loop = (some if step == 1 else np.roll(some, 1) for some in (angles, loop))
+        if (np.diff(angles) <= 0).any():
+            raise MeshError(f"{name} is no ring that can be seen around from the middle of its inner curve")
+        rings.append((loop.tolist(), [*angles.tolist(), angles[0] + 2 * np.pi]))
+    (wide, out), (narrow, within) = rings
+    found, i, j = [], 0, 0
+    while i < len(wide) or j < len(narrow):
+        a, b = wide[i % len(wide)], narrow[j % len(narrow)]
+        if j == len(narrow) or (i < len(wide) and out[i + 1] <= within[j + 1]):
+            i += 1
+            found.append((a, wide[i % len(wide)], b))
+        else:
+            j += 1
+            found.append((a, narrow[j % len(narrow)], b))
+    return np.array(found)

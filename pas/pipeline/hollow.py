@@ -1,0 +1,209 @@
+"""Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
+
+Both are blends of the same order around one centre, with the same clips; between their contacts is a thickness.  That
+the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
+between the ends is measured.
+
+`Solid.shell` makes walls of any solid, of one thickness everywhere, from exact distances on a lattice: in minutes, with
+inner faces that are no polynomials.  A hollow blend takes a second or two, both its sides are fair algebraic surfaces
+with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them, but thinner
+where the centre of the node is near the outer side, as that of an elbow is: the inner side goes around the centre, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.rational import Exact, plain, rational, to_floats
+from pas.blending.place import PartitionLike
+from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
+from pas.fairing.wishes import Wishes
+from pas.limits import Report, limited
+from pas.mesh.mesh import Mesh
+from pas.mesh.walls import least_distance, wall_mesh
+from pas.partition.region import Region
+from pas.pipeline.blend import blend
+from pas.pipeline.bodies import hollow_body
+from pas.pipeline.ladder import excess
+from pas.pipeline.result import Blend
+from pas.shape import Shape
+from pas.solid.solid import Solid
+from pas.surface.contact import Contact, ContactLike, as_contact
+from pas.surface.nesting import nesting
+from pas.surface.parallels import inner_contact
+from pas.surface.piecewise import DEFAULT_TOLERANCE
+from pas.verdicts import Findings
+
+Way: TypeAlias = "tuple[int | None, PartitionLike | None]"
+"""A degree and a partition to try; None where they are to be found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """The least distance between both sides of a wall as measured between meshes, and a vertex where it is.
+
+    `within` is how far the meshes are from the surfaces, as measured: the distance may be off by about twice that.
+    All in the model's units.
+    """
+
+    distance: float
+    point: tuple[float, float, float]
+    within: float
+
+    def __str__(self) -> str:
+        at = "({:.4g}, {:.4g}, {:.4g})".format(*self.point)
+        return f"{self.distance:.4g} at {at} (measured, within {2 * self.within:.2g})"
+
+
+@dataclass(frozen=True, eq=False)
+class HollowBlend(Shape):
+    """A blend with a cavity: what is between an `outer` and an `inner` blend of the same contacts' two sides.
+
+    `thickness` is that of the wall at the contacts, in the model's units; None where the inner contacts were given.
+    Made by `Blend.hollow`.
+    """
+
+    outer: Blend
+    inner: Blend
+    thickness: fmpq | None = None
+    kind = "hollow blend"
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""
+        both = Findings.of_parts({"outer": self.outer.certificate, "inner": self.inner.certificate})
+        return Findings((*both.found, *nesting(self.inner.surface, self.outer.surface)))
+
+    @cached_property
+    def wall(self) -> Wall:
+        """How thick the wall is where it is thinnest, measured."""
+        meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
+        distance, place = least_distance(*meshes)
+        x, y, z = place.tolist()
+        return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
+
+    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
+        """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
+
+        The inner sides of the faces "blend" and "neighbour 1" are "inside of blend" and "inside of neighbour 1"; the
+        ends "neighbour 1 end" are rings.  With `length=0` the neighbours are left away.
+        """
+        return hollow_body(self.outer.surface, self.inner.surface, length, names)
+
+    @limited("meshing a surface", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+    ) -> Mesh:
+        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clip planes.
+
+        Its faces are "blend", "inside of blend", "end 1", ...  Raises `MeshError` as `PiecewiseSurface.mesh` does, and
+        where an end is no plane ring.
+        """
+        tolerance = self._tolerance if tolerance is None else tolerance
+        ends = range(1, len(self.outer.surface.contacts) + 1)
+        return wall_mesh(
+            self.outer.surface.mesh(tolerance),
+            self.inner.surface.mesh(tolerance),
+            [self._plane(number - 1) for number in ends],
+            ["blend", "inside of blend", *(f"end {number}" for number in ends)],
+        )
+
+    @property
+    def _tolerance(self) -> float:
+        """That of meshes where none is given, the same for both sides."""
+        return DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
+
+    def _plane(self, number: int) -> np.ndarray:
+        """The plane of an end as (4,): a unit normal outwards, and its distance from the origin."""
+        rim = self.outer.surface.contacts[number].rim
+        normal = np.array(to_floats(rim.normal))
+        normal /= np.linalg.norm(normal)
+        inside = np.array(to_floats(self.outer.surface.partition.center or rim.center)) - to_floats(rim.center)
+        normal = -normal if normal @ inside > 0 else normal
+        return np.append(normal, normal @ to_floats(rim.center))
+
+    def __str__(self) -> str:
+        thickness = "given inner contacts" if self.thickness is None else f"thickness {plain(self.thickness)}"
+        parts = [f"hollow blend, {thickness} at the ends"]
+        for name, part in (("outer", self.outer), ("inner", self.inner)):
+            beyond = part.fairness.beyond(part.limits) if part.fairness is not None else ("not measured",)
+            fair = f"not fair: {', '.join(beyond)}" if beyond else "fair"
+            parts.append(f"{name}: GC^{part.surface.order}, {part.surface}, {fair}")
+        parts.append(f"wall at its thinnest: {self.wall}")
+        return "\n".join(parts)
+
+    def __repr__(self) -> str:
+        degrees = f"degrees {self.outer.surface.degree} and {self.inner.surface.degree}"
+        word = "proved" if self.certificate.proved else "not proved"
+        return f"<HollowBlend GC^{self.outer.surface.order}, {degrees}, {word}>"
+
+
+def hollow(
+    outer: Blend, thickness: Exact | None = None, inner: Sequence[ContactLike] | None = None, prove: bool = True
+) -> HollowBlend:
+    """The hollow blend whose outer side is given; see `Blend.hollow`."""
+    if (thickness is None) == (inner is None):
+        raise ValueError("thickness or inner must be given, and not both: how thick the wall is, or what it ends in")
+    size = None if thickness is None else rational(thickness, "thickness")
+    if size is not None and size <= 0:
+        raise ValueError(f"thickness must be positive, not {plain(size)}")
+    contacts = _inner_contacts(outer, size, inner)
+    best: HollowBlend | None = None
+    failure: Exception | None = None
+    for degree, partition in _ways(outer):
+        try:
+            found = blend(contacts, outer.surface.order, degree, partition, wishes=_wishes(outer.wishes))
+        except (NoSolutionError, NotProvedError, InfeasibleError) as error:
+            failure = error
+            continue
+        made = HollowBlend(outer, found, size)
+        if best is None or _rank(made) < _rank(best):
+            best = made
+        if _rank(best) <= (False, excess(outer)):
+            break
+    if best is None:
+        assert failure is not None
+        raise NotProvedError(f"no inner surface was found: {failure}; a thinner wall may have one", None) from failure
+    if prove and not best.certificate.proved:
+        failed = next(v for v in best.certificate.verdicts if not v.proved)
+        advice = "inner contacts farther inside" if size is None else "a thinner wall"
+        raise NotProvedError(f"the wall is not proved: {failed}; {advice} or clips farther out may help", best)
+    return best
+
+
+def _rank(made: HollowBlend) -> tuple[bool, float]:
+    """What is proved before what is not, then the fairer one."""
+    return not made.certificate.proved, excess(made.inner)
+
+
+def _ways(outer: Blend) -> Iterator[Way]:
+    """What to try: the outer blend's own region and degree, other degrees, then its layout with walls nearer by."""
+    partition = outer.surface.partition
+    yield outer.surface.degree, partition
+    yield None, partition
+    if isinstance(partition, Region) and partition.layout is not None:
+        yield None, partition.layout
+
+
+def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike] | None) -> list[Contact]:
+    """The inner contacts: those given, or those a thickness inside."""
+    contacts = outer.surface.contacts
+    if given is None:
+        assert size is not None
+        return [inner_contact(contact, size, number) for number, contact in enumerate(contacts, start=1)]
+    found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
+    if len(found) != len(contacts):
+        raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
+    return found
+
+
+def _wishes(wishes: Wishes) -> Wishes:
+    """What is wished of the inner side: the outer one's energy and limits; its points are not in the inner one."""
+    options: Any = {"energy": wishes.energy, "limits": wishes.limits}
+    return Wishes(**options)

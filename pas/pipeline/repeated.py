@@ -1,0 +1,346 @@
+"""Blends that were found before: the same contacts up to a similarity are not solved again.
+
+Of the last blends that were found and proved, the contacts, the pieces and their polynomials are kept.  Contacts that
+an exact similarity (a rotation or reflection with rational entries, a rational scale, a translation) takes to those of
+such a blend, in whatever order, get its surface moved by that map.  The map is found from points and normals of the
+contacts' curves, and then every polynomial is compared exactly.
+
+Guaranteed: verdicts are carried over soundly.  An exact similarity takes cells to cells, planes to planes, the centre
+to the centre and rays to rays; divisibility of polynomials, and signs on cells, do not change under an affine map, nor
+does the sign of the derivative along rays from the centre.  So each claim holds of the image iff it holds of the
+original.  The usual energy and the limits of fairness have no unit and do not change.
+
+Not guaranteed: that solving anew would have rounded in the same way.  Not recognised: similarities that are irrational,
+and of contacts in one plane those whose scale is.  Not kept: what was wished with points, handles, a basis, another
+normalisation or another energy than `CurvatureVariation`, what was not proved, and blends on a partition or layout that
+was given.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import permutations
+from math import isqrt
+from threading import Lock
+from typing import TypeAlias
+
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.affine import IDENTITY, ORIGIN, Affine
+from pas.algebra.inputs import whole
+from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.algebra.rational import Vector, cross, dot, rational
+from pas.blending.solving import solve
+from pas.errors import GeometryError
+from pas.fairing.energies.curvature_variation import CurvatureVariation
+from pas.fairing.wishes import MeanAlpha, Wishes
+from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.space import SolutionSpace
+from pas.surface.certificate import Certificate
+from pas.surface.contact import Contact
+from pas.surface.piecewise import PiecewiseSurface
+
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+
+USUAL, MOST = 64, 10_000
+"""Blends that are kept if nothing else is said, a few hundred kilobytes each, and that may be asked for."""
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A point and a direction that move with a contact: the centre of its curve and the normal of its plane."""
+
+    point: Vector
+    normal: Vector
+
+    @classmethod
+    def of(cls, contact: Contact) -> Anchor:
+        """That of a contact; raises `GeometryError` where it has no plane curve."""
+        return cls(contact.rim.center, contact.rim.normal)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is kept of a blend; nothing of it that could be changed is handed out."""
+
+    surface: PiecewiseSurface
+    anchors: tuple[Anchor, ...]
+    certificate: Certificate
+    dimension: int
+    energy: float
+    attempts: tuple[Attempt, ...]
+    wishes: Wishes
+
+    @classmethod
+    def of(cls, blend: Blend) -> Found:
+        """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
+        s = blend.surface
+        own = PiecewiseSurface(s.partition.moved(Affine(IDENTITY, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
+        found = tuple(map(Anchor.of, s.contacts))
+        return cls(own, found, s.certificate, blend.dimension, blend.energy, blend.attempts, blend.wishes)
+
+    def matched(self, contacts: Sequence[Contact], given: Sequence[Anchor]) -> Match | None:
+        """How contacts with their anchors are those of this blend; None where no exact similarity is found."""
+        places = {anchor.point for anchor in given}
+        for map_, scale in similarities(self.anchors, given):
+            if {map_.exact(anchor.point) for anchor in self.anchors} != places:
+                continue
+            ours = [(map_.polynomial(c.surface), map_.polynomial(c.clip)) for c in self.surface.contacts]
+            numbers = [n for contact in contacts if (n := _counterpart(contact, ours)) is not None]
+            if sorted(numbers) == list(range(len(ours))):
+                turned = [Contact(c.surface, ours[i][1], c.near) for c, i in zip(contacts, numbers, strict=True)]
+                return Match(self, map_, scale, tuple(numbers), tuple(turned))
+        return None
+
+
+@dataclass(frozen=True)
+class Match:
+    """A blend that is kept, the similarity that takes it to the contacts, and which of its contacts each of them is."""
+
+    found: Found
+    map_: Affine
+    scale: fmpq
+    numbers: tuple[int, ...]
+    contacts: tuple[Contact, ...]
+
+    def blend(self, timings: dict[str, float]) -> Blend:
+        """The blend of these contacts, with what was proved."""
+        old = self.found.surface
+        partition = old.partition.moved(self.map_)
+        back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
+        shares = tuple((a * frame.scale / scale, b * frame.scale / scale, c * frame.scale / scale)
+                       for a, b, c in back.matrix)  # fmt: skip
+        shift = old.partition.frame.local_point(back.exact(frame.origin))
+        images = [_linear(row, offset) for row, offset in zip(shares, shift, strict=True)]
+        patches = [p.compose(*images) * Polynomial.from_raw(RING.constant(self.scale)) for p in old.patches]
+        surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
+        vars(surface)["certificate"] = self.certificate
+
+        @cache
+        def space() -> SolutionSpace:
+            return SolutionSpace.of(solve(surface.placed, surface.degree))
+
+        return Blend(
+            surface=surface,
+            dimension=self.found.dimension,
+            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
+            energy=self.found.energy,
+            timings=timings,
+            attempts=self.found.attempts,
+            wishes=self.found.wishes,
+            find_space=space,
+        )
+
+    @property
+    def certificate(self) -> Certificate:
+        """The verdicts, those on contacts in the order of these."""
+        ours = self.found.certificate
+        claims = [verdict.claim for verdict in ours.contacts]
+        turned = (replace(ours.contacts[i], claim=claim) for i, claim in zip(self.numbers, claims, strict=True))
+        return replace(ours, contacts=tuple(turned))
+
+
+def _linear(row: Vector, offset: fmpq) -> Polynomial:
+    return Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), RING.constant(offset)))
+
+
+def _counterpart(contact: Contact, ours: Sequence[tuple[Polynomial, Polynomial]]) -> int | None:
+    """Which of some (surface, clip) a contact is: up to a positive factor of the surface and any factor of the clip."""
+    for number, (surface, clip) in enumerate(ours):
+        factors = _factor(contact.surface, surface), _factor(contact.clip, clip)
+        if factors[0] is not None and factors[0] > 0 and factors[1] is not None:
+            return number
+    return None
+
+
+def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
+    """The constant that `one` is `other` times; None where there is none."""
+    factor = one.raw.leading_coefficient() / other.raw.leading_coefficient()
+    return factor if one.raw == other.raw * factor else None
+
+
+def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[tuple[Affine, fmpq]]:
+    """Exact similarities with their scales that may take some anchors to others, in whatever order.
+
+    As many anchors as span the space, or the plane that all lie in, are tried in all places.  Where all are on one
+    line, a reflection takes the one line to the other.
+    """
+    if len(before) != len(after):
+        return
+    sizes = range(2, len(before) + 1)
+    ranks = [fmpq_mat([list(v) for v in _vectors(before[:size])]).rank() for size in sizes]
+    base = before[: sizes[ranks.index(max(ranks))]]
+    for chosen in permutations(after, len(base)):
+        found = _linear_part(_vectors(base), _vectors(chosen))
+        if found is not None:
+            for matrix, scale in found:
+                image = Affine(matrix, ORIGIN).exact(base[0].point)
+                x, y, z = (b - a for a, b in zip(image, chosen[0].point, strict=True))
+                yield Affine(matrix, (x, y, z)), scale
+
+
+def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
+    """Vectors that move with anchors: differences of points, and the first of these along the normals."""
+    first, *others = anchors
+    ways = [_minus(other.point, first.point) for other in others]
+    along = [_times(a.normal, dot(ways[0], a.normal) / dot(a.normal, a.normal)) for a in anchors]
+    return [*ways, *along]
+
+
+def _linear_part(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]] | None:
+    """The linear similarities that take some vectors to others, and their scales; None where there is none."""
+    scale = _root(dot(after[0], after[0]) / dot(before[0], before[0]))
+    if scale is None:
+        return None
+    if any(dot(a, after[0]) != dot(b, before[0]) * scale**2 for a, b in zip(after, before, strict=True)):
+        return None
+    pivots = _independent(before)
+    ours, theirs = [before[i] for i in pivots], [after[i] for i in pivots]
+    if len(pivots) == 1:
+        return [(_reflected(_times(ours[0], scale), theirs[0], scale), scale)]
+    if len(pivots) == 3:
+        choices = [(ours, theirs)]
+    else:
+        normal, image = cross(*ours), _times(cross(*theirs), 1 / scale)
+        choices = [([*ours, normal], [*theirs, image]), ([*ours, normal], [*theirs, _times(image, fmpq(-1))])]
+    found = []
+    for columns, images in choices:
+        matrix = _columns(images) * _columns(columns).inv()
+        if matrix.transpose() * matrix == fmpq_mat(3, 3, [scale**2 * (i == j) for i in range(3) for j in range(3)]):
+            found.append((_rows(matrix), scale))
+    return found
+
+
+def _independent(vectors: Sequence[Vector]) -> list[int]:
+    """The numbers of the first vectors that are independent of those before them."""
+    chosen: list[int] = []
+    for number in range(len(vectors)):
+        rows = [list(vectors[i]) for i in (*chosen, number)]
+        if fmpq_mat(rows).rank() == len(rows):
+            chosen.append(number)
+    return chosen
+
+
+def _reflected(old: Vector, new: Vector, scale: fmpq) -> Matrix:
+    """A reflection that takes a vector to another of its length (Householder 1958), or none, times the scale."""
+    w = _minus(new, old)
+    square = dot(w, w)
+    rows = [[scale * ((i == j) - (2 * w[i] * w[j] / square if square else 0)) for j in range(3)] for i in range(3)]
+    return _rows(fmpq_mat(rows))
+
+
+def _columns(vectors: Sequence[Vector]) -> fmpq_mat:
+    return fmpq_mat([list(v) for v in vectors]).transpose()
+
+
+def _rows(matrix: fmpq_mat) -> Matrix:
+    x, y, z = ((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
+    return x, y, z
+
+
+def _root(square: fmpq) -> fmpq | None:
+    """The rational square root of a positive number; None where it is irrational."""
+    p, q = isqrt(int(square.p)), isqrt(int(square.q))
+    return fmpq(p, q) if fmpq(p * p, q * q) == square else None
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _times(a: Vector, factor: fmpq) -> Vector:
+    return a[0] * factor, a[1] * factor, a[2] * factor
+
+
+class Repeated:
+    """The last blends that were found, at most so many; may be used from several threads."""
+
+    def __init__(self, most: int = USUAL) -> None:
+        self._most = most
+        self._kept: OrderedDict[tuple[Hashable, int], Found] = OrderedDict()
+        self._counter = 0
+        self._lock = Lock()
+
+    @property
+    def most(self) -> int:
+        """How many are kept at most."""
+        return self._most
+
+    @most.setter
+    def most(self, number: int) -> None:
+        with self._lock:
+            self._most = number
+            self._shorten()
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def find(self, contacts: Sequence[Contact], key: Hashable) -> Match | None:
+        """A blend of the same contacts, up to a similarity, that was found under the same key."""
+        with self._lock:
+            candidates = [(name, found) for name, found in reversed(self._kept.items()) if name[0] == key]
+        if not candidates:
+            return None
+        try:
+            given = tuple(map(Anchor.of, contacts))
+        except GeometryError:
+            return None
+        for name, found in candidates:
+            match = found.matched(contacts, given)
+            if match is not None:
+                with self._lock:
+                    if name in self._kept:
+                        self._kept.move_to_end(name)
+                return match
+        return None
+
+    def keep(self, blend: Blend, key: Hashable) -> None:
+        """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
+        if not self._most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
+            return
+        try:
+            found = Found.of(blend)
+        except GeometryError:
+            return
+        with self._lock:
+            self._counter += 1
+            self._kept[key, self._counter] = found
+            self._shorten()
+
+    def _shorten(self) -> None:
+        while len(self._kept) > self._most:
+            self._kept.popitem(last=False)
+
+
+def _usual(blend: Blend) -> bool:
+    """Whether the energy that it was chosen by has no unit."""
+    return type(blend.plate) is CurvatureVariation and (blend.choice is None or blend.choice.by is None)
+
+
+def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
+    """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
+    plain = Wishes(energy=wishes.energy, limits=wishes.limits)
+    if (
+        type(wishes.energy) not in (type(None), CurvatureVariation)
+        or wishes != plain
+        or wishes.normalize != MeanAlpha()
+    ):
+        return None
+    energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
+    return (energy, wishes.limits, *others)
+
+
+KEPT = Repeated()
+"""The blends of this process."""
+
+
+def keep_blends(most: int = USUAL) -> None:
+    """Keep at most so many of the last blends, from which the same contacts elsewhere get theirs; 0 keeps none.
+
+    See `pas.pipeline.repeated` for what is recognised: it is exact, and takes some ten milliseconds in place of
+    seconds.  Raises `ValueError` and `TypeError` for a wrong number.
+    """
+    KEPT.most = whole(most, "most", 0, MOST)
