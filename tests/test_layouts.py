@@ -400,3 +400,12 @@ def test_a_node_in_one_line():
 def test_struts_that_cannot_be(items, error, words):
     with pytest.raises(error, match=words):
         pas.struts(items, 1)
+
+
+def test_no_wall_lies_in_a_clip_plane():
+    # here the end of a ray, rounded, would lie exactly in the second clip plane, beside the clip face
+    pipes = [pas.Pipe((-6, 4, 3), 2, "21/64"), pas.Pipe((0, -1, -3), "11/10", "3/4")]
+    blend = pas.blend(pipes, 1)
+    assert blend.certificate.proved
+    assert blend.surface.partition.title.startswith("fan")
+    assert not blend.fairness.beyond(blend.limits)

@@ -30,7 +30,7 @@ def with_clips(
 
     Clips that are numbers stay and are kept apart from.  No two curves take up more than 0.6 of the angle between their
     directions, an arc of 0.6 of the wider radius fits between any two, and a layout keeps them apart: the `wanted` one
-    or kind, else from order 2 or four contacts on a fan of half-planes with some room; or something else that `serves`
+    or kind, else a fan of half-planes, from order 2 or four contacts on with some room; or something else that `serves`
     the contacts.
 
     Raises `GeometryError` for directions that are too close.
@@ -56,13 +56,14 @@ def with_clips(
 
 
 def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> bool:
-    """Whether a layout fits; a `roomy` one for four contacts or more, and at higher orders."""
+    """Whether a layout fits; if `roomy` a fan, with gaps where there are four contacts or more or at higher orders."""
     try:
         if isinstance(wanted, Layout):
             return bool(region(wanted, Node.of(contacts, wanted.center).discs).cells)
         node = Node.of(contacts)
-        wide = not roomy or (order < 2 and len(contacts) < 4) or symmetric(node.discs)
-        next(node.regions(order, wanted if wanted in KINDS else None if wide else "fan"))
+        any_kind = not roomy or symmetric(node.discs)  # strips serve few contacts by ugly surfaces alone
+        next(node.regions(order, wanted if wanted in KINDS else None if any_kind else "fan"))
+        wide = any_kind or (order < 2 and len(contacts) < 4)
         return wide or wanted not in (None, "fan") or min(best_gaps(node.discs).sizes) >= GAP
     except GeometryError:
         return False

@@ -15,7 +15,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, dot
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
 from pas.layouts.ring import between, clip_polygon
@@ -51,7 +51,11 @@ class Builder:
         far = self.walls * self.reach(np.array(ray) / length) / length
         step = power_of_two(far / FINE)
         share = fmpq(round(far / (float(step.p) / float(step.q)))) * step
-        return share * ray[0], share * ray[1], share * ray[2]
+        end = share * ray[0], share * ray[1], share * ray[2]
+        while any(dot(disc.normal, end) == disc.height for disc in self.discs):
+            share += step  # a wall in a clip plane would be taken for a part of the clip face
+            end = share * ray[0], share * ray[1], share * ray[2]
+        return end
 
     def reach(self, direction: Floats) -> float:
         """The distance along a unit vector (3,) at which all pipes are left, or the nearest clip plane beyond that."""
