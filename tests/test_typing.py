@@ -23,6 +23,9 @@ UNSAID = "a type could say more, and is to say it when its room is worked on"
 MAY_BE_ANY = {
     "AlfeldSplit.to_record": TABLE,
     "Region.to_record": TABLE,
+    "Layout.dimensions": BELOW,
+    "Layout.mesh": BELOW,
+    "Layout.picture": FORWARDED,
     "Boundary.source": TABLE,
     "Certificate.from_record": TABLE,
     "Certificate.to_record": TABLE,
