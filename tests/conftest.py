@@ -35,6 +35,14 @@ def corner(radii: tuple[str, ...]) -> list[pas.Pipe]:
     return [pas.Pipe(axis=a, radius=r, clip=1) for a, r in zip(AXES, radii, strict=False)]
 
 
+@pytest.fixture
+def blends_are_kept():
+    """What is solved is remembered, as for users."""
+    pas.keep_blends()
+    yield
+    pas.keep_blends(0)
+
+
 @cache
 def solved(radii: tuple[str, ...], order: int, degree: int | None = None) -> pas.Blend:
     """A blend of unit corners by the thin plate, as published, solved once for all tests."""

@@ -53,11 +53,7 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
     for anything that is no contact or no partition, `ValueError` for an order that is none.
     """
-    check_order(order)
-    if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
-        raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
-    items = _ended(list(items), order, partition)
-    contacts, pipes = _as_contacts(items)
+    contacts, pipes = _as_contacts(ended(items, order, partition))
     if isinstance(partition, Partition):
         if not contacts and len(partition.pieces) == 1:
             raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
@@ -80,11 +76,19 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
         )
 
 
-def _ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
-    """The items, those that may end anywhere ended where there is room among the others."""
+def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
+    """The items, those that may end anywhere ended where there is room among the others.
+
+    Raises `TypeError` for what is no list of contacts, `ValueError` for an order that is none, `GeometryError` where
+    there is no room.
+    """
+    check_order(order)
+    if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
+        raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
+    items = list(items)
     free = [number for number, item in enumerate(items, start=1) if is_free(item)]
     if not free:
-        return list(items)
+        return items
     if isinstance(partition, Partition):
         raise GeometryError(
             f'contact {free[0]} has the clip "auto", for which the program makes a region; where the partition is '

@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Any, Literal, Unpack, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
-from pas.blending.place import PartitionLike, places
+from pas.blending.place import PartitionLike, ended, places
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
@@ -78,10 +78,11 @@ def blend(
     if wished.basis is not None and given is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
     stages = Stages(on_stage)
+    contacts = ended(contacts, order, partition)
     key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
     if key is not None and KEPT.most:
         with stages.stage("repeated"):
-            known = KEPT.find(list(map(as_contact, contacts)), key)
+            known = KEPT.find([as_contact(item, f"contacts[{i}]") for i, item in enumerate(contacts)], key)
         if known is not None:
             return known.blend(stages.seconds)
     with stages.stage("partition"):
