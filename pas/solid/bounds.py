@@ -49,7 +49,15 @@ def _branches(tree: Tree) -> list[Tree]:
 def _branch_box(tree: Tree) -> Floats | None:
     program = Program(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
-    return None if start is None else _shrunk(program, _within_unions(tree, start))
+    if start is None:
+        return None
+    try:
+        return _shrunk(program, start)
+    except GeometryError:
+        within = _within_unions(tree, start)
+        if (within == start).all():
+            raise
+        return _shrunk(program, within)
 
 
 def _within_unions(tree: Tree, start: Floats) -> Floats:
@@ -57,7 +65,7 @@ def _within_unions(tree: Tree, start: Floats) -> Floats:
 
     Of a union with something taken away the parts are bounded one by one, as without that.
     """
-    for part in tree.parts if isinstance(tree, Node) and (np.abs(start) >= FARTHEST).any() else ():
+    for part in tree.parts if isinstance(tree, Node) else ():
         if not (isinstance(part, Node) and part.union):
             continue
         try:

@@ -17,6 +17,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.solid.bank import Bank
+from pas.solid.gates import Branch, Code, Gates, Leaf
 from pas.solid.tree import Atom, Bools, Field, Function, Tree
 
 Integers = NDArray[np.intp]
@@ -39,25 +40,6 @@ class Column:
     face: str
 
 
-@dataclass(frozen=True)
-class Leaf:
-    """A column that must be <= 0, or the opposite where negated."""
-
-    column: int
-    negated: bool
-
-
-@dataclass(frozen=True)
-class Branch:
-    """A union or an intersection."""
-
-    parts: tuple[Code, ...]
-    union: bool
-
-
-Code = Leaf | Branch
-
-
 class Program:
     """The columns of a tree and the code that combines their signs.
 
@@ -71,8 +53,9 @@ class Program:
         self._numbers: dict[object, int] = {}
         self.columns: list[Column] = []
         self._signs: list[int] = []
-        self.code = self._compile(tree)
+        code = self._compile(tree)
         self.used = len(self.columns)
+        self._gates = Gates(code, self.used)
         for function in extra:
             self.columns.append(Column(function, ""))
 
@@ -90,11 +73,11 @@ class Program:
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
         """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
-        return _holds(self.code, yes, no)
+        return self._gates.holds(yes, no)
 
     def inside(self, signs: Bools) -> Bools:
         """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
-        return _holds(self.code, signs, ~signs)
+        return self._gates.holds(signs, ~signs)
 
     def local(self, points: Floats) -> Floats:
         """Points (..., 3) in local coordinates."""
@@ -130,11 +113,11 @@ class Program:
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
         values = self.values(points)
-        plain = _extremes(self.code, values)
+        plain = self._gates.extremes(values)
         walls = [i for i in range(self.used) if not self.columns[i].face]
         selecting = values.copy()
         selecting[walls] = np.where(values[walls] <= 0, -np.inf, np.inf)
-        chosen = _extremes(self.code, selecting)
+        chosen = self._gates.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
     def jets(self, points: Floats, number: int) -> Floats:
@@ -234,18 +217,7 @@ class Program:
 
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
-        result = np.zeros((2, *yes.shape), dtype=bool)
-
-        def visit(code: Code, open_: Bools) -> None:
-            open_ = open_ & ~_holds(code, yes, no) & _holds(code, ~no, ~yes)
-            if isinstance(code, Leaf):
-                result[int(code.negated), code.column] |= open_
-            elif open_.any():
-                for part in code.parts:
-                    visit(part, open_)
-
-        visit(self.code, np.ones(yes.shape[1], dtype=bool))
-        return result[0], result[1]
+        return self._gates.relevant(yes, no)
 
     def widest(self, centers: Floats, half: Floats, undecided: Bools, hull: Floats) -> Floats:
         """How much each side of boxes (N, 3) adds to what the undecided columns (M, N) change in them (3,).
@@ -259,28 +231,6 @@ class Program:
         shares = self._bank.shares(centers[some], half)
         weight = (shares * undecided[self._rows][:, some].T[:, :, None]).sum(axis=(0, 1))
         return np.asarray(weight + 1e-6 * even)
-
-
-def _holds(code: Code, yes: Bools, no: Bools) -> Bools:
-    if isinstance(code, Leaf):
-        return no[code.column] if code.negated else yes[code.column]
-    result = _holds(code.parts[0], yes, no).copy()
-    for part in code.parts[1:]:
-        if code.union:
-            result |= _holds(part, yes, no)
-        else:
-            result &= _holds(part, yes, no)
-    return result
-
-
-def _extremes(code: Code, values: Floats) -> Floats:
-    if isinstance(code, Leaf):
-        return -values[code.column] if code.negated else values[code.column]
-    parts = (_extremes(part, values) for part in code.parts)
-    result = next(parts).copy()
-    for part in parts:
-        (np.minimum if code.union else np.maximum)(result, part, out=result)
-    return result
 
 
 def _key(function: Function) -> tuple[object, int]:
