@@ -117,6 +117,15 @@ def test_spheres_in_a_sphere(inner, status):
         assert inner((x, y, z)) <= 1e-9
 
 
+def test_a_bubble_of_the_outer_function_within_the_inner_body_is_found():
+    # outer < 0 in a ball but for a small bubble around a point deep in the inner body, where its sign turns
+    holed = "(x^2 + y^2 + z^2 - 9/4)*((x - 3/10)^2 + (y - 1/5)^2 + (z - 1/9)^2 - 1/900)"
+    outer = PiecewiseSurface.from_polynomials(pas.SingleCell(*BOX, center=(0, 0, 0)), (), 1, [holed])
+    (verdict,) = nesting(sphere(1), outer)
+    assert verdict.status is Status.REFUTED
+    assert np.linalg.norm(np.subtract(verdict.witness, (0.3, 0.2, 1 / 9))) <= 1 / 30
+
+
 def test_outside_the_outer_region_nothing_is_inside():
     wide = sphere(1, box=((-3, -3, -3), (3, 3, 3)))
     narrow = sphere(4, box=(("-1/2", -3, -3), (3, 3, 3)))  # larger, but cut off by its region

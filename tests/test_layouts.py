@@ -261,11 +261,10 @@ def test_a_layout_may_not_go_round_twice():
     rays = [Z, BACK[2], X, Y, BACK[0], BACK[1]]
     twice = [(0, 2, 1, 3), (0, 3, 1, 4), (0, 4, 1, 5), (0, 5, 1, 2)]
     assert len(Layout(rays, twice).arcs) == 8
-    five = [(2, 1), (-1, 2), (-2, -1), (1, -2), (3, 1), (-1, 3)]
-    around = sorted(range(6), key=lambda i: (i % 3, i))
-    rays = [Z, BACK[2], *((*five[i], 0) for i in around)]
-    with pytest.raises(pas.GeometryError, match=r"once|undivided|same side"):
-        Layout(rays, [(0, 2 + i, 1, 2 + (i + 1) % 6) for i in range(6)])
+    # seven lunes of two sevenths of a turn each go round twice, and every arc has a piece on either side
+    turned = [(round(100 * np.cos(4 * np.pi * i / 7)), round(100 * np.sin(4 * np.pi * i / 7)), 0) for i in range(7)]
+    with pytest.raises(pas.GeometryError, match="cover all directions once; they do 2 times"):
+        Layout([Z, BACK[2], *turned], [(0, 2 + i, 1, 2 + (i + 1) % 7) for i in range(7)])
 
 
 @pytest.mark.parametrize(

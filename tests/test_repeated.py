@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
@@ -126,6 +127,26 @@ def test_what_differs_is_not_found(contacts, options):
     key = key_of(Wishes(**options), order, "lowest", partition)
     assert key is None or KEPT.find([c.contact for c in contacts], key) is None
     assert KEPT.find([c.contact for c in ELBOW], key_of(Wishes(), 1, "lowest", None)) is not None
+
+
+def test_a_contact_turned_inside_out_is_another_one():
+    contacts = [pipe.contact for pipe in CORNER]
+    blended(contacts)
+    key = key_of(Wishes(), 1, "lowest", None)
+    assert KEPT.find(contacts, key) is not None
+    assert KEPT.find([pas.Contact(-contacts[0].surface, contacts[0].clip), *contacts[1:]], key) is None
+
+
+def test_verdicts_on_contacts_follow_them():
+    contacts = [pipe.contact for pipe in CORNER]
+    blended(contacts)
+    match = KEPT.find([contacts[2], contacts[0], contacts[1]], key_of(Wishes(), 1, "lowest", None))
+    assert match.numbers == (2, 0, 1)
+    certificate = match.found.certificate
+    marked = tuple(replace(v, reason=f"reason {i}") for i, v in enumerate(certificate.contacts))
+    moved = replace(match, found=replace(match.found, certificate=replace(certificate, contacts=marked))).certificate
+    assert [v.reason for v in moved.contacts] == ["reason 2", "reason 0", "reason 1"]
+    assert [v.claim for v in moved.contacts] == [v.claim for v in certificate.contacts]
 
 
 def test_nothing_that_is_handed_out_can_harm_what_is_kept():
