@@ -106,6 +106,22 @@ def test_kernels_give_the_same_bits(degree, number):
     assert (np.abs(first - exact) <= 2 * (degree + 3) * 2.0**-53 * sizes).all()
 
 
+def test_without_a_compiler_or_a_folder_of_ones_own_numpy_serves(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert compiled() is None
+    liar = tmp_path / "cc"
+    liar.write_text("#!/bin/sh\nexit 1\n")
+    liar.chmod(0o755)
+    assert compiled() is None
+    assert [path.name for path in (tmp_path / "pas").iterdir()] == []
+    monkeypatch.undo()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (tmp_path / "pas").chmod(0o777)
+    assert compiled() is None
+
+
 def test_many_polynomials_are_those_of_few():
     rng = np.random.default_rng(1)
     table, points = rng.normal(size=(count(6), 9)), rng.uniform(-1, 1, (5, 7, 3))

@@ -80,7 +80,7 @@ def compiled() -> CompiledKernel | None:
         if compiler:
             try:
                 return CompiledKernel(_library(compiler), compiler)
-            except (OSError, subprocess.SubprocessError, AttributeError):
+            except (OSError, RuntimeError, subprocess.SubprocessError, AttributeError):
                 continue
     return None
 

@@ -154,9 +154,12 @@ class Evaluator:
             values = np.empty((len(table), points.shape[1]))
             degree = max(self.degree - order, 0)
             horner(table, degree, points, values, work=table.size * size // 3)
-            for column, row in enumerate(values, first):
-                result[rows, column] = row
-            first += len(table)
+            last = first + len(table)
+            if last - first == 1:  # much faster than in the general way
+                result[:, first][rows] = values[0]
+            else:
+                result[rows, first:last] = values.T
+            first = last
 
     def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
         first = 0
