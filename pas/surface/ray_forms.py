@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MARGIN = 1 / 8
 """Local units by which points are moved outwards where errors are bounded (see `_errors`)."""
 
+SPAN_ENTRIES = 1 << 16
+"""Barycentric coordinates that are worked on at once (512 KB)."""
+
 Rows = NDArray[np.intp]
 
 
@@ -72,7 +75,10 @@ def segments_of(evaluator: Evaluator, origins: Floats, directions: Floats) -> It
             np.arange(len(starts)), zero, np.zeros(len(starts)), np.full(len(starts), np.inf), starts, ways, lengths
         )
         return
-    start, end, cells = _spans(partition, starts, ways, evaluator.tolerance)
+    step = max(1, SPAN_ENTRIES // (4 * len(partition.cells)))
+    parts = (slice(first, first + step) for first in range(0, len(starts), step))
+    spans = [_spans(partition, starts[part], ways[part], evaluator.tolerance) for part in parts]
+    start, end, cells = (np.concatenate(column, axis=1) for column in zip(*spans, strict=True))
     for begin, stop, cell in zip(start, end, cells, strict=True):
         rays = np.flatnonzero(np.isfinite(begin))
         if not len(rays):
