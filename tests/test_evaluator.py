@@ -224,6 +224,22 @@ def test_rays_that_nearly_touch(surface, depth):
     assert along(known, [-1.5, 1 + depth, 0], [1, 0, 0]) == []
 
 
+@pytest.mark.parametrize("name", ["corner", "torus in a box"])
+def test_rays_that_are_tangent_to_rounding(name):
+    known, rng = evaluator(name), np.random.default_rng(3)
+    inwards = sample(known, 60, 4)
+    points = known.rays(3 * inwards, -inwards).points[:20]
+    ways = np.cross(known.gradients(points), rng.normal(size=points.shape))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    origins = points - 4 * ways
+    found = known.rays(origins, ways)
+    assert len(points) == 20
+    for ray in range(20):
+        expected = exact_crossings(known, origins[ray], ways[ray])
+        assert len(found.along(ray)) == len(expected)
+        assert np.allclose(found.along(ray), [t for t, _ in expected], rtol=0, atol=1e-9)
+
+
 def test_rays_that_touch_start_on_or_lie_in_the_surface():
     ball = pas.Evaluator(box(SPHERE))
     assert along(ball, [-1.5, 1, 0], [1, 0, 0]) == [(1.5, 0)]

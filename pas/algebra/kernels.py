@@ -113,7 +113,8 @@ def horner(coefficients: Floats, degree: int, points: Floats, out: Floats, work:
 
     `work` is the number of products of the whole task, of which this may be one block.
     """
-    chosen(max(work, coefficients.size * points.shape[1]))(coefficients, degree, points, out)
+    with np.errstate(all="ignore"):  # what overflows is infinite or NaN, without a word by any kernel
+        chosen(max(work, coefficients.size * points.shape[1]))(coefficients, degree, points, out)
 
 
 def evaluate(points: Floats, coefficients: Floats) -> Floats:

@@ -50,7 +50,8 @@ class Crossings:
 
     `rays` (M,) are the numbers of their rays, `parameters` (M,) the t of `origin + t direction`, `points` (M, 3)
     where that is; `sides` (M,) are 1 where the ray goes out (the value rises), -1 where it goes in, and 0 where it
-    touches the surface from one side, and at the start of a stretch that lies in it.
+    touches the surface from one side, and at the start of a stretch that lies in it.  A ray that starts on the
+    surface within rounding crosses it at 0.
     """
 
     rays: Rows
@@ -156,6 +157,7 @@ class _Search:
                 self._cross(segments.some(wanted))
         self._refine()
         for ray in np.flatnonzero(self.exact).tolist():
+            checkpoint("working out rays exactly")
             known = exact_crossings(self.evaluator, self.origins[ray], self.directions[ray])
             parameters, sides = np.array([t for t, _ in known]), np.array([side for _, side in known], dtype=np.intp)
             self.found.append((np.full(len(known), -1 - ray), parameters, sides))
