@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
+import sys
 from fractions import Fraction
 from functools import cache
 
@@ -104,6 +107,24 @@ def test_kernels_give_the_same_bits(degree, number):
         axis=0,
     )
     assert (np.abs(first - exact) <= 2 * (degree + 3) * 2.0**-53 * sizes).all()
+
+
+BITS = f"""
+import hashlib, numpy as np, pas
+surface = pas.PiecewiseSurface.from_polynomials(pas.SingleCell((-2,) * 3, (2,) * 3), (), 0, ["{TORUS}"])
+points = np.random.default_rng(0).uniform(-2, 2, (4000, 3))
+known = pas.Evaluator(surface)
+print(hashlib.sha256(known.jets(points).tobytes() + known.third_derivatives(points).tobytes()).hexdigest())
+"""
+
+
+def test_values_are_the_same_bits_on_every_machine():
+    found = set()
+    for machine, kernel in (("Haswell", "numpy"), ("Prescott", "compiled")):
+        environment = {**os.environ, "OPENBLAS_CORETYPE": machine, VARIABLE: kernel}
+        done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1
 
 
 def test_without_a_compiler_or_a_folder_of_ones_own_numpy_serves(monkeypatch, tmp_path):

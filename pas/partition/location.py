@@ -73,7 +73,7 @@ class Location:
         normals, table = self._planes or (np.empty((0, 3)), np.zeros(1, dtype=np.int16))
         codes = np.zeros(points.shape[1], dtype=np.int16)
         for bit, normal in enumerate(normals):
-            codes |= (normal @ points >= 0).astype(np.int16) << bit
+            codes |= (_along(normal, points) >= 0).astype(np.int16) << bit
         found = table[codes]
         strange = np.flatnonzero(found < 0)  # signs that there are only by rounding, where planes meet
         if len(strange):
@@ -86,9 +86,9 @@ class Location:
         if walls is None:
             depth = self.partition.barycentric(points.T, self.partition.pieces[piece]).min(axis=1).max(axis=0)
             return np.asarray(depth >= -tolerance)
-        within = walls[0] @ points <= 1 + tolerance
+        within = _along(walls[0], points) <= 1 + tolerance
         for wall in walls[1:]:
-            within &= wall @ points <= 1 + tolerance
+            within &= _along(wall, points) <= 1 + tolerance
         return np.asarray(within)
 
     def _deepest(self, points: Floats, tolerance: float) -> NDArray[np.int16]:
@@ -137,6 +137,15 @@ class Location:
             return None
         rows = (plane.row(1) for plane in sorted(planes, key=str))
         return np.array([to_floats((-x / constant, -y / constant, -z / constant)) for constant, x, y, z in rows])
+
+
+def _along(normal: Floats, points: Floats) -> Floats:
+    """Scalar products of one vector with points (3, N), with the same rounding on every machine."""
+    x, y, z = points
+    result: Floats = normal[0] * x
+    result += normal[1] * y
+    result += normal[2] * z
+    return result
 
 
 def _split(pieces: NDArray[np.integer], points: Floats) -> Iterator[Group]:

@@ -2,7 +2,8 @@
 
 Points are located by signs at planes (see `pas.partition.location`) and evaluated by Horner's rule in the local
 coordinates of the region (see `pas.algebra.kernels`), in blocks that stay in the caches; rays by Bernstein bounds
-on the polynomial along each (see `pas.surface.crossings`).  Values are the same bits on every machine.
+on the polynomial along each (see `pas.surface.crossings`).  Where a partition has a centre or no cells,
+values are the same bits on every machine.
 """
 
 from __future__ import annotations
