@@ -33,8 +33,8 @@ FEW = 4
 CHUNK_ENTRIES = 1 << 17
 """Entries of the monomial matrix held at once (1 MB): larger blocks fall out of the caches."""
 
-WORTH_COMPILING = 1 << 21
-"""Products in one task from which on compiled code is made ready: below, numpy is done in hundredths of a second."""
+WORTH_COMPILING = 1 << 25
+"""Products in all from which on compiled code is made ready: numpy does so many in some hundredths of a second."""
 
 VARIABLE = "PAS_KERNEL"
 """The environment variable that asks for a kernel: `numpy`, or `compiled` from the first call on."""
@@ -108,13 +108,10 @@ def _rows(degree: int) -> tuple[NDArray[np.intp], tuple[NDArray[np.intp], ...]]:
 NUMPY: Kernel = NumpyKernel()
 
 
-def horner(coefficients: Floats, degree: int, points: Floats, out: Floats, work: int = 0) -> None:
-    """Values of m polynomials at N points, written into `out` (m, N); see `Kernel`.
-
-    `work` is the number of products of the whole task, of which this may be one block.
-    """
+def horner(coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
+    """Values of m polynomials at N points, written into `out` (m, N); see `Kernel`."""
     with np.errstate(all="ignore"):  # what overflows is infinite or NaN, without a word by any kernel
-        chosen(max(work, coefficients.size * points.shape[1]))(coefficients, degree, points, out)
+        chosen(coefficients.size * points.shape[1])(coefficients, degree, points, out)
 
 
 def evaluate(points: Floats, coefficients: Floats) -> Floats:
@@ -135,22 +132,27 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
             np.matmul(monomial_values(block, degree).T, coefficients, out=out)
             continue
         values = np.empty((columns, len(block)))
-        horner(coefficients.T, degree, np.ascontiguousarray(block.T), values, work=coefficients.size * len(flat))
+        horner(coefficients.T, degree, np.ascontiguousarray(block.T), values)
         out[...] = values.T
     return result.reshape(*np.shape(points)[:-1], columns)
 
 
+class _Work:
+    """How many products have been asked for so far."""
+
+    done = 0
+
+
 def chosen(work: int) -> Kernel:
-    """The kernel for so many products.
+    """The kernel for so many more products.
 
     Raises `ValueError` where the environment asks for a kernel that there is not.
     """
     wanted = os.environ.get(VARIABLE, "")
     if wanted not in ("", "numpy", "compiled"):
         raise ValueError(f"the environment variable {VARIABLE} must be numpy or compiled, not {wanted!r}")
-    if wanted == "numpy" or (not wanted and work < WORTH_COMPILING and not _ready()):
-        return NUMPY
-    return best()
+    _Work.done += work
+    return best() if wanted == "compiled" or (not wanted and _Work.done >= WORTH_COMPILING) else NUMPY
 
 
 @cache
@@ -159,7 +161,3 @@ def best() -> Kernel:
     from pas.algebra.compiled import compiled
 
     return compiled() or NUMPY
-
-
-def _ready() -> bool:
-    return best.cache_info().currsize > 0

@@ -133,7 +133,7 @@ class Evaluator:
             local -= self._origin
             local /= self.scale
             for group in self.partition.local.location.groups(local, self.tolerance):
-                self._write(group, orders, result[start : start + BLOCK], flat.size)
+                self._write(group, orders, result[start : start + BLOCK])
         self._rescale(result, orders)
         return result.reshape(*np.shape(points)[:-1], entries)
 
@@ -143,18 +143,17 @@ class Evaluator:
         result = np.full((len(points), entries), np.nan)
         for piece in np.unique(pieces[pieces >= 0]).tolist():
             rows = np.flatnonzero(pieces == piece)
-            self._write((piece, rows, np.ascontiguousarray(points[rows].T)), orders, result, points.size)
+            self._write((piece, rows, np.ascontiguousarray(points[rows].T)), orders, result)
         return result
 
-    def _write(self, group: Group, orders: Sequence[int], result: Floats, size: int) -> None:
+    def _write(self, group: Group, orders: Sequence[int], result: Floats) -> None:
         """Put the derivatives of a group of points into their rows of the result."""
         piece, rows, points = group
         first = 0
         for order in orders:
             table = self.tables[order][piece]
             values = np.empty((len(table), points.shape[1]))
-            degree = max(self.degree - order, 0)
-            horner(table, degree, points, values, work=table.size * size // 3)
+            horner(table, max(self.degree - order, 0), points, values)
             last = first + len(table)
             if last - first == 1:  # much faster than in the general way
                 result[:, first][rows] = values[0]

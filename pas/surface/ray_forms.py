@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from math import comb
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class Segments:
     directions: Floats
     lengths: Floats
 
-    def some(self, chosen: NDArray[Any]) -> Segments:
+    def some(self, chosen: Rows | NDArray[np.bool_]) -> Segments:
         """Some of them, by numbers or by which are wanted."""
         return Segments(*(column[chosen] for column in vars(self).values()))
 
@@ -128,7 +128,7 @@ def forms_on(evaluator: Evaluator, segments: Segments) -> tuple[Floats, Floats]:
         points = own.origins.T[:, None] + parameters * own.directions.T[:, None]
         table = evaluator.tables[0][piece]
         values = np.empty((1, parameters.size))
-        horner(table, degree, points.reshape(3, -1), values, work=4 * values.size * table.size)
+        horner(table, degree, points.reshape(3, -1), values)
         samples[:, rows] = values.reshape(parameters.shape)
         errors[rows] = _errors(table, degree, own, evaluator.reach)
     if endless:
