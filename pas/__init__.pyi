@@ -156,8 +156,10 @@ from .surface.contacts.plate import Plate as Plate
 from .surface.contacts.quadric import QuadricContact as QuadricContact
 from .surface.contacts.sphere import Sphere as Sphere
 from .surface.contacts.torus import Torus as Torus
+from .surface.crossings import Crossings as Crossings
 from .surface.curvature import CurvatureContact as CurvatureContact
 from .surface.curvature import curvature_contact as curvature_contact
+from .surface.evaluator import Evaluator as Evaluator
 from .surface.fairness import Fairness as Fairness
 from .surface.fairness_limits import FairnessLimits as FairnessLimits
 from .surface.piecewise import PiecewiseSurface as PiecewiseSurface

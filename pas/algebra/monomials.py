@@ -1,4 +1,4 @@
-"""The one order of monomials, and fast evaluation of many polynomials at many points.
+"""The one order of monomials, and their values.
 
 Monomials x^a y^b z^c are listed by total degree, so that those of degree <= m are the first
 C(m+3, 3) of those of any higher degree; inside one degree, in descending lexicographic order.
@@ -12,13 +12,8 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.limits import checkpoint
-
 Exponents = tuple[int, ...]
 Floats = NDArray[np.float64]
-
-CHUNK_ENTRIES = 1 << 21
-"""Entries of the monomial matrix held at once (16 MB): larger blocks fall out of the caches."""
 
 
 @cache
@@ -76,20 +71,3 @@ def monomial_values(points: Floats, degree: int) -> Floats:
     for columns, parents, variable in _products(degree):
         np.multiply(values[parents], coordinates[variable], out=values[columns])
     return values
-
-
-def evaluate(points: Floats, coefficients: Floats) -> Floats:
-    """Values of many polynomials at many points.
-
-    `points` (..., 3); `coefficients` (C(n+3, 3), m), a polynomial a column; result (..., m).
-    """
-    flat = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
-    size = len(coefficients)
-    degree = next(n for n in range(size) if count(n) >= size)
-    result = np.empty((len(flat), coefficients.shape[1]))
-    step = max(1, CHUNK_ENTRIES // size)
-    for start in range(0, len(flat), step):
-        checkpoint()
-        block = flat[start : start + step]
-        result[start : start + step] = monomial_values(block, degree).T @ coefficients
-    return result.reshape(*np.shape(points)[:-1], coefficients.shape[1])

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.brief import FORMULA, LONGEST, cut
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
+from pas.algebra.kernels import evaluate
 from pas.algebra.latex import latex
-from pas.algebra.monomials import Exponents, Floats, count, evaluate, exponents, positions
+from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 

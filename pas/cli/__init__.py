@@ -19,6 +19,7 @@ from pas.cli.common import INTERRUPTED as INTERRUPTED
 from pas.cli.common import WRONG as WRONG
 from pas.cli.common import tell
 from pas.cli.parser import parser
+from pas.cli.version import version_text
 from pas.errors import InputError, PasError
 from pas.limits import limit
 
@@ -33,6 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     reader = parser()
     options = reader.parse_args(arguments)
+    if options.version:
+        print(version_text(options.verbose))
+        return DONE
     if options.command is None:
         reader.print_help()
         return WRONG

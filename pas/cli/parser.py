@@ -7,7 +7,6 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from pas._version import __version__
 from pas.cli import commands, problems
 from pas.errors import meant
 
@@ -55,7 +54,8 @@ def parser() -> argparse.ArgumentParser:
         description="Smooth transitions between algebraic surfaces, with a proof.",
         epilog="`pas COMMAND --help` tells more of a command.",
     )
-    result.add_argument("--version", action="version", version=f"pas {__version__}")
+    result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
+    result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
     result.set_defaults(command=None, debug=False, json=False)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
     _blend_parser(added)

@@ -29,6 +29,7 @@ from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
 from pas.partition.layout import Layout
+from pas.partition.location import Location
 from pas.partition.outline import outline
 
 Indices = tuple[int, ...]
@@ -226,9 +227,14 @@ class Partition:
         """The planes of a cell's four faces, negative in the cell, with coprime integer coefficients."""
         return tuple(self._plane(triangle, cell) for triangle in combinations(sorted(self.cells[cell]), 3))
 
-    def barycentric(self, points: Floats) -> Floats:
-        """Barycentric coordinates of `points` (N, 3) in every cell: (cells, 4, N)."""
-        maps = self._barycentric_maps
+    @cached_property
+    def location(self) -> Location:
+        """What finds the pieces of many points; for a partition in local coordinates."""
+        return Location(self)
+
+    def barycentric(self, points: Floats, cells: Sequence[int] | None = None) -> Floats:
+        """Barycentric coordinates of `points` (N, 3) in every cell, or in given ones: (cells, 4, N)."""
+        maps = self._barycentric_maps if cells is None else self._barycentric_maps[list(cells)]
         product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
         return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 

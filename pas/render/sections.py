@@ -19,7 +19,7 @@ from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.render.layers import Comb
 from pas.render.neighbours import contact_rim
-from pas.surface.geometry import FIRST, Geometry, jets
+from pas.surface.geometry import FIRST, Geometry
 from pas.surface.piecewise import PiecewiseSurface
 
 SPACING = 1 / 200
@@ -68,11 +68,7 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
 def geometry_at(surface: PiecewiseSurface, points: Floats) -> tuple[Floats, Geometry]:
     """The jets (N, 20) at points (N, 3) and what they say, all in local coordinates; the nearest cell's outside."""
     local = surface.partition.frame.local_points(points)
-    pieces = surface.partition.piece_of[surface.local.locate(local, tolerance=np.inf)]
-    found = np.empty((len(local), 20))
-    for piece in np.unique(pieces):
-        here = pieces == piece
-        found[here] = jets(local[here], surface.patches[piece].dense(surface.degree), surface.degree)
+    found = surface.evaluator.local_derivatives(local, surface.local.location.pieces(local.T, np.inf), range(4))
     return found, Geometry(found)
 
 

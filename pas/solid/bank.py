@@ -13,7 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import CHUNK_ENTRIES, Floats, count, evaluate, exponents, positions
+from pas.algebra.kernels import CHUNK_ENTRIES, evaluate
+from pas.algebra.monomials import Floats, count, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.solid.tree import Bools
 

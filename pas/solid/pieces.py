@@ -35,11 +35,10 @@ class Pieces:
         return tuple((self.polynomials[p], walls) for p, walls in zip(self.partition.piece_of, planes, strict=True))
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3), of the nearest cell outside all."""
+        """Values and gradients (N, 4) at points (N, 3); outside all cells, of one that is near."""
         frame = self.partition.frame
         local = frame.local_points(points)
-        cells = self.partition.local.locate(local, tolerance=np.inf)
-        jets = self.surface.local_jets(local, self.partition.piece_of[cells])
+        jets = self.surface.local_jets(local, self.partition.local.location.pieces(local.T, np.inf))
         return jets * np.array([1.0, *[1 / to_float(frame.scale)] * 3])
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:

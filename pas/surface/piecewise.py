@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import check_surface_degree, check_tolerance
-from pas.algebra.monomials import Floats, evaluate, homogeneous_exponents
+from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
@@ -24,12 +24,12 @@ from pas.shape import Shape
 from pas.surface.certificate import Certificate
 from pas.surface.contact import Contact
 from pas.surface.curvature_bound import curvature_below
+from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
 from pas.surface.local_field import LocalField
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
-from pas.surface.rays import first_hits
 from pas.verdicts import Verdict
 
 DEFAULT_TOLERANCE = 1e-3
@@ -133,55 +133,28 @@ class PiecewiseSurface(InPlace, Shape):
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Values at `points` (..., 3), shape (...); NaN outside the region."""
-        return self.jets(points)[..., 0]
+        return self.evaluator.derivatives(_shaped(points), (0,))[..., 0]
 
     def gradient(self, points: ArrayLike) -> Floats:
         """Gradients at `points` (..., 3), shape (..., 3); NaN outside the region."""
-        return self.jets(points)[..., 1:]
+        return self.evaluator.derivatives(_shaped(points), (1,))
 
     def jets(self, points: ArrayLike) -> Floats:
         """Values and gradients at `points` (..., 3), shape (..., 4); NaN outside the region."""
-        array = np.asarray(points, dtype=float)
-        if array.ndim == 0 or array.shape[-1] != 3:
-            raise ValueError(f"points must have shape (..., 3), not {array.shape}")
-        local = self.partition.frame.local_points(array).reshape(-1, 3)
-        result = self.local_jets(local, self._pieces_at(local))
-        result[:, 1:] /= float(to_fraction(self.partition.frame.scale))
-        return result.reshape(*array.shape[:-1], 4)
-
-    def _pieces_at(self, local: Floats) -> np.ndarray:
-        """The pieces at local points (N, 3), -1 outside; the user's rounding counts as inside.
-
-        Far from the origin, points on the boundary are off it by the spacing of doubles there.  A
-        piece without cells is everywhere.
-        """
-        if not self.partition.cells:
-            return np.zeros(len(local), dtype=np.intp)
-        reach = float(np.abs(self.partition.points).max()) / float(to_fraction(self.partition.frame.scale))
-        cells = self.local.locate(local, tolerance=1e-12 + 8 * np.finfo(float).eps * reach)
-        return np.where(cells < 0, -1, self.partition.piece_of[cells])
-
-    def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""
-        return _by_piece(points, pieces, self.columns)
-
-    @cached_property
-    def columns(self) -> Floats:
-        """Coefficients of each patch and its three derivatives, (cells, C(n+3, 3), 4)."""
-        return np.array(
-            [
-                np.stack([p.dense(self.degree) for p in (patch, *(patch.diff(i) for i in range(3)))], axis=1)
-                for patch in self.patches
-            ]
-        )
+        return self.evaluator.derivatives(_shaped(points), (0, 1))
 
     def hessian(self, points: ArrayLike) -> Floats:
         """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
-        array = np.asarray(points, dtype=float)
-        local = self.partition.frame.local_points(array).reshape(-1, 3)
-        result = _by_piece(local, self._pieces_at(local), self._second_columns)
-        scale = float(to_fraction(self.partition.frame.scale))
-        return result.reshape(*array.shape[:-1], 3, 3) / scale**2
+        return symmetric(self.evaluator.derivatives(_shaped(points), (2,)), 2)
+
+    @cached_property
+    def evaluator(self) -> Evaluator:
+        """What evaluates the surface at many points and along many rays."""
+        return Evaluator(self)
+
+    def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
+        """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""
+        return self.evaluator.local_derivatives(points, pieces, (0, 1))
 
     def curvatures(self, points: ArrayLike) -> Floats:
         """Mean and Gauss curvature at surface points (..., 3): shape (..., 2).
@@ -203,15 +176,6 @@ class PiecewiseSurface(InPlace, Shape):
         )
         gauss = np.einsum("...i,...ij,...j", g, adjugate, g) / length**4
         return np.stack([mean, gauss], axis=-1)
-
-    @cached_property
-    def _second_columns(self) -> Floats:
-        return np.array(
-            [
-                np.stack([p.diff(i).diff(j).dense(self.degree) for i in range(3) for j in range(3)], axis=1)
-                for p in self.patches
-            ]
-        )
 
     @limited("bounding curvature", "a larger bound")
     def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
@@ -254,19 +218,10 @@ class PiecewiseSurface(InPlace, Shape):
         """Where rays first meet the surface inside the region.
 
         `origins` and `directions` broadcast to (..., 3); returns the parameters t >= 0 of the
-        points `origin + t * direction`, shape (...), NaN for rays that miss.
+        points `origin + t * direction`, shape (...), NaN for rays that miss.  All crossings: `pas.Evaluator.rays`.
         """
-        a, d = np.broadcast_arrays(np.asarray(origins, dtype=float), np.asarray(directions, dtype=float))
-        if a.ndim == 0 or a.shape[-1] != 3:
-            raise ValueError(f"origins and directions must have shape (..., 3), not {a.shape}")
-        scale = float(to_fraction(self.partition.frame.scale))
-        t = first_hits(
-            self.local,
-            self.columns[self.partition.piece_of, :, 0],
-            self.partition.frame.local_points(a).reshape(-1, 3),
-            d.reshape(-1, 3) / scale,
-        )
-        return t.reshape(a.shape[:-1])
+        shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))
+        return self.evaluator.first(origins, directions) if np.prod(shape) else np.empty(shape[:-1])
 
     @limited("proving a surface", "")
     def certify(self, *, seconds: float | None = None, progress: Report | None = None) -> Certificate:
@@ -307,11 +262,9 @@ class PiecewiseSurface(InPlace, Shape):
         return f"{self.partition.name}, {pieces}, degree {self.degree}, order {self.order}"
 
 
-def _by_piece(points: Floats, pieces: np.ndarray, columns: Floats) -> Floats:
-    """Values (N, m) at points (N, 3) of each piece's polynomials `columns[piece]`; NaN for piece -1."""
-    result = np.full((len(points), columns.shape[2]), np.nan)
-    for piece, coefficients in enumerate(columns):
-        rows = np.flatnonzero(pieces == piece)
-        if len(rows):
-            result[rows] = evaluate(points[rows], coefficients)
-    return result
+def _shaped(points: ArrayLike) -> Floats:
+    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
+    array = np.asarray(points, dtype=float)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+    return array

@@ -1,0 +1,111 @@
+"""Horner's rule in C, compiled by the system's compiler when it is first worth it, and kept.
+
+The library is kept in the user's cache (`$XDG_CACHE_HOME/pas`, by default `~/.cache/pas`) under a name that
+says of which source, compiler and machine it is.  It does what `pas.algebra.kernels.NumpyKernel` does, in the same
+order and without contracting products and sums, so its results are the same to the last bit.  Where there is no
+compiler, or it fails, or the folder may be written by others, there is no such kernel, and numpy serves.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats, positions
+
+SOURCE = Path(__file__).with_name("horner.c")
+
+COMPILERS = ("cc", "gcc", "clang")
+"""Tried in this order, after `$CC`."""
+
+OPTIONS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
+"""No contraction: a product and a sum in one rounding would give other results than numpy."""
+
+PATIENCE = 60
+"""Seconds after which a compiler is given up; it takes some tenths of a second."""
+
+OTHERS_WRITE = 0o022
+"""Bits of a folder's mode that let others put a library of theirs into it."""
+
+
+class CompiledKernel:
+    """The functions of a compiled library."""
+
+    def __init__(self, library: Path, compiler: str) -> None:
+        self.name = f"compiled by {Path(compiler).name}"
+        self._run = ctypes.CDLL(str(library)).pas_horner
+        self._run.restype = None
+        self._run.argtypes = (ctypes.c_int, ctypes.c_ssize_t, *[ctypes.c_void_p] * 5)
+
+    def __call__(self, coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
+        """See `pas.algebra.kernels.Kernel`."""
+        x, y, z = (np.ascontiguousarray(c, dtype=float) for c in points)
+        table = np.ascontiguousarray(coefficients[:, _order(degree)], dtype=float)
+        for row, column in zip(table, out, strict=True):
+            values = column if column.flags.c_contiguous else np.empty(len(x))
+            self._run(degree, len(x), row.ctypes.data, *(a.ctypes.data for a in (x, y, z, values)))
+            if values is not column:
+                column[:] = values
+
+
+@cache
+def _order(degree: int) -> NDArray[np.intp]:
+    """The order in which the rule meets the coefficients: falling powers of z inside y inside x."""
+    where = positions(degree)
+    return np.array(
+        [
+            where[a, b, c]
+            for a in range(degree, -1, -1)
+            for b in range(degree - a, -1, -1)
+            for c in range(degree - a - b, -1, -1)
+        ],
+        dtype=np.intp,
+    )
+
+
+def compiled() -> CompiledKernel | None:
+    """The compiled kernel; None where it cannot be made."""
+    for name in filter(None, (os.environ.get("CC"), *COMPILERS)):
+        compiler = shutil.which(name)
+        if compiler:
+            try:
+                return CompiledKernel(_library(compiler), compiler)
+            except (OSError, RuntimeError, subprocess.SubprocessError, AttributeError):
+                continue
+    return None
+
+
+def _library(compiler: str) -> Path:
+    """The library, compiled if it was not before.  Raises `OSError` or `SubprocessError` where that fails."""
+    source = SOURCE.read_bytes()
+    told = "\n".join((compiler, *OPTIONS, platform.machine(), platform.platform())).encode()
+    folder = cache_folder()
+    library = folder / f"horner-{hashlib.sha256(source + told).hexdigest()[:16]}.so"
+    if not library.exists():
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            made = Path(place) / library.name
+            command = [compiler, *OPTIONS, "-o", str(made), str(SOURCE)]
+            subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE)
+            made.replace(library)  # at once, for programs that do the same at the same time
+    return library
+
+
+def cache_folder() -> Path:
+    """The folder in which libraries are kept.  Raises `OSError` where others could write into it."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    folder = (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "pas"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    state = folder.stat()
+    if hasattr(os, "getuid") and (state.st_uid != os.getuid() or state.st_mode & OTHERS_WRITE):
+        raise PermissionError(f"{folder} may be written by others")
+    return folder

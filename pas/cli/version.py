@@ -1,0 +1,32 @@
+"""What `pas --version` says, and with `--verbose` of what the program is made here."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+from pas._version import __version__
+from pas.algebra.kernels import VARIABLE, WORTH_COMPILING, chosen
+
+LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
+"""Those on which results and their speed depend."""
+
+
+def version_text(verbose: bool) -> str:
+    """The version; with `verbose` also that of Python and of libraries, and by what polynomials are evaluated.
+
+    Raises `ValueError` where the environment asks for a kernel that there is not.
+    """
+    if not verbose:
+        return f"pas {__version__}"
+    lines = [f"pas {__version__}", f"Python {platform.python_version()} on {platform.platform()}"]
+    lines += [f"{name} {_installed(name)}" for name in LIBRARIES]
+    lines.append(f"values of polynomials: {chosen(WORTH_COMPILING).name} (choose by {VARIABLE}=numpy or compiled)")
+    return "\n".join(lines)
+
+
+def _installed(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "is not installed"

@@ -1,0 +1,261 @@
+"""Values and derivatives of a piecewise polynomial at many points, and where rays cross its zeros.
+
+Points are located by signs at planes (see `pas.partition.location`) and evaluated by Horner's rule in the local
+coordinates of the region (see `pas.algebra.kernels`), in blocks that stay in the caches; rays by Bernstein bounds
+on the polynomial along each (see `pas.surface.crossings`).  Where a partition has a centre or no cells,
+values are the same bits on every machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pas.algebra.inputs import shown
+from pas.algebra.kernels import horner
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import to_float, to_floats
+from pas.limits import checkpoint
+from pas.partition.cells import Partition
+from pas.partition.location import BLOCK, Group
+from pas.partition.single_cell import SingleCell
+from pas.surface.crossings import Crossings, crossings, first_crossings
+
+HIGHEST_ORDER = 3
+"""Of the derivatives that are evaluated."""
+
+BARYCENTRIC = 1e-12
+"""How far outside all cells, in barycentric coordinates, a point counts as inside: what rounding makes of it."""
+
+SPACINGS = 8
+"""The same, in spacings of doubles at the region's furthest point from the user's origin, over the region's size."""
+
+
+class Piecewise(Protocol):
+    """What can be evaluated: polynomials in the local coordinates of a partition, one for each piece."""
+
+    @property
+    def partition(self) -> Partition:
+        """The region and its pieces, in the user's coordinates."""
+
+    @property
+    def patches(self) -> Sequence[Polynomial]:
+        """The polynomials in local coordinates."""
+
+
+class Evaluator:
+    """Evaluates a piecewise surface, or a polynomial in all of space, at many points and along many rays.
+
+    Points (..., 3) are in the user's coordinates, and so are all derivatives; results are floats of shape (...),
+    with (3,), (3, 3) or (3, 3, 3) appended.  Outside the region they are `outside`, NaN by default.  A value errs
+    by some dozen roundings of the sum of its terms' sizes; on faces between pieces either piece may be taken.
+
+    Raises `TypeError` for what has no polynomials, `ValueError` for points that are not finite, of a wrong shape
+    or none at all.
+
+    >>> sphere = Evaluator("x^2 + y^2 + z^2 - 1")
+    >>> sphere.values([[2, 0, 0], [0, 0, 0]])
+    array([ 3., -1.])
+    >>> sphere.rays([[-2, 0, 0]], [[1, 0, 0]]).parameters
+    array([1., 3.])
+    """
+
+    def __init__(self, surface: Piecewise | PolynomialLike) -> None:
+        partition, patches = getattr(surface, "partition", None), getattr(surface, "patches", None)
+        if partition is None or patches is None:
+            try:
+                patches = (Polynomial(surface),)  # type: ignore[arg-type]  # refused where it is none
+            except TypeError:
+                raise TypeError(
+                    "surface must be a piecewise surface or a polynomial (of a blend, take its surface), "
+                    f"not {shown(surface)}"
+                ) from None
+            partition = SingleCell()
+        self.partition: Partition = partition
+        self.patches: tuple[Polynomial, ...] = tuple(patches)
+        self.degree = max(0, *(patch.degree for patch in self.patches))
+
+    def __repr__(self) -> str:
+        pieces = "1 piece" if len(self.patches) == 1 else f"{len(self.patches)} pieces"
+        return f"<Evaluator: degree {self.degree}, {pieces}>"
+
+    def values(self, points: ArrayLike, outside: float = np.nan) -> Floats:
+        """Values at `points` (..., 3), shape (...)."""
+        return self.derivatives(checked(points), (0,), outside)[..., 0]
+
+    def gradients(self, points: ArrayLike, outside: float = np.nan) -> Floats:
+        """Gradients at `points` (..., 3), shape (..., 3)."""
+        return self.derivatives(checked(points), (1,), outside)
+
+    def hessians(self, points: ArrayLike, outside: float = np.nan) -> Floats:
+        """Matrices of second derivatives at `points` (..., 3), shape (..., 3, 3)."""
+        return symmetric(self.derivatives(checked(points), (2,), outside), 2)
+
+    def third_derivatives(self, points: ArrayLike, outside: float = np.nan) -> Floats:
+        """All third derivatives at `points` (..., 3), shape (..., 3, 3, 3)."""
+        return symmetric(self.derivatives(checked(points), (3,), outside), 3)
+
+    def jets(self, points: ArrayLike, outside: float = np.nan) -> Floats:
+        """Values and gradients at `points` (..., 3), shape (..., 4)."""
+        return self.derivatives(checked(points), (0, 1), outside)
+
+    def rays(self, origins: ArrayLike, directions: ArrayLike) -> Crossings:
+        """All crossings of the rays `origin + t direction`, t >= 0, with the surface in its region, in order.
+
+        `origins` and `directions` broadcast to (..., 3); rays are numbered in the order of the flattened result.
+        Raises `ValueError` for directions of length zero.
+        """
+        return crossings(self, *rays_of(origins, directions))
+
+    def first(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
+        """The parameters t >= 0 of the first crossings of rays, shape (...), NaN for those that miss; see `rays`."""
+        starts, ways = rays_of(origins, directions)
+        shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))[:-1]
+        return first_crossings(self, starts, ways).reshape(shape)
+
+    def derivatives(self, points: Floats, orders: Sequence[int], outside: float = np.nan) -> Floats:
+        """The partial derivatives of some orders at points (..., 3), one of each kind: shape (..., entries).
+
+        In each order they are those of `monomials.homogeneous_exponents`.  Points are taken as they are; what is not
+        finite is outside.
+        """
+        flat = np.asarray(points, dtype=float).reshape(-1, 3)
+        entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
+        result = np.full((len(flat), entries), outside)
+        for start in range(0, len(flat), BLOCK):
+            checkpoint()
+            local = np.array(flat[start : start + BLOCK].T, order="C")
+            local -= self._origin
+            local /= self.scale
+            for group in self.partition.local.location.groups(local, self.tolerance):
+                self._write(group, orders, result[start : start + BLOCK])
+        self._rescale(result, orders)
+        return result.reshape(*np.shape(points)[:-1], entries)
+
+    def local_derivatives(self, points: Floats, pieces: NDArray[np.intp], orders: Sequence[int]) -> Floats:
+        """The same in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
+        entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
+        result = np.full((len(points), entries), np.nan)
+        for piece in np.unique(pieces[pieces >= 0]).tolist():
+            rows = np.flatnonzero(pieces == piece)
+            self._write((piece, rows, np.ascontiguousarray(points[rows].T)), orders, result)
+        return result
+
+    def _write(self, group: Group, orders: Sequence[int], result: Floats) -> None:
+        """Put the derivatives of a group of points into their rows of the result."""
+        piece, rows, points = group
+        first = 0
+        for order in orders:
+            table = self.tables[order][piece]
+            values = np.empty((len(table), points.shape[1]))
+            horner(table, max(self.degree - order, 0), points, values)
+            last = first + len(table)
+            if last - first == 1:  # much faster than in the general way
+                result[:, first][rows] = values[0]
+            else:
+                result[rows, first:last] = values.T
+            first = last
+
+    def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
+        first = 0
+        for order in orders:
+            last = first + len(homogeneous_exponents(order, 3))
+            if order and self.scale != 1:
+                result[:, first:last] /= self.scale**order
+            first = last
+
+    @cached_property
+    def _origin(self) -> Floats:
+        return np.array(to_floats(self.partition.frame.origin))[:, None]
+
+    @cached_property
+    def scale(self) -> float:
+        """The length of the local unit, in the user's."""
+        return to_float(self.partition.frame.scale)
+
+    @cached_property
+    def tolerance(self) -> float:
+        """How far outside its cell, in barycentric coordinates, a point counts as inside.
+
+        Far from the origin, points on the boundary are off it by the spacing of doubles there.
+        """
+        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.reach
+
+    @cached_property
+    def reach(self) -> float:
+        """The largest coordinate of the region in the user's coordinates, in local units."""
+        return float(np.abs(self.partition.points).max(initial=0.0)) / self.scale
+
+    @cached_property
+    def tables(self) -> _Tables:
+        """Coefficients by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
+        return _Tables(self.patches, self.degree)
+
+
+class _Tables(dict[int, list[Floats]]):
+    """The derivatives of patches by order, worked out exactly and rounded when they are first asked for."""
+
+    def __init__(self, patches: Sequence[Polynomial], degree: int) -> None:
+        super().__init__()
+        self._patches, self._degree = patches, degree
+
+    def __missing__(self, order: int) -> list[Floats]:
+        self[order] = [self._table(patch, order) for patch in self._patches]
+        return self[order]
+
+    def _table(self, patch: Polynomial, order: int) -> Floats:
+        rows = []
+        for exponent in homogeneous_exponents(order, 3):
+            derivative = patch
+            for axis, times in enumerate(exponent):
+                for _ in range(times):
+                    derivative = derivative.diff(axis)
+            rows.append(derivative.dense(max(self._degree - order, 0)))
+        return np.array(rows)
+
+
+def symmetric(entries: Floats, order: int) -> Floats:
+    """All derivatives (..., 3, ..., 3) of an order, from one of each kind (..., entries)."""
+    where = {e: i for i, e in enumerate(homogeneous_exponents(order, 3))}
+    axes = np.indices((3,) * order).reshape(order, -1).T
+    places = [where[(kinds == 0).sum(), (kinds == 1).sum(), (kinds == 2).sum()] for kinds in axes]
+    result: Floats = entries[..., places].reshape(*entries.shape[:-1], *(3,) * order)
+    return result
+
+
+def checked(points: ArrayLike, name: str = "points") -> Floats:
+    """Finite points (..., 3), at least one.  Raises `ValueError` otherwise."""
+    try:
+        array = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
+    if array.size == 0:
+        raise ValueError(f"{name} must hold at least one, not none: their shape is {array.shape}")
+    finite = np.isfinite(array)
+    if not finite.all():
+        row = np.argwhere(~finite)[0]
+        raise ValueError(f"{name}{row[:-1].tolist() if array.ndim > 1 else ''} must be finite, not {array[tuple(row)]}")
+    return array
+
+
+def rays_of(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:
+    """Origins and directions of rays, both (N, 3).  Raises `ValueError` for what are none."""
+    starts, ways = checked(origins, "origins"), checked(directions, "directions")
+    lengths = np.abs(ways).max(axis=-1)
+    if not lengths.all():
+        where = np.argwhere(lengths == 0)[0].tolist() if ways.ndim > 1 else ""
+        raise ValueError(f"directions{where} must not be of length zero")
+    try:
+        starts, ways = np.broadcast_arrays(starts, ways)
+    except ValueError:
+        raise ValueError(
+            f"origins and directions must broadcast to one shape, not {starts.shape} and {ways.shape}"
+        ) from None
+    return starts.reshape(-1, 3), ways.reshape(-1, 3)

@@ -1,0 +1,322 @@
+"""Values, derivatives and rays at many points: against exact arithmetic, and the same by every kernel."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, solved
+
+import pas
+from pas.algebra.compiled import compiled
+from pas.algebra.kernels import NUMPY, VARIABLE, evaluate
+from pas.algebra.monomials import count, exponents
+from pas.algebra.polynomial import Polynomial
+from pas.surface.exact_crossings import exact_crossings
+
+SPHERE = "x^2 + y^2 + z^2 - 1"
+TORUS = "(x^2 + y^2 + z^2 + 15/16)^2 - 4*(x^2 + y^2)"  # radii 1 and 1/4
+
+
+def box(text: str, half: int = 2) -> pas.PiecewiseSurface:
+    return pas.PiecewiseSurface.from_polynomials(pas.SingleCell((-half,) * 3, (half,) * 3), (), 0, [text])
+
+
+@cache
+def node() -> pas.PiecewiseSurface:
+    contacts = [((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")]
+    return pas.node(contacts, order=1).surface
+
+
+def far() -> pas.PiecewiseSurface:
+    """A sphere of radius 1/3 a million away from the origin."""
+    text = "(x - 1000000)^2 + (y + 7)^2 + (z - 1/3)^2 - 1/9"
+    return pas.PiecewiseSurface.from_polynomials(pas.SingleCell((999999, -8, -1), (1000001, -6, 1)), (), 0, [text])
+
+
+SURFACES = {
+    "corner": lambda: solved(UNEQUAL, 2).surface,
+    "node": node,
+    "torus in a box": lambda: box(TORUS),
+    "torus anywhere": lambda: Polynomial(TORUS),
+    "far away": far,
+}
+
+
+def evaluator(name: str) -> pas.Evaluator:
+    return pas.Evaluator(SURFACES[name]())
+
+
+def sample(known: pas.Evaluator, number: int, seed: int = 0) -> np.ndarray:
+    """Points in the region's box, or within 2 of the origin."""
+    points = known.partition.points
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.full(3, -2.0), np.full(3, 2.0))
+    return np.random.default_rng(seed).uniform(low, high, (number, 3))
+
+
+def exact_value(polynomial: Polynomial, point: np.ndarray) -> float:
+    return float(polynomial.at([Fraction(v) for v in point.tolist()]))
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_values_and_derivatives_are_exact_to_rounding(name):
+    known = evaluator(name)
+    points = sample(known, 1000)
+    found = (known.values(points), known.gradients(points), known.hessians(points), known.third_derivatives(points))
+    pieces = known.partition.local.location.pieces(known.partition.frame.local_points(points).T, known.tolerance)
+    assert np.array_equal(np.isnan(found[0]), pieces < 0) and (pieces >= 0).sum() > 200
+    axes = ((), (0,), (0, 2), (1, 1), (2, 0, 1), (1, 1, 2))
+    for piece, patch in enumerate(known.patches):
+        world = known.partition.frame.globalise(patch)
+        for along in axes:
+            derivative = world
+            for axis in along:
+                derivative = derivative.diff(axis)
+            size = max(map(abs, patch.coefficients().values())) / known.scale ** len(along)
+            for row in np.flatnonzero(pieces == piece)[:200]:
+                error = found[len(along)][(row, *along)] - exact_value(derivative, points[row])
+                assert abs(error) < 2e-12 * (1 + 1e-3 * known.reach) * float(size), (along, points[row])
+
+
+@pytest.mark.parametrize("degree", range(13))
+@pytest.mark.parametrize("number", [1, 63, 64, 1000])
+def test_kernels_give_the_same_bits(degree, number):
+    kernel = compiled()
+    if kernel is None:
+        assert not any(map(shutil.which, ("cc", "gcc", "clang")))
+        pytest.skip("there is no C compiler")
+    rng = np.random.default_rng(degree)
+    table, points = rng.normal(size=(3, count(degree))), rng.uniform(-2, 2, (3, number))
+    first, second = np.empty((3, number)), np.empty((3, number))
+    NUMPY(table, degree, points, first)
+    kernel(table, degree, points, second)
+    assert np.array_equal(first, second)
+    sizes = np.abs(table) @ np.prod(np.abs(points[:, None]) ** np.array(exponents(degree)).T[..., None], axis=0)
+    exact = np.sum(
+        [
+            table[:, i, None].astype(np.longdouble)
+            * np.prod(points.astype(np.longdouble) ** np.array(e)[:, None], axis=0)
+            for i, e in enumerate(exponents(degree))
+        ],
+        axis=0,
+    )
+    assert (np.abs(first - exact) <= 2 * (degree + 3) * 2.0**-53 * sizes).all()
+
+
+BITS = f"""
+import hashlib, numpy as np, pas
+surface = pas.PiecewiseSurface.from_polynomials(pas.SingleCell((-2,) * 3, (2,) * 3), (), 0, ["{TORUS}"])
+points = np.random.default_rng(0).uniform(-2, 2, (4000, 3))
+known = pas.Evaluator(surface)
+print(hashlib.sha256(known.jets(points).tobytes() + known.third_derivatives(points).tobytes()).hexdigest())
+"""
+
+
+def test_values_are_the_same_bits_on_every_machine():
+    found = set()
+    for machine, kernel in (("Haswell", "numpy"), ("Prescott", "compiled")):
+        environment = {**os.environ, "OPENBLAS_CORETYPE": machine, VARIABLE: kernel}
+        done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+def test_without_a_compiler_or_a_folder_of_ones_own_numpy_serves(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert compiled() is None
+    liar = tmp_path / "cc"
+    liar.write_text("#!/bin/sh\nexit 1\n")
+    liar.chmod(0o755)
+    assert compiled() is None
+    assert [path.name for path in (tmp_path / "pas").iterdir()] == []
+    monkeypatch.undo()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (tmp_path / "pas").chmod(0o777)
+    assert compiled() is None
+
+
+def test_many_polynomials_are_those_of_few():
+    rng = np.random.default_rng(1)
+    table, points = rng.normal(size=(count(6), 9)), rng.uniform(-1, 1, (5, 7, 3))
+    together, alone = evaluate(points, table), [evaluate(points, table[:, [i]])[..., 0] for i in range(9)]
+    assert together.shape == (5, 7, 9)
+    assert np.allclose(together, np.stack(alone, axis=-1), rtol=0, atol=1e-13)
+
+
+def test_a_surface_is_evaluated_the_same_with_numpy_and_compiled(monkeypatch):
+    known, points = evaluator("corner"), sample(evaluator("corner"), 2000)
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        found.append((known.jets(points), known.rays(3 * points, -points).parameters))
+    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*found, strict=True))
+    monkeypatch.setenv(VARIABLE, "abacus")
+    with pytest.raises(ValueError, match=r"PAS_KERNEL must be numpy or compiled, not 'abacus'"):
+        known.values(points)
+
+
+@pytest.mark.parametrize(
+    "partition",
+    [
+        pas.SixTetrahedra(),
+        pas.AlfeldSplit(),
+        pas.WorseyFarinSplit(),
+        pas.KuhnCube(),
+        pas.SingleCell((0, 0, 0), (1, 2, 3)),
+        pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)]),
+    ],
+    ids=lambda p: p.name,
+)
+def test_planes_find_the_pieces_that_barycentric_coordinates_do(partition):
+    assert_located(partition)
+
+
+def test_the_pieces_of_a_node_are_found():
+    assert_located(node().partition)
+
+
+def assert_located(partition: pas.Partition) -> None:
+    local = partition.local
+    low, high = local.points.min(axis=0), local.points.max(axis=0)
+    points = np.random.default_rng(0).uniform(low - 0.1, high + 0.1, (20000, 3))
+    depth = local.barycentric(points).min(axis=1)
+    cells, deepest = depth.argmax(axis=0), np.sort(depth, axis=0)
+    expected = np.where(deepest[-1] < 0, -1, local.piece_of[cells])
+    clear = np.abs(deepest[-1]) > 1e-9
+    if len(depth) > 1:
+        clear &= np.abs(deepest[-2]) > 1e-9
+    found = local.location.pieces(points.T, 1e-12)
+    assert np.array_equal(found[clear], expected[clear])
+    assert (expected[clear] >= 0).any() and (expected[clear] < 0).any()
+
+
+def test_points_on_faces_and_the_centre_are_inside():
+    surface = solved(UNEQUAL, 2).surface
+    corners = surface.partition.points
+    faces = np.array([corners[list(triangle)].mean(axis=0) for triangle, _, _ in surface.partition.inner_triangles])
+    known = pas.Evaluator(surface)
+    assert np.isfinite(known.values(np.concatenate([corners, faces, np.zeros((1, 3))]))).all()
+
+
+def test_outside_is_as_asked_for():
+    known = evaluator("corner")
+    assert np.isnan(known.values([9, 9, 9])) and known.values([9, 9, 9], outside=-1.0) == -1
+    assert np.isnan(known.hessians([[9, 9, 9]])).all()
+    assert np.isinf(known.jets([[9, 9, 9]], outside=np.inf)).all()
+
+
+def along(known: pas.Evaluator, origin: list[float], direction: list[float]) -> list[tuple[float, int]]:
+    found = known.rays([origin], [direction])
+    assert np.allclose(found.points, np.array(origin) + found.parameters[:, None] * np.array(direction))
+    return list(zip(found.parameters.tolist(), found.sides.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("name", ["corner", "node", "torus in a box", "torus anywhere"])
+def test_all_crossings_are_found_in_order(name):
+    known = evaluator(name)
+    ends = sample(known, 300, 1)
+    origins, directions = 3 * sample(known, 300, 2)[::-1], np.empty((300, 3))
+    directions[:] = ends - origins
+    found = known.rays(origins, directions)
+    assert found.number == 300 and found.counts.sum() == len(found.rays) > 100
+    assert np.array_equal(found.first, known.first(origins, directions), equal_nan=True)
+    for ray in range(0, 300, 3):
+        expected = exact_crossings(known, origins[ray], directions[ray])
+        assert np.allclose(found.along(ray), [t for t, _ in expected], rtol=1e-11, atol=1e-11)
+        assert found.sides[found.rays == ray].tolist() == [side for _, side in expected]
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-7, 1e-9, 1e-12, 1e-15])
+@pytest.mark.parametrize("surface", [SPHERE, box(SPHERE)], ids=["anywhere", "in a box"])
+def test_rays_that_nearly_touch(surface, depth):
+    known = pas.Evaluator(surface)
+    half = float(1 - Fraction(1 - depth) ** 2) ** 0.5
+    (first, into), (second, out) = along(known, [-1.5, 1 - depth, 0], [1, 0, 0])
+    assert (into, out) == (-1, 1) and first < second
+    assert abs(second - first - 2 * half) < 1e-15 + 1e-6 * half
+    assert along(known, [-1.5, 1 + depth, 0], [1, 0, 0]) == []
+
+
+@pytest.mark.parametrize("name", ["corner", "torus in a box"])
+def test_rays_that_are_tangent_to_rounding(name):
+    known, rng = evaluator(name), np.random.default_rng(3)
+    inwards = sample(known, 60, 4)
+    points = known.rays(3 * inwards, -inwards).points[:20]
+    ways = np.cross(known.gradients(points), rng.normal(size=points.shape))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    origins = points - 4 * ways
+    found = known.rays(origins, ways)
+    assert len(points) == 20
+    for ray in range(20):
+        expected = exact_crossings(known, origins[ray], ways[ray])
+        assert len(found.along(ray)) == len(expected)
+        assert np.allclose(found.along(ray), [t for t, _ in expected], rtol=0, atol=1e-9)
+
+
+def test_rays_that_touch_start_on_or_lie_in_the_surface():
+    ball = pas.Evaluator(box(SPHERE))
+    assert along(ball, [-1.5, 1, 0], [1, 0, 0]) == [(1.5, 0)]
+    assert along(ball, [1, 0, 0], [-1, 0, 0]) == [(0, -1), (2, 1)]
+    assert along(ball, [1, 0, 0], [1, 0, 0]) == [(0, 1)]
+    assert along(ball, [1, 0, 0], [0, 1, 0]) == [(0, 1)]  # tangent, where it starts: outside from there on
+    assert along(ball, [0, 0, 0], [0, 0, 2]) == [(0.5, 1)]
+    cylinder = pas.Evaluator(box("x^2 + y^2 - 1"))
+    assert along(cylinder, [1, 0, -9], [0, 0, 1])[0] == (7, 0)
+    assert along(pas.Evaluator("x^2 + y^2 - 1"), [1, 0, -9], [0, 0, 1]) == [(0, 0)]
+    assert along(pas.Evaluator("(x - 1)^2 * (x - 2)^3"), [0, 0, 0], [1, 0, 0]) == [(1, 0), (2, 1)]
+    assert along(pas.Evaluator("7"), [0, 0, 0], [1, 0, 0]) == []
+
+
+def test_rays_in_the_faces_of_cells():
+    surface = solved(EQUAL, 1).surface
+    known = pas.Evaluator(surface)
+    for direction in ([1, 1, 1], [1, 1, 0], [-1, 0, 0], [1, -1, 0], [0, 1, -1]):
+        found = along(known, [0, 0, 0], direction)
+        expected = exact_crossings(known, np.zeros(3), np.array(direction, dtype=float))
+        assert [side for _, side in found] == [side for _, side in expected]
+        assert np.allclose([t for t, _ in found], [t for t, _ in expected], rtol=1e-12)
+
+
+def test_rays_broadcast():
+    known = pas.Evaluator(SPHERE)
+    first = known.first([[0, 0, 0], [0, 0, 3], [0, 0, -3]], [0, 0, 1])
+    assert np.allclose(first, [1, np.nan, 2], equal_nan=True)
+    assert known.first(np.zeros(3), np.eye(3)[None]).shape == (1, 3)
+    with pytest.raises(ValueError, match="ray must be a number from 0 to 2, not 3"):
+        known.rays(np.zeros(3), np.eye(3)).along(3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda e: e.values([[0, 0]]), r"points must have shape \(\.\.\., 3\), not \(1, 2\)"),
+        (lambda e: e.values(3.0), r"points must have shape"),
+        (lambda e: e.gradients(np.empty((0, 3))), r"points must hold at least one"),
+        (lambda e: e.hessians([[0, 0, 0], [0, np.nan, 0]]), r"points\[1\] must be finite, not nan"),
+        (lambda e: e.third_derivatives([0, 0, np.inf]), r"points must be finite, not inf"),
+        (lambda e: e.jets("here"), r"points must be numbers of shape"),
+        (lambda e: e.rays([[0, 0, 0]], [[0, 0, 0]]), r"directions\[0\] must not be of length zero"),
+        (lambda e: e.rays([[0, 0, np.nan]], [[0, 0, 1]]), r"origins\[0\] must be finite"),
+        (
+            lambda e: e.rays(np.zeros((2, 3)), np.ones((4, 3))),
+            r"must broadcast to one shape, not \(2, 3\) and \(4, 3\)",
+        ),
+        (lambda e: e.first(np.zeros((0, 3)), [1, 0, 0]), r"origins must hold at least one"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence(call, message):
+    with pytest.raises(ValueError, match=message):
+        call(pas.Evaluator(SPHERE))
+
+
+def test_what_has_no_polynomials_is_refused():
+    with pytest.raises(TypeError, match="surface must be a piecewise surface or a polynomial"):
+        pas.Evaluator(object())
