@@ -169,6 +169,8 @@ LONG_CALLS = {
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
     "pas.save": LongCall(_corner, lambda p, f, **k: pas.save(p, f / "x.pas.json", **k)),
     "Blend.mesh": LongCall(_corner, lambda p, f, **k: p.mesh(T, **k), 3),
+    "Blend.hollow": LongCall(_corner, lambda p, f, **k: p.hollow("1/20", **k), 3),
+    "HollowBlend.mesh": LongCall(lambda p: _corner(p).hollow("1/20"), lambda p, f, **k: p.mesh(T, **k), 3),
     "SolutionSpace.optimum": LongCall(_space, lambda p, f, **k: p.optimum(**k)),
     "pas.solutions": LongCall(_pipes, lambda p, f, **k: pas.solutions(p, 2, **k)),
     "pas.existence": LongCall(
