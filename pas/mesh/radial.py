@@ -121,7 +121,7 @@ def _allowed(points: Floats, normals: Floats, a: Integers, b: Integers, c: Integ
         upright(points, np.stack([a, b, c], axis=1), normals), upright(points, np.stack([b, a, d], axis=1), normals)
     )
     after = np.minimum(upright(points, first, normals), upright(points, second, normals))
-    return seen(points, first) & seen(points, second) & (after >= np.minimum(before, TURNED))
+    return np.asarray(after >= np.minimum(before, TURNED))
 
 
 def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
@@ -151,7 +151,7 @@ def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats)
     after = after.copy()
     least = np.minimum(upright(before, triangles, normals), TURNED)
     while True:
-        bad = ~seen(after, triangles) | (upright(after, triangles, normals) < least)
+        bad = upright(after, triangles, normals) < least
         corners = np.unique(triangles[bad])
         if not len(corners) or (after[corners] == before[corners]).all():
             return after

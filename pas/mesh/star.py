@@ -17,7 +17,7 @@ from pas.mesh.field import Floats, Integers, RayField
 from pas.mesh.fine import finer
 from pas.mesh.hull import hull
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, seen, settled
+from pas.mesh.radial import Edges, centred, flipped, settled, upright
 from pas.mesh.refine import not_reached, require_room, split, with_longest
 
 LEVELS = (1, 2, 3)
@@ -31,6 +31,12 @@ AIM = 0.72
 
 LONGEST, GRADE = 0.3, 0.5
 """Of edges, over the region's reach; and by how much their length may grow from one end to the other, over it."""
+
+BENT = 1.2
+"""Edges are at most this many times as long as the smaller radius of curvature."""
+
+FOLDED = 0.3
+"""Cosine with the surface's normals below which a triangle counts as folded."""
 
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
@@ -103,15 +109,22 @@ def _placed(field: RayField, points: Floats, triangles: Integers, ring: Integers
     ring = ring.copy()
     if len(rim):
         ring[rim] = np.argmin([curve.off(points[rim]) for curve in field.rings], axis=0)
-    _put(field, points, ring)
-    gradients = field.gradients(points)
+    inner = ring < 0
+    gradients = np.empty_like(points)
+    points[inner], gradients[inner] = field.near(points[inner])
+    _to_rings(field, points, ring)
+    gradients[~inner] = field.gradients(points[~inner])
     slopes = np.sqrt((gradients * gradients).sum(axis=1))
     return Graph(points, triangles, ring, gradients / slopes[:, None], np.zeros(len(points)), slopes)
 
 
 def _put(field: RayField, points: Floats, ring: Integers) -> None:
     inner = np.flatnonzero(ring < 0)
-    points[inner] = field.met(points[inner])
+    points[inner] = field.around(points[inner])
+    _to_rings(field, points, ring)
+
+
+def _to_rings(field: RayField, points: Floats, ring: Integers) -> None:
     for number, curve in enumerate(field.rings):
         here = np.flatnonzero(ring == number)
         if len(here):
@@ -122,6 +135,7 @@ def _sizes(field: RayField, graph: Graph, tolerance: float, edges: Edges) -> Flo
     """How long edges should be at points (N,)."""
     longest = LONGEST * field.reach
     size = np.sqrt(8 * tolerance / np.maximum(graph.bends, 8 * tolerance / longest**2))
+    size = np.minimum(size, BENT / np.maximum(graph.bends, BENT / longest))
     a, b = edges.every.T
     lengths = _lengths(graph.points, edges.every)
     for _ in range(3):
@@ -201,8 +215,8 @@ def _mended(field: RayField, graph: Graph, tolerance: float) -> Mesh:
         inside, along = distances(field, graph, edges)
         reached = float(max(inside.max(), along.max()))
         if reached <= tolerance:
-            if not seen(graph.points, graph.triangles).all():
-                raise ArithmeticError("some triangles are not seen from the centre")
+            if upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
+                raise ArithmeticError("some triangles are folded")
             world, deviation = field.world(graph.points), reached * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
         if step == MENDINGS:

@@ -29,6 +29,12 @@ STEPS = 60
 SETTLED = 2e-15
 """Change of the share of a ray's length that ends the search."""
 
+OUTWARDS = 1.5
+"""The furthest step outwards along a ray of the skeleton, over the distance from it."""
+
+CLOSING, CLOSE = 6, 1e-11
+"""Steps along gradients, for points very near the surface, and the last that is worth another."""
+
 BENDS = sum(1 for e in JETS if sum(e) <= 2)
 """Entries of a jet up to second derivatives."""
 
@@ -140,6 +146,66 @@ class RadialField:
             rows, share = rows[moving], step[moving]
             low, high, profiles = low[moving], high[moving], profiles[:, moving]
         return points * result[:, None]
+
+    def around(self, points: Floats) -> Floats:
+        """Where the rays to points (N, 3) from the nearest points of the skeleton meet the surface, found from there.
+
+        The skeleton joins the centre with the middle of each ring: all of it is inside a surface of one sheet, and near
+        a ring such rays stay in the region, however thin the surface is there.
+        """
+        foot = self._feet(points)
+        way = points - foot
+        low, high, share = np.zeros(len(points)), np.full(len(points), np.inf), np.ones(len(points))
+        result, rows = share.copy(), np.arange(len(points))
+        for _ in range(STEPS):
+            jets = self._jets_at(foot + share[:, None] * way)
+            value, slope = jets[0], (jets[1:].T * way).sum(axis=1)
+            below = value < 0
+            low, high = np.where(below, share, low), np.where(below, high, share)
+            with np.errstate(all="ignore"):
+                step = share - value / slope
+            most = np.minimum(high, OUTWARDS * share)
+            good = (step >= low) & (step <= most) & (slope > 0)
+            step = np.where(good, step, np.where(np.isfinite(high), (low + high) / 2, most))
+            result[rows] = step
+            moving = np.abs(step - share) > SETTLED * step
+            if not moving.any():
+                break
+            rows, share, low, high = rows[moving], step[moving], low[moving], high[moving]
+            foot, way = foot[moving], way[moving]
+        foot = self._feet(points)
+        return foot + result[:, None] * (points - foot)
+
+    def near(self, points: Floats) -> tuple[Floats, Floats]:
+        """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
+        points = points.copy()
+        gradients = np.empty_like(points)
+        rows = np.arange(len(points))
+        for _ in range(CLOSING):
+            jets = self._jets_at(points[rows])
+            g = jets[1:]
+            step = -jets[0] * g / np.maximum((g * g).sum(axis=0), 1e-300)
+            points[rows] += step.T
+            gradients[rows] = g.T
+            rows = rows[np.abs(step).max(axis=0, initial=0.0) > CLOSE]
+            if not len(rows):
+                break
+        return points, gradients
+
+    def _jets_at(self, points: Floats) -> Floats:
+        """Values and gradients (4, N) at points (N, 3)."""
+        return self._products(self._jets[:, :4], points, self.leaving(points)[1])
+
+    def _feet(self, points: Floats) -> Floats:
+        """The nearest points (N, 3) of the skeleton."""
+        best, least = np.zeros_like(points), (points * points).sum(axis=1)
+        for ring in self.rings:
+            along = np.clip(points @ ring.middle / (ring.middle @ ring.middle), 0.0, 1.0)
+            foot = along[:, None] * ring.middle
+            distance = ((points - foot) ** 2).sum(axis=1)
+            nearer = distance < least
+            best[nearer], least = foot[nearer], np.minimum(least, distance)
+        return best
 
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
