@@ -25,6 +25,10 @@ AROUND = 12
 CLEAR = 0.5
 """Directions closer to a ring than this share of their own spacing are left out."""
 
+WIDER = 1.6
+"""Each circle of directions around a small ring is this many times as wide as the one before, so that neighbours on
+a thin pipe are on the same side of it."""
+
 HALVINGS = 12
 """Rounds in which edges of rings that are missing are halved."""
 
@@ -56,7 +60,8 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
         units = units[~ring.inside(units)]
     for _ in range(HALVINGS):
         poles = np.array([ring.middle for ring in field.rings]).reshape(-1, 3)
-        free = _clear(units, rings, spacing)
+        free = np.concatenate([*_collars(field, rings, spacing), units])
+        free = free[_clear(free, rings, spacing)]
         points = np.concatenate([*rings, free, poles])
         triangles = _delaunay(points)
         missing = _missing(triangles, [len(r) for r in rings], len(points))
@@ -66,11 +71,34 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
 
 
-def _clear(units: Floats, rings: list[Floats], spacing: float) -> Floats:
+def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Floats]:
+    """Directions (N, 3) in circles around each ring, out to where the others are as close."""
+    result = []
+    for number, curve in enumerate(field.rings):
+        ring = curve.round(AROUND)
+        way, width = ring - curve.middle, WIDER
+        while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < spacing:
+            way = (way + np.roll(way, 1, axis=0)) / (2 * np.cos(np.pi / AROUND))
+            units = unit_rows(curve.middle + width * way)
+            nearest = np.stack([(units @ unit_rows(r).T).max(axis=1) for r in rings]).argmax(axis=0)
+            result.append(units[nearest == number])
+            width *= WIDER
+    return result
+
+
+def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
+    """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
     if not rings:
-        return units
+        return np.ones(len(units), dtype=bool)
     edge = unit_rows(np.concatenate(rings))
-    return units[(units @ edge.T).max(axis=1) < np.cos(CLEAR * spacing)]
+    angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
+    near = np.minimum(CLEAR * spacing, 0.5 * angle)
+    clear = angle > 1e-6
+    apart = np.arccos(np.clip(units @ units.T, -1, 1))
+    for i in range(len(units)):
+        if clear[i] and (apart[i, :i][clear[:i]] < near[i]).any():
+            clear[i] = False
+    return clear
 
 
 def _delaunay(points: Floats) -> Integers:

@@ -174,7 +174,10 @@ class RadialField:
             rows, share, low, high = rows[moving], step[moving], low[moving], high[moving]
             foot, way = foot[moving], way[moving]
         foot = self._feet(points)
-        return foot + result[:, None] * (points - foot)
+        found = foot + result[:, None] * (points - foot)
+        if not (found * found).sum(axis=1).max(initial=0.0) <= self.reach**2:
+            raise ArithmeticError("a ray from the skeleton does not meet the surface in the region")
+        return np.asarray(found)
 
     def near(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
