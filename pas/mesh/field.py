@@ -102,10 +102,10 @@ class RayField(Field, Protocol):
     def met(self, points: Floats) -> Floats:
         """The points of the surface (N, 3) on the rays through points (N, 3)."""
 
-    def around(self, points: Floats) -> Floats:
+    def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 
-    def near(self, points: Floats) -> tuple[Floats, Floats]:
+    def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
 
     def once(self, points: Floats) -> bool:

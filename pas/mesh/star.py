@@ -111,7 +111,7 @@ def _placed(field: RayField, points: Floats, triangles: Integers, ring: Integers
         ring[rim] = np.argmin([curve.off(points[rim]) for curve in field.rings], axis=0)
     inner = ring < 0
     gradients = np.empty_like(points)
-    points[inner], gradients[inner] = field.near(points[inner])
+    points[inner], gradients[inner] = field.closed(points[inner])
     _to_rings(field, points, ring)
     gradients[~inner] = field.gradients(points[~inner])
     slopes = np.sqrt((gradients * gradients).sum(axis=1))
@@ -120,7 +120,7 @@ def _placed(field: RayField, points: Floats, triangles: Integers, ring: Integers
 
 def _put(field: RayField, points: Floats, ring: Integers) -> None:
     inner = np.flatnonzero(ring < 0)
-    points[inner] = field.around(points[inner])
+    points[inner] = field.near(points[inner])
     _to_rings(field, points, ring)
 
 

@@ -32,6 +32,12 @@ SETTLED = 2e-15
 OUTWARDS = 1.5
 """The furthest step outwards along a ray of the skeleton, over the distance from it."""
 
+STEEP = 0.4
+"""Cosine between the surface's normal and a ray from the centre below which one from the skeleton is taken."""
+
+AWAY = 10.0
+"""How far, over the distance from the skeleton, such rays are followed at most."""
+
 CLOSING, CLOSE = 6, 1e-11
 """Steps along gradients, for points very near the surface, and the last that is worth another."""
 
@@ -147,14 +153,24 @@ class RadialField:
             low, high, profiles = low[moving], high[moving], profiles[:, moving]
         return points * result[:, None]
 
-    def around(self, points: Floats) -> Floats:
+    def near(self, points: Floats) -> Floats:
+        """The surface's points (N, 3) on the rays through points, from the skeleton where those from 0 graze it."""
+        found = self.met(points)
+        g = self._jets_at(found)[1:]
+        square = (found * found).sum(axis=1) * (g * g).sum(axis=0)
+        steep = np.flatnonzero(~((found * g.T).sum(axis=1) > STEEP * np.sqrt(square)))
+        found[steep] = self._around(points[steep], found[steep])
+        return found
+
+    def _around(self, points: Floats, otherwise: Floats) -> Floats:
         """Where the rays to points (N, 3) from the nearest points of the skeleton meet the surface, found from there.
 
         The skeleton joins the centre with the middle of each ring: all of it is inside a surface of one sheet, and near
-        a ring such rays stay in the region, however thin the surface is there.
+        a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
+        those given `otherwise`.
         """
         foot = self._feet(points)
-        way = points - foot
+        way = way_ = points - foot
         low, high, share = np.zeros(len(points)), np.full(len(points), np.inf), np.ones(len(points))
         result, rows = share.copy(), np.arange(len(points))
         for _ in range(STEPS):
@@ -175,11 +191,11 @@ class RadialField:
             foot, way = foot[moving], way[moving]
         foot = self._feet(points)
         found = foot + result[:, None] * (points - foot)
-        if not (found * found).sum(axis=1).max(initial=0.0) <= self.reach**2:
-            raise ArithmeticError("a ray from the skeleton does not meet the surface in the region")
+        lost = ~(((found - points) ** 2).sum(axis=1) <= AWAY**2 * (way_ * way_).sum(axis=1))
+        found[lost] = otherwise[lost]
         return np.asarray(found)
 
-    def near(self, points: Floats) -> tuple[Floats, Floats]:
+    def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
         points = points.copy()
         gradients = np.empty_like(points)
