@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from pas.mesh.field import Floats, Integers, RayField, RingCurve
 from pas.mesh.improve import cross
@@ -103,7 +103,10 @@ def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
 
 def _delaunay(points: Floats) -> Integers:
     units = unit_rows(points)
-    triangles = ConvexHull(units).simplices.astype(np.intp)
+    try:
+        triangles = ConvexHull(units).simplices.astype(np.intp)
+    except QhullError:
+        raise ArithmeticError("directions that are flat have no triangles") from None
     a, b, c = (units[triangles[:, i]] for i in range(3))
     turned = (a * cross(b, c)).sum(axis=1) < 0
     triangles[turned] = triangles[turned][:, ::-1]

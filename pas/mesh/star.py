@@ -18,7 +18,8 @@ from pas.mesh.fine import finer
 from pas.mesh.hull import hull
 from pas.mesh.mesh import Mesh
 from pas.mesh.radial import Edges, centred, flipped, settled, upright
-from pas.mesh.refine import not_reached, require_room, split, with_longest
+from pas.mesh import refine
+from pas.mesh.refine import require_room, split, too_many, with_longest
 
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
@@ -60,19 +61,39 @@ class Graph:
     slopes: Floats
 
 
-def star(field: RayField, tolerance: float) -> Mesh:
-    """A mesh in the user's coordinates within a tolerance, measured.
+def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
+    """A mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
 
-    Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show.
+    Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
+    where there would be too many triangles.
     """
     m = max(1, int(np.sqrt(COARSE * field.reach / tolerance)))
-    graph = _remeshed(field, _first(field), AIM * tolerance * m * m)
+    first = _first(field)
+    _require_once(field, first)
+    graph = _remeshed(field, first, AIM * tolerance * m * m)
+    _require_once(field, graph)
+    most = refine.LARGEST if most is None else most
+    fits = max(1, int(np.sqrt(most / len(graph.triangles))))
+    if fits < m or len(graph.triangles) > most:
+        measured = _cut(field, graph, fits)
+        reached = _farthest(*distances(field, measured, Edges(measured.triangles, len(measured.points))))
+        raise too_many(field, len(measured.triangles), most, tolerance, reached)
+    return _mended(field, _cut(field, graph, m), tolerance, most)
+
+
+def _require_once(field: RayField, graph: Graph) -> None:
     if not field.once(graph.points[graph.ring < 0]):
         raise ArithmeticError("a ray from the centre does not meet the surface once")
-    require_room(field, len(graph.triangles) * m * m, 0.0, tolerance, COARSE * field.reach)
+
+
+def _cut(field: RayField, graph: Graph, m: int) -> Graph:
+    """Each triangle cut into m^2, the points on the surface."""
     points, triangles = finer(graph.points, graph.triangles, graph.normals, m)
-    graph = _placed(field, points, triangles, np.full(len(points), -1))
-    return _mended(field, graph, tolerance)
+    return _placed(field, points, triangles, np.full(len(points), -1))
+
+
+def _farthest(inside: Floats, along: Floats) -> float:
+    return float(max(inside.max(), along.max()))
 
 
 def _first(field: RayField) -> Graph:
@@ -208,12 +229,12 @@ def _relaxed(field: RayField, graph: Graph, tolerance: float) -> Graph:
     return _looked_at(field, points, triangles, graph.ring)
 
 
-def _mended(field: RayField, graph: Graph, tolerance: float) -> Mesh:
+def _mended(field: RayField, graph: Graph, tolerance: float, most: int) -> Mesh:
     for step in range(MENDINGS + 1):
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
         edges = Edges(graph.triangles, len(graph.points))
         inside, along = distances(field, graph, edges)
-        reached = float(max(inside.max(), along.max()))
+        reached = _farthest(inside, along)
         if reached <= tolerance:
             if upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
@@ -222,10 +243,10 @@ def _mended(field: RayField, graph: Graph, tolerance: float) -> Mesh:
         if step == MENDINGS:
             break
         far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
-        require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached)
+        require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
         graph = _split(field, graph, far)
         graph = replace(graph, triangles=flipped(graph.points, graph.triangles, graph.normals, 3))
-    raise not_reached(field, len(graph.triangles), tolerance, reached, "; the surface may have a singular point")
+    raise ArithmeticError("the tolerance was not reached")
 
 
 def distances(field: RayField, graph: Graph, edges: Edges) -> tuple[Floats, Floats]:
