@@ -23,6 +23,9 @@ GAIN = 1e-6
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that a flip must keep, or not make worse."""
 
+LARGEST_NUMBER = 1 << 62
+"""Below the largest whole number of an array."""
+
 SEEN = 1e-9
 """Determinants over the product of the three distances count as positive from here."""
 
@@ -39,8 +42,7 @@ class Edges:
         start, end = triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
         apex, owner = triangles[:, [2, 0, 1]].T.ravel(), np.tile(np.arange(len(triangles)), 3)
         keys = np.minimum(start, end) * size + np.maximum(start, end)
-        order = np.argsort(keys, kind="stable")
-        ordered = keys[order]
+        ordered, order = _sorted(keys)
         same = ordered[1:] == ordered[:-1]
         i, j = order[:-1][same], order[1:][same]
         self.manifold = not (same[1:] & same[:-1]).any() and bool((start[i] == end[j]).all())
@@ -62,6 +64,17 @@ class Edges:
         order = np.argsort(self.rim[:, 0])
         back = np.argsort(self.rim[:, 1])
         return self.rim[order, 0], self.rim[back, 0], self.rim[order, 1]
+
+
+def _sorted(keys: Integers) -> tuple[Integers, Integers]:
+    """Keys in order, equal ones as they stand, and where each stood: by sorting numbers that hold both, if they can."""
+    count = len(keys)
+    if int(keys.max(initial=0)) >= LARGEST_NUMBER // max(count, 1):
+        order = np.argsort(keys, kind="stable")
+        return keys[order], order
+    both = np.sort(keys * count + np.arange(count))
+    ordered = both // count
+    return ordered, both - ordered * count
 
 
 def facets(points: Floats, triangles: Integers) -> Floats:
