@@ -29,6 +29,9 @@ WIDER = 1.6
 """Each circle of directions around a small ring is this many times as wide as the one before, so that neighbours on
 a thin pipe are on the same side of it."""
 
+SMALL = 0.8
+"""A ring is that small whose next circle is narrower than this share of the others' spacing."""
+
 HALVINGS = 12
 """Rounds in which edges of rings that are missing are halved."""
 
@@ -77,7 +80,7 @@ def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Float
     for number, curve in enumerate(field.rings):
         ring = curve.round(AROUND)
         way, width = ring - curve.middle, WIDER
-        while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < spacing:
+        while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < SMALL * spacing:
             way = (way + np.roll(way, 1, axis=0)) / (2 * np.cos(np.pi / AROUND))
             units = unit_rows(curve.middle + width * way)
             nearest = np.stack([(units @ unit_rows(r).T).max(axis=1) for r in rings]).argmax(axis=0)

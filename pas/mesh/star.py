@@ -24,7 +24,7 @@ from pas.mesh.refine import require_room, split, too_many, with_longest
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
 
-COARSE = 4e-3
+COARSE = 8e-3
 """Over the region's reach: the tolerance for the triangles that are then cut."""
 
 AIM = 0.72
