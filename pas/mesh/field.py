@@ -111,11 +111,11 @@ class RayField(Field, Protocol):
     def once(self, points: Floats) -> bool:
         """Whether rays through points (N, 3) meet it once, as sampled."""
 
-    def values(self, points: Floats) -> Floats:
-        """The function (N,) whose zeros it is at points (N, 3)."""
-
     def gradients(self, points: Floats) -> Floats:
-        """Its gradients (N, 3)."""
+        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points (N, 3) from it, to first order."""
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""

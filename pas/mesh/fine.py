@@ -22,7 +22,9 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
     low, high = edges // size, edges % size
     s = (np.arange(1, m) / m)[None, :, None]
     p, q = points[low][:, None], points[high][:, None]
-    first, last = (((q - p) * normals[v][:, None]).sum(axis=2, keepdims=True) * normals[v][:, None] for v in (low, high))
+    first, last = (
+        ((q - p) * normals[v][:, None]).sum(axis=2, keepdims=True) * normals[v][:, None] for v in (low, high)
+    )
     on_edges = (1 - s) * p + s * q - s * (1 - s) ** 2 * first + s**2 * (1 - s) * last
     inner = _inside(points, triangles, normals, weights)
     grid = np.empty((count, len(border)), dtype=np.intp)

@@ -20,6 +20,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.radial import Edges, centred, flipped, settled, upright
 from pas.mesh import refine
 from pas.mesh.refine import require_room, split, too_many, with_longest
+from pas.mesh.shading import unit_rows
 
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
@@ -47,8 +48,7 @@ ROUNDS, LAST, MENDINGS = 24, 4, 12
 
 @dataclass(frozen=True)
 class Graph:
-    """Points (N, 3), triangles (T, 3), and at the points unit normals (N, 3), the larger curvature's size (N,) and the gradient's
-    length (N,).
+    """Points (N, 3), triangles (T, 3), and at the points unit normals (N, 3) and the larger curvature's size (N,).
 
     `ring` (N,) is the number of the ring that a point is on, -1 inside.
     """
@@ -58,7 +58,6 @@ class Graph:
     ring: Integers
     normals: Floats
     bends: Floats
-    slopes: Floats
 
 
 def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
@@ -120,8 +119,7 @@ def _ring_numbers(field: RayField, points: Floats, triangles: Integers) -> Integ
 
 def _looked_at(field: RayField, points: Floats, triangles: Integers, ring: Integers) -> Graph:
     gradients, bends = field.bending(points)
-    slopes = np.sqrt((gradients * gradients).sum(axis=1))
-    return Graph(points, triangles, ring, gradients / slopes[:, None], bends, slopes)
+    return Graph(points, triangles, ring, unit_rows(gradients), bends)
 
 
 def _placed(field: RayField, points: Floats, triangles: Integers, ring: Integers) -> Graph:
@@ -135,8 +133,7 @@ def _placed(field: RayField, points: Floats, triangles: Integers, ring: Integers
     points[inner], gradients[inner] = field.closed(points[inner])
     _to_rings(field, points, ring)
     gradients[~inner] = field.gradients(points[~inner])
-    slopes = np.sqrt((gradients * gradients).sum(axis=1))
-    return Graph(points, triangles, ring, gradients / slopes[:, None], np.zeros(len(points)), slopes)
+    return Graph(points, triangles, ring, unit_rows(gradients), np.zeros(len(points)))
 
 
 def _put(field: RayField, points: Floats, ring: Integers) -> None:
@@ -250,20 +247,15 @@ def _mended(field: RayField, graph: Graph, tolerance: float, most: int) -> Mesh:
 
 
 def distances(field: RayField, graph: Graph, edges: Edges) -> tuple[Floats, Floats]:
-    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane.
-
-    The gradient's length is that of the mean at the corners, known to second order.
-    """
+    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane."""
     centres = graph.points[graph.triangles].mean(axis=1)
     middles = graph.points[edges.every].mean(axis=1)
     inner = len(edges.inner)
-    values = np.abs(field.values(np.concatenate([centres, middles[:inner]])))
-    slope = graph.slopes
-    inside = values[: len(centres)] / slope[graph.triangles].mean(axis=1)
+    found = field.distances(np.concatenate([centres, middles[:inner]]))
     along = np.empty(len(middles))
-    along[:inner] = values[len(centres) :] / slope[edges.inner].mean(axis=1)
-    rim = np.flatnonzero(np.arange(len(middles)) >= inner)
+    along[:inner] = found[len(centres) :]
+    rings = graph.ring[edges.rim[:, 0]]
     for number, curve in enumerate(field.rings):
-        here = rim[graph.ring[edges.rim[:, 0]] == number]
+        here = inner + np.flatnonzero(rings == number)
         along[here] = curve.distances(middles[here])
-    return inside, along
+    return found[: len(centres)], along

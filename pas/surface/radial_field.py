@@ -102,10 +102,14 @@ class RadialField:
         result[:, order] = sorted_result
         return result
 
-    def values(self, points: Floats, pieces: Integers | None = None) -> Floats:
+    def values(self, points: Floats) -> Floats:
         """The values (N,) at points (N, 3)."""
-        pieces = self.leaving(points)[1] if pieces is None else pieces
-        return self._products(self._jets[:, :1], points, pieces)[0]
+        return self._products(self._jets[:, :1], points, self.leaving(points)[1])[0]
+
+    def distances(self, points: Floats) -> Floats:
+        """The distances |f| / |grad f| (N,) of points (N, 3), to first order."""
+        jets = self._jets_at(points)
+        return np.asarray(np.abs(jets[0]) / np.maximum(np.sqrt((jets[1:] * jets[1:]).sum(axis=0)), 1e-300))
 
     def gradients(self, points: Floats) -> Floats:
         """The gradients (N, 3) at points (N, 3)."""
@@ -243,5 +247,3 @@ def _with_slope(profiles: Floats, share: Floats) -> tuple[Floats, Floats]:
         slope = slope * share + value
         value = value * share + row
     return value, slope
-
-
