@@ -148,7 +148,7 @@ def _trimmed(
         here = start + np.arange(len(ring))
         ends.append(_keys(here, np.roll(here, -1), size))
         start += len(ring)
-    open_ = ~np.isin(_keys(*edges.inner.T, size), np.concatenate(ends))
+    open_ = ~np.isin(_keys(edges.inner[:, 0], edges.inner[:, 1], size), np.concatenate(ends))
     i, j = edges.owners[open_].T
     parts = connected_components(coo_matrix((np.ones(len(i)), (i, j)), shape=(len(triangles),) * 2), directed=False)[1]
     inside = np.unique(parts[(triangles >= size - poles).any(axis=1)])

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pas.limits import checkpoint
+from pas.mesh import refine
 from pas.mesh.field import Floats, Integers, RayField
 from pas.mesh.fine import finer
 from pas.mesh.hull import hull
 from pas.mesh.mesh import Mesh
 from pas.mesh.radial import Edges, centred, flipped, settled, upright
-from pas.mesh import refine
 from pas.mesh.refine import require_room, split, too_many, with_longest
 from pas.mesh.shading import unit_rows
 
