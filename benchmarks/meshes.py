@@ -85,7 +85,8 @@ class Grid:
         result = np.empty((counts[2], counts[1] * counts[0]))
         plane = np.stack(np.meshgrid(y, x, indexing="ij")[::-1], axis=-1).reshape(-1, 2)
         for k, height in enumerate(z):
-            result[k] = self.field.values(np.column_stack([plane, np.full(len(plane), height)]))
+            with np.errstate(divide="ignore"):  # the ray through the centre has no end
+                result[k] = self.field.values(np.column_stack([plane, np.full(len(plane), height)]))
         image = pyvista.ImageData(dimensions=counts, spacing=(step,) * 3, origin=self.low)
         image["f"] = result.ravel()
         return image

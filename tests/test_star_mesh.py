@@ -70,7 +70,8 @@ def test_triangles_are_fewer_than_from_a_lattice():
 
 
 def test_nodes_of_struts_are_graphs(no_lattice):
-    surface = pas.blend(pas.struts([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), 1)], 1), 1, energy=pas.ThinPlate()).surface
+    pipes = pas.struts([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), 1)], 1)
+    surface = pas.blend(pipes, 1, energy=pas.ThinPlate()).surface
     tolerance = 3e-3 * float(np.ptp(surface.partition.points, axis=0).max())
     check(surface, surface.mesh(tolerance), tolerance)
 

@@ -1,7 +1,8 @@
-"""Meshes that are graphs over directions: what is done to triangles seen once from a centre, 0.
+"""Meshes that begin as graphs over directions: flips, moves and edges, in arrays.
 
-A triangle (a, b, c) with `det(a, b, c) > 0` is seen from 0 with its outside away.  Where all triangles of a mesh are,
-and it covers its directions once, flips, splits and moves that keep the determinants positive keep it so.
+A triangle (a, b, c) with `det(a, b, c) > 0` is seen from 0 with its outside away.  The first triangles are.  Later
+ones need not be where rays graze the surface, as in thin pipes: then it is the surface's normals at the corners that
+they keep to, and no edge is made twice.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ class Edges:
         apex, owner = triangles[:, [2, 0, 1]].T.ravel(), np.tile(np.arange(len(triangles)), 3)
         keys = np.minimum(start, end) * size + np.maximum(start, end)
         ordered, order = _sorted(keys)
+        self._keys, self._size = ordered, size
         same = ordered[1:] == ordered[:-1]
         i, j = order[:-1][same], order[1:][same]
         self.manifold = not (same[1:] & same[:-1]).any() and bool((start[i] == end[j]).all())
@@ -57,6 +59,12 @@ class Edges:
     def every(self) -> Integers:
         """The inner edges, then those of the rim (E, 2)."""
         return np.concatenate([self.inner, self.rim])
+
+    def has(self, a: Integers, b: Integers) -> np.ndarray:
+        """Which pairs of vertices (N,) are edges."""
+        wanted = np.minimum(a, b) * self._size + np.maximum(a, b)
+        place = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        return np.asarray(self._keys[place] == wanted)
 
     @property
     def neighbours(self) -> tuple[Integers, Integers, Integers]:
@@ -100,7 +108,7 @@ def upright(points: Floats, triangles: Integers, normals: Floats) -> Floats:
 
 
 def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = FLIPS) -> Integers:
-    """The triangles (T, 3) with edges flipped towards Delaunay's criterion, all still seen from 0."""
+    """The triangles (T, 3) with edges flipped towards Delaunay's criterion, none away from the surface's normals."""
     triangles = triangles.copy()
     for _ in range(passes):
         edges = Edges(triangles, len(points))
@@ -108,6 +116,7 @@ def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = 
         gain = _beyond(points, a, b, c, d)
         wanted = np.flatnonzero(gain > GAIN)
         wanted = wanted[_allowed(points, normals, *(v[wanted] for v in (a, b, c, d)))]
+        wanted = wanted[~edges.has(c[wanted], d[wanted])]
         rows = wanted[_apart(edges.owners[wanted], gain[wanted], len(triangles))]
         if not len(rows):
             break
@@ -128,7 +137,7 @@ def _beyond(points: Floats, a: Integers, b: Integers, c: Integers, d: Integers) 
 
 
 def _allowed(points: Floats, normals: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> np.ndarray:
-    """Whether the triangles after a flip are seen from 0 and turned no further from the surface than before."""
+    """Whether the triangles after a flip are turned no further from the surface's normals than before."""
     first, second = np.stack([c, a, d], axis=1), np.stack([c, d, b], axis=1)
     before = np.minimum(
         upright(points, np.stack([a, b, c], axis=1), normals), upright(points, np.stack([b, a, d], axis=1), normals)
@@ -160,7 +169,7 @@ def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
 
 
 def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats) -> Floats:
-    """The points after a move, some where they were before, so that all triangles are seen from 0 and not turned."""
+    """The points after a move, some where they were before, so that no triangle is turned from the normals."""
     after = after.copy()
     least = np.minimum(upright(before, triangles, normals), TURNED)
     while True:

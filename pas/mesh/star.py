@@ -2,8 +2,10 @@
 
 Few large triangles first: Delaunay's in directions, split, flipped and smoothed until their edges are as long as the
 curvature lets them be at m^2 times the tolerance; each is cut into m^2, and all points are put onto their rays.  What
-is measured to be too far is halved.  All triangles are seen once from the centre at each step, so the mesh has the
-topology of the graph.
+is measured to be too far is halved.
+
+The first triangles are seen once from the centre, so they have the topology of the graph.  Splits, flips that make no
+edge twice, and moves keep it.  That the result is a manifold without folds is looked at, not proved.
 """
 
 from __future__ import annotations
@@ -233,7 +235,7 @@ def _mended(field: RayField, graph: Graph, tolerance: float, most: int) -> Mesh:
         inside, along = distances(field, graph, edges)
         reached = _farthest(inside, along)
         if reached <= tolerance:
-            if upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
+            if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
             world, deviation = field.world(graph.points), reached * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
