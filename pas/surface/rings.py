@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.algebra.monomials import Floats, evaluate
+from pas.algebra.kernels import evaluate
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 
 if TYPE_CHECKING:
