@@ -13,6 +13,7 @@ import math
 import operator
 from collections.abc import Sequence
 from math import comb
+from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -135,6 +136,17 @@ def check_surface_degree(highest: int, degree: Any = None) -> int:
 def check_derivative(order: Any, name: str) -> int:
     """The order of a derivative."""
     return whole(order, name, 0, HIGHEST_DERIVATIVE)
+
+
+def check_limit(most: Any) -> int | None:
+    """A limit to the number of triangles, None for none; raises `TypeError` or `ValueError` for what is none."""
+    if most is None:
+        return None
+    if isinstance(most, bool) or not isinstance(most, Integral):
+        raise TypeError(f"max_triangles must be a whole number, not {shown(most)}")
+    if most < 1:
+        raise ValueError(f"max_triangles must be at least 1, not {int(most)}")
+    return int(most)
 
 
 def check_tolerance(tolerance: Any, size: float | None = None) -> float:

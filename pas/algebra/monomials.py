@@ -46,10 +46,13 @@ def count(degree: int, variables: int = 3) -> int:
 
 
 @cache
-def _products(degree: int) -> tuple[tuple[slice, NDArray[np.intp], int], ...]:
-    """How each block of monomials follows from earlier columns: (columns, parents, variable)."""
+def _products(degree: int) -> tuple[tuple[slice, slice, int], ...]:
+    """How each block of monomials follows from earlier columns: (columns, parents, variable).
+
+    The parents of a block follow one another, in the same order.
+    """
     where = positions(degree)
-    blocks: list[tuple[slice, NDArray[np.intp], int]] = []
+    blocks: list[tuple[slice, slice, int]] = []
     for d in range(1, degree + 1):
         start = count(d - 1)
         parents: dict[int, list[int]] = {0: [], 1: [], 2: []}
@@ -58,7 +61,7 @@ def _products(degree: int) -> tuple[tuple[slice, NDArray[np.intp], int], ...]:
             parents[variable].append(where[(a - 1, b, c) if a else (0, b - 1, c) if b else (0, 0, c - 1)])
         for variable, indices in parents.items():
             stop = start + len(indices)
-            blocks.append((slice(start, stop), np.array(indices), variable))
+            blocks.append((slice(start, stop), slice(indices[0], indices[-1] + 1), variable))
             start = stop
     return tuple(blocks)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -62,6 +63,62 @@ class CellField(Field, Protocol):
 
     def jets(self, points: Floats, cells: Integers) -> Floats:
         """Values and gradients (N, 4) of given cells' functions at points (N, 3)."""
+
+
+class RingCurve(Protocol):
+    """A closed curve on which a surface ends, in a plane and a graph over the angle about its middle."""
+
+    @property
+    def middle(self) -> Floats:
+        """A point (3,) of the plane inside the curve."""
+
+    def at(self, points: Floats) -> Floats:
+        """The points of the curve (N, 3) seen from the middle where points (N, 3) near it are."""
+
+    def round(self, number: int) -> Floats:
+        """So many points (N, 3) of it in turn."""
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) in the plane."""
+
+    def off(self, points: Floats) -> Floats:
+        """Distances (N,) in space."""
+
+    def inside(self, units: Floats) -> NDArray[np.bool_]:
+        """Which rays (N, 3) from 0 pass through it."""
+
+
+class RayField(Field, Protocol):
+    """A surface that rays from 0 meet once, but for those through its `rings`, on which it ends."""
+
+    @property
+    def reach(self) -> float:
+        """The distance from 0 of the region's furthest point."""
+
+    @property
+    def rings(self) -> Sequence[RingCurve]:
+        """The curves on which it ends."""
+
+    def met(self, points: Floats) -> Floats:
+        """The points of the surface (N, 3) on the rays through points (N, 3)."""
+
+    def near(self, points: Floats) -> Floats:
+        """Points (N, 3) of the surface near points inside or outside it."""
+
+    def closed(self, points: Floats) -> tuple[Floats, Floats]:
+        """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
+
+    def once(self, points: Floats) -> bool:
+        """Whether rays through points (N, 3) meet it once, as sampled."""
+
+    def gradients(self, points: Floats) -> Floats:
+        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points (N, 3) from it, to first order."""
+
+    def bending(self, points: Floats) -> tuple[Floats, Floats]:
+        """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
 
 
 class FaceField(Field, Protocol):

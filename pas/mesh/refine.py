@@ -27,13 +27,21 @@ def farthest_inside(distances: Floats) -> Floats:
     return np.asarray(distances.reshape(-1, len(INNER)).max(axis=1))
 
 
-def require_room(field: Field, triangles: int, far: float, tolerance: float, reached: float) -> None:
-    """Raise `MeshError` where splitting the share `far` of the edges would give too many triangles."""
-    if triangles * (1 + 3 * far) > LARGEST:
-        raise MeshError(
-            f"the tolerance {tolerance * field.scale:.3g} needs more than {LARGEST} triangles; "
-            f"{reached * field.scale:.2g} is reached with {triangles}"
-        )
+def require_room(
+    field: Field, triangles: int, far: float, tolerance: float, reached: float, most: int | None = None
+) -> None:
+    """Raise `MeshError` where splitting the share `far` of the edges would give more than `most` triangles."""
+    most = LARGEST if most is None else most
+    if triangles * (1 + 3 * far) > most:
+        raise too_many(field, triangles, most, tolerance, reached)
+
+
+def too_many(field: Field, triangles: int, most: int, tolerance: float, reached: float) -> MeshError:
+    """That a tolerance needs more than `most` triangles, and what is reached with some."""
+    return MeshError(
+        f"the tolerance {tolerance * field.scale:.3g} needs more than {most} triangles; "
+        f"{reached * field.scale:.2g} is reached with {triangles}"
+    )
 
 
 def not_reached(field: Field, triangles: int, tolerance: float, reached: float, why: str) -> MeshError:

@@ -41,10 +41,10 @@ FIRST_SMOOTHINGS, LATER_SMOOTHINGS = 5, 2
 REFINEMENTS = 16
 
 
-def triangulate(field: CellField, tolerance: float) -> Mesh:
+def triangulate(field: CellField, tolerance: float, most: int | None = None) -> Mesh:
     """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
-    Raises `MeshError` where there is no surface, or the tolerance needs too many triangles.
+    Raises `MeshError` where there is no surface, or the tolerance needs more than `most` triangles.
     """
     mesh = _first(field)
     for step in range(REFINEMENTS + 1):
@@ -58,7 +58,7 @@ def triangulate(field: CellField, tolerance: float) -> Mesh:
             break
         edges = mesh.edges[0]
         far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
-        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, reached)
+        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, reached, most)
         mesh = _refined(field, mesh, far)
     raise not_reached(field, len(mesh.triangles), tolerance, reached, "; the surface may have a singular point")
 

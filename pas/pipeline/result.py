@@ -216,10 +216,15 @@ class Blend(Shape):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        max_triangles: int | None = None,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
-        return self.surface.mesh(tolerance)
+        return self.surface.mesh(tolerance, max_triangles=max_triangles)
 
     def __str__(self) -> str:
         return summary(self)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.inputs import check_surface_degree, check_tolerance
+from pas.algebra.inputs import check_limit, check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
@@ -18,7 +18,6 @@ from pas.bernstein.forms import b_form, on_simplex
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.triangulate import triangulate
 from pas.partition.cells import OuterFace, Partition
 from pas.shape import Shape
 from pas.surface.certificate import Certificate
@@ -27,7 +26,7 @@ from pas.surface.curvature_bound import curvature_below
 from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
-from pas.surface.local_field import LocalField
+from pas.surface.meshing import meshed
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
 from pas.verdicts import Verdict
@@ -235,20 +234,25 @@ class PiecewiseSurface(InPlace, Shape):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        max_triangles: int | None = None,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
-        """Triangles within `tolerance` (the model's units) of the surface, as measured.
+        """Triangles within `tolerance` (the model's units) of the surface, as measured, at most `max_triangles`.
 
         Vertices lie on the surface, boundary vertices on the contact curves; normals point outwards.  By default
         the tolerance is a thousandth of the longest side of the region's box.  Raises `MeshError` where there is
-        no surface or the tolerance is too small.
+        no surface or the tolerance needs more triangles than that (four million by default).
         """
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         if tolerance is None:
             tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
-        field = LocalField(self)
-        return triangulate(field, check_tolerance(tolerance, field.scale) / field.scale)
+        scale = float(to_fraction(self.partition.frame.scale))
+        return meshed(self, check_tolerance(tolerance, scale), check_limit(max_triangles))
 
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(

@@ -1,0 +1,161 @@
+"""The first triangles of a graph over directions: Delaunay's on the sphere, with the rings on which it ends as edges.
+
+The convex hull of unit vectors is the Delaunay triangulation of the sphere.  A ring's edge that is missing is halved
+until all are there (conforming triangulation, Ruppert 1995); a pole inside each ring keeps its disc apart, which is
+then left out.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError
+
+from pas.mesh.field import Floats, Integers, RayField, RingCurve
+from pas.mesh.improve import cross
+from pas.mesh.radial import Edges, seen
+from pas.mesh.shading import unit_rows
+
+AROUND = 12
+"""Points of a ring to begin with."""
+
+CLEAR = 0.5
+"""Directions closer to a ring than this share of their own spacing are left out."""
+
+WIDER = 1.6
+"""Each circle of directions around a small ring is this many times as wide as the one before, so that neighbours on
+a thin pipe are on the same side of it."""
+
+SMALL = 0.8
+"""A ring is that small whose next circle is narrower than this share of the others' spacing."""
+
+HALVINGS = 12
+"""Rounds in which edges of rings that are missing are halved."""
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+"""A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
+
+
+@cache
+def icosphere(level: int) -> tuple[Floats, float]:
+    """The vertices (N, 3) of an icosahedron halved so often, turned, and their spacing in radians."""
+    golden = (1 + 5**0.5) / 2
+    corners = [(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]
+    units = unit_rows(np.array([np.roll(c, k) for c in corners for k in range(3)], dtype=float))
+    for _ in range(level):
+        faces = ConvexHull(units).simplices
+        pairs = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1), axis=0)
+        units = np.concatenate([units, unit_rows(units[pairs].sum(axis=1))])
+    return units @ TURN.T, 1.107 / 2**level
+
+
+def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
+    """Points on the surface (N, 3) and triangles seen once from 0, whose rim is on the rings.
+
+    Raises `ArithmeticError` where these directions do not do.
+    """
+    units, spacing = icosphere(level)
+    rings = [ring.round(AROUND) for ring in field.rings]
+    for ring in field.rings:
+        units = units[~ring.inside(units)]
+    for _ in range(HALVINGS):
+        poles = np.array([ring.middle for ring in field.rings]).reshape(-1, 3)
+        free = np.concatenate([*_collars(field, rings, spacing), units])
+        free = free[_clear(free, rings, spacing)]
+        points = np.concatenate([*rings, free, poles])
+        triangles = _delaunay(points)
+        missing = _missing(triangles, [len(r) for r in rings], len(points))
+        if not any(m.any() for m in missing):
+            return _trimmed(field, points, triangles, rings, len(poles))
+        rings = [_halved(c, r, m) for c, r, m in zip(field.rings, rings, missing, strict=True)]
+    raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
+
+
+def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Floats]:
+    """Directions (N, 3) in circles around each ring, out to where the others are as close."""
+    result = []
+    for number, curve in enumerate(field.rings):
+        ring = curve.round(AROUND)
+        way, width = ring - curve.middle, WIDER
+        while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < SMALL * spacing:
+            way = (way + np.roll(way, 1, axis=0)) / (2 * np.cos(np.pi / AROUND))
+            units = unit_rows(curve.middle + width * way)
+            nearest = np.stack([(units @ unit_rows(r).T).max(axis=1) for r in rings]).argmax(axis=0)
+            result.append(units[nearest == number])
+            width *= WIDER
+    return result
+
+
+def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
+    """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
+    if not rings:
+        return np.ones(len(units), dtype=bool)
+    edge = unit_rows(np.concatenate(rings))
+    angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
+    near = np.minimum(CLEAR * spacing, 0.5 * angle)
+    clear = angle > 1e-6
+    apart = np.arccos(np.clip(units @ units.T, -1, 1))
+    for i in range(len(units)):
+        if clear[i] and (apart[i, :i][clear[:i]] < near[i]).any():
+            clear[i] = False
+    return clear
+
+
+def _delaunay(points: Floats) -> Integers:
+    units = unit_rows(points)
+    try:
+        triangles = ConvexHull(units).simplices.astype(np.intp)
+    except QhullError:
+        raise ArithmeticError("directions that are flat have no triangles") from None
+    a, b, c = (units[triangles[:, i]] for i in range(3))
+    turned = (a * cross(b, c)).sum(axis=1) < 0
+    triangles[turned] = triangles[turned][:, ::-1]
+    return triangles[np.lexsort(triangles.T)]
+
+
+def _missing(triangles: Integers, counts: list[int], size: int) -> list[np.ndarray]:
+    """For each ring which of its edges, from each point to the next, no triangle has."""
+    keys = np.unique(_keys(triangles.ravel(), triangles[:, [1, 2, 0]].ravel(), size))
+    result, start = [], 0
+    for number in counts:
+        here = start + np.arange(number)
+        result.append(~np.isin(_keys(here, np.roll(here, -1), size), keys))
+        start += number
+    return result
+
+
+def _keys(a: Integers, b: Integers, size: int) -> Integers:
+    return np.minimum(a, b) * size + np.maximum(a, b)
+
+
+def _halved(curve: RingCurve, ring: Floats, chosen: np.ndarray) -> Floats:
+    middles = curve.at((ring + np.roll(ring, -1, axis=0)) / 2)
+    both = np.stack([ring, middles], axis=1).reshape(-1, 3)
+    return both[np.stack([np.ones(len(ring), dtype=bool), chosen], axis=1).ravel()]
+
+
+def _trimmed(
+    field: RayField, points: Floats, triangles: Integers, rings: list[Floats], poles: int
+) -> tuple[Floats, Integers]:
+    """Without the discs in the rings, the points on the surface."""
+    size, rim = len(points), sum(map(len, rings))
+    edges = Edges(triangles, size)
+    ends, start = [np.empty(0, dtype=np.intp)], 0
+    for ring in rings:
+        here = start + np.arange(len(ring))
+        ends.append(_keys(here, np.roll(here, -1), size))
+        start += len(ring)
+    open_ = ~np.isin(_keys(edges.inner[:, 0], edges.inner[:, 1], size), np.concatenate(ends))
+    i, j = edges.owners[open_].T
+    parts = connected_components(coo_matrix((np.ones(len(i)), (i, j)), shape=(len(triangles),) * 2), directed=False)[1]
+    inside = np.unique(parts[(triangles >= size - poles).any(axis=1)])
+    kept = triangles[~np.isin(parts, inside)]
+    points = points[: size - poles].copy()
+    points[rim:] = field.met(points[rim:])
+    used = np.unique(kept)
+    if len(used) != len(points) or len(np.unique(parts)) != len(rings) + 1 or not seen(points, kept).all():
+        raise ArithmeticError("the rings do not bound one part of the directions")
+    return points, kept

@@ -1,0 +1,191 @@
+"""Meshes that begin as graphs over directions: flips, moves and edges, in arrays.
+
+A triangle (a, b, c) with `det(a, b, c) > 0` is seen from 0 with its outside away.  The first triangles are.  Later
+ones need not be where rays graze the surface, as in thin pipes: then it is the surface's normals at the corners that
+they keep to, and no edge is made twice.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix
+
+from pas.mesh.field import Floats, Integers
+from pas.mesh.improve import cross
+
+FLIPS = 8
+"""Passes of flips, each over an independent set of edges."""
+
+GAIN = 1e-6
+"""Sine of the angle by which two opposite angles must exceed pi for a flip, so that ties stay."""
+
+TURNED = 0.5
+"""Cosine between a triangle and the normals at its corners that a flip must keep, or not make worse."""
+
+LARGEST_NUMBER = 1 << 62
+"""Below the largest whole number of an array."""
+
+SEEN = 1e-9
+"""Determinants over the product of the three distances count as positive from here."""
+
+
+class Edges:
+    """The edges of an oriented mesh of T triangles on `size` vertices, the inner ones and the rim.
+
+    Directed as in their first triangle: `inner` (I, 2) vertices, `owners` (I, 2) triangles, `apexes` (I, 2) the
+    vertices opposite to the edge in both; `rim` (R, 2) with `rim_owner` (R,).
+    """
+
+    def __init__(self, triangles: Integers, size: int) -> None:
+        self.triangles = triangles
+        start, end = triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
+        apex, owner = triangles[:, [2, 0, 1]].T.ravel(), np.tile(np.arange(len(triangles)), 3)
+        keys = np.minimum(start, end) * size + np.maximum(start, end)
+        ordered, order = _sorted(keys)
+        self._keys, self._size = ordered, size
+        same = ordered[1:] == ordered[:-1]
+        i, j = order[:-1][same], order[1:][same]
+        self.manifold = not (same[1:] & same[:-1]).any() and bool((start[i] == end[j]).all())
+        self.inner = np.stack([start[i], end[i]], axis=1)
+        self.owners = np.stack([owner[i], owner[j]], axis=1)
+        self.apexes = np.stack([apex[i], apex[j]], axis=1)
+        alone = order[~(np.append(same, False) | np.append(False, same))]
+        self.rim = np.stack([start[alone], end[alone]], axis=1)
+        self.rim_owner = owner[alone]
+
+    @cached_property
+    def every(self) -> Integers:
+        """The inner edges, then those of the rim (E, 2)."""
+        return np.concatenate([self.inner, self.rim])
+
+    def has(self, a: Integers, b: Integers) -> np.ndarray:
+        """Which pairs of vertices (N,) are edges."""
+        wanted = np.minimum(a, b) * self._size + np.maximum(a, b)
+        place = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        return np.asarray(self._keys[place] == wanted)
+
+    @property
+    def neighbours(self) -> tuple[Integers, Integers, Integers]:
+        """The vertices of the rim (R,), and those before and after each along it."""
+        order = np.argsort(self.rim[:, 0])
+        back = np.argsort(self.rim[:, 1])
+        return self.rim[order, 0], self.rim[back, 0], self.rim[order, 1]
+
+
+def _sorted(keys: Integers) -> tuple[Integers, Integers]:
+    """Keys in order, equal ones as they stand, and where each stood: by sorting numbers that hold both, if they can."""
+    count = len(keys)
+    if int(keys.max(initial=0)) >= LARGEST_NUMBER // max(count, 1):
+        order = np.argsort(keys, kind="stable")
+        return keys[order], order
+    both = np.sort(keys * count + np.arange(count))
+    ordered = both // count
+    return ordered, both - ordered * count
+
+
+def facets(points: Floats, triangles: Integers) -> Floats:
+    """The vectors (T, 3) across triangles, twice as long as their area."""
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    return cross(b - a, c - a)
+
+
+def seen(points: Floats, triangles: Integers) -> np.ndarray:
+    """Which triangles (T,) are seen from 0 with their outside away."""
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    volume = np.einsum("ni,ni->n", a, cross(b, c))
+    lengths = np.sqrt(np.einsum("ni,ni->n", a, a) * np.einsum("ni,ni->n", b, b) * np.einsum("ni,ni->n", c, c))
+    return np.asarray(volume > SEEN * SEEN * lengths)
+
+
+def upright(points: Floats, triangles: Integers, normals: Floats) -> Floats:
+    """The cosines (T,) between triangles and the sum of the normals (N, 3) at their corners."""
+    across = facets(points, triangles)
+    total = normals[triangles[:, 0]] + normals[triangles[:, 1]] + normals[triangles[:, 2]]
+    size = np.einsum("ni,ni->n", across, across) * np.einsum("ni,ni->n", total, total)
+    return np.asarray(np.einsum("ni,ni->n", across, total) / np.sqrt(np.maximum(size, 1e-300)))
+
+
+def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = FLIPS) -> Integers:
+    """The triangles (T, 3) with edges flipped towards Delaunay's criterion, none away from the surface's normals."""
+    triangles = triangles.copy()
+    for _ in range(passes):
+        edges = Edges(triangles, len(points))
+        (a, b), (c, d) = edges.inner.T, edges.apexes.T
+        gain = _beyond(points, a, b, c, d)
+        wanted = np.flatnonzero(gain > GAIN)
+        wanted = wanted[_allowed(points, normals, *(v[wanted] for v in (a, b, c, d)))]
+        wanted = wanted[~edges.has(c[wanted], d[wanted])]
+        rows = wanted[_apart(edges.owners[wanted], gain[wanted], len(triangles))]
+        if not len(rows):
+            break
+        triangles[edges.owners[rows, 0]] = np.stack([c[rows], a[rows], d[rows]], axis=1)
+        triangles[edges.owners[rows, 1]] = np.stack([c[rows], d[rows], b[rows]], axis=1)
+    return triangles
+
+
+def _beyond(points: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> Floats:
+    """Minus the sine of the sum of the angles at c and d opposite to edges a, b: positive beyond pi."""
+    p, q = points[a] - points[c], points[b] - points[c]
+    r, s = points[a] - points[d], points[b] - points[d]
+    u, v = cross(p, q), cross(r, s)
+    sin_c, sin_d = np.sqrt(np.einsum("ni,ni->n", u, u)), np.sqrt(np.einsum("ni,ni->n", v, v))
+    cos_c, cos_d = np.einsum("ni,ni->n", p, q), np.einsum("ni,ni->n", r, s)
+    size = np.sqrt((cos_c**2 + sin_c**2) * (cos_d**2 + sin_d**2))
+    return np.asarray(-(sin_c * cos_d + cos_c * sin_d) / np.maximum(size, 1e-300))
+
+
+def _allowed(points: Floats, normals: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> np.ndarray:
+    """Whether the triangles after a flip are turned no further from the surface's normals than before."""
+    first, second = np.stack([c, a, d], axis=1), np.stack([c, d, b], axis=1)
+    before = np.minimum(
+        upright(points, np.stack([a, b, c], axis=1), normals), upright(points, np.stack([b, a, d], axis=1), normals)
+    )
+    after = np.minimum(upright(points, first, normals), upright(points, second, normals))
+    return np.asarray(after >= np.minimum(before, TURNED))
+
+
+def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
+    """Rows of which no two share an owner: those with the largest gain of both their owners'."""
+    order = np.argsort(-gain, kind="stable")
+    rank = np.empty(len(gain), dtype=np.intp)
+    rank[order] = np.arange(len(gain))
+    first = np.full(count, len(gain))
+    np.minimum.at(first, owners.ravel(), np.repeat(rank, 2))
+    return np.flatnonzero((first[owners] == rank[:, None]).all(axis=1))
+
+
+def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
+    """The way (N, 3) from each vertex to the mean of its triangles' centres, by their area over their size squared."""
+    p = points[triangles]
+    across = facets(points, triangles)
+    weight = np.sqrt(np.einsum("ni,ni->n", across, across)) / sizes[triangles].mean(axis=1) ** 2
+    corner = triangles.T.ravel()
+    rows = (corner, np.tile(np.arange(len(triangles)), 3))
+    sums = coo_matrix((np.ones(len(corner)), rows), shape=(len(points), len(triangles))).tocsr()
+    total = sums @ np.concatenate([p.mean(axis=1) * weight[:, None], weight[:, None]], axis=1)
+    return np.asarray(total[:, :3] / np.maximum(total[:, 3:], 1e-300) - points)
+
+
+def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats) -> Floats:
+    """The points after a move, some where they were before, so that no triangle is turned from the normals."""
+    after = after.copy()
+    least = np.minimum(upright(before, triangles, normals), TURNED)
+    while True:
+        bad = upright(after, triangles, normals) < least
+        corners = np.unique(triangles[bad])
+        if not len(corners) or (after[corners] == before[corners]).all():
+            return after
+        after[corners] = before[corners]
+
+
+def smallest_angles(points: Floats, triangles: Integers) -> Floats:
+    """The smallest angle (T,) of each triangle in degrees."""
+    p = points[triangles]
+    most = np.full(len(triangles), -np.inf)
+    for i in range(3):
+        u, v = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
+        w = cross(u, v)
+        most = np.maximum(most, np.einsum("ni,ni->n", u, v) / np.sqrt(np.maximum(np.einsum("ni,ni->n", w, w), 1e-300)))
+    return np.asarray(np.degrees(np.arctan2(1.0, most)))

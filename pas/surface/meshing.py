@@ -1,0 +1,42 @@
+"""Meshes of piecewise surfaces: as graphs over the directions from the centre, else from a lattice in the cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pas.mesh.mesh import Mesh
+from pas.mesh.star import star
+from pas.mesh.triangulate import triangulate
+from pas.surface.local_field import LocalField
+from pas.surface.radial_field import RadialField
+
+if TYPE_CHECKING:
+    from pas.surface.piecewise import PiecewiseSurface
+
+
+def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
+    """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
+
+    What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall, a
+    contact curve that is none around its middle) is meshed from a lattice.
+    """
+    if _around_centre(surface):
+        try:
+            with np.errstate(all="ignore"):  # what is not finite is no graph
+                field = RadialField(surface)
+                return star(field, tolerance / field.scale, most)
+        except ArithmeticError:
+            pass
+    lattice = LocalField(surface)
+    return triangulate(lattice, tolerance / lattice.scale, most)
+
+
+def _around_centre(surface: PiecewiseSurface) -> bool:
+    """Whether there is a centre, inside the surface, and all contacts end on outer faces of the region."""
+    return (
+        surface.partition.center is not None
+        and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
+        and all(join.confined for join in surface.joins)
+    )

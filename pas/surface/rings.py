@@ -1,0 +1,123 @@
+"""The closed curves on which a surface ends: each in the plane of a clip, a graph over the angle about its middle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pas.algebra.kernels import evaluate
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+
+if TYPE_CHECKING:
+    from pas.surface.piecewise import PiecewiseSurface
+
+STEPS = 40
+"""Of Newton's method towards the middle of a curve or away from it, none by more than a factor of two."""
+
+SETTLED = 1e-15
+
+OFF = 1e-9
+"""Over a curve's size: how far points may be from the curve that is a graph over the angle."""
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A closed curve around `middle` (3,), in the plane through it with the unit `normal` (3,) pointing outwards.
+
+    `columns` (C(n+3, 3), 4) are the coefficients of its function and of the derivatives; `size` its largest radius.
+    """
+
+    middle: Floats
+    normal: Floats
+    columns: Floats
+    size: float
+
+    def at(self, points: Floats) -> Floats:
+        """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
+        way = points - self.middle
+        way = way - np.outer(way @ self.normal, self.normal)
+        share = np.ones(len(way))
+        for _ in range(STEPS):
+            jets = evaluate(self.middle + share[:, None] * way, self.columns)
+            slope = (jets[:, 1:] * way).sum(axis=1)
+            with np.errstate(all="ignore"):
+                step = share - jets[:, 0] / slope
+            step = np.where(slope > 0, np.clip(step, share / 2, share * 2), share * 2)
+            moved = np.abs(step - share).max(initial=0.0)
+            share = step
+            if moved < SETTLED:
+                break
+        return np.asarray(self.middle + share[:, None] * way)
+
+    def round(self, number: int) -> Floats:
+        """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
+        first = np.eye(3)[np.abs(self.normal).argmin()]
+        first = first - (first @ self.normal) * self.normal
+        first *= self.size / np.sqrt(first @ first)
+        second = np.cross(self.normal, first)
+        angles = 2 * np.pi * np.arange(number)[:, None] / number
+        return self.at(self.middle + np.cos(angles) * first + np.sin(angles) * second)
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points in the plane from the curve, to first order."""
+        jets = evaluate(points, self.columns)
+        slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-300))
+
+    def off(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
+        return self.distances(points) + np.abs((points - self.middle) @ self.normal)
+
+    def inside(self, units: Floats) -> np.ndarray:
+        """Which rays (N, 3) from 0 pass through the curve."""
+        offset = float(self.middle @ self.normal)
+        along = units @ self.normal
+        with np.errstate(all="ignore"):
+            way = units * (offset / along)[:, None] - self.middle
+        near = (along > 0) & ((way * way).sum(axis=1) < (1.01 * self.size) ** 2)
+        edge = self.at(self.middle + np.where(near[:, None], way, self.size * _across(self.normal)))
+        return np.asarray(near & ((way * way).sum(axis=1) <= ((edge - self.middle) ** 2).sum(axis=1)))
+
+
+def _across(normal: Floats) -> Floats:
+    first = np.eye(3)[np.abs(normal).argmin()]
+    first = first - (first @ normal) * normal
+    return np.asarray(first / np.sqrt(first @ first))
+
+
+def rings_of(surface: PiecewiseSurface) -> list[Ring]:
+    """The curves on which a surface ends; raises `ArithmeticError` where one is no graph over the angle."""
+    found = []
+    for join in surface.joins:
+        if not join.faces:
+            continue
+        function = join.contact.surface
+        degree = function.degree
+        columns = np.stack([p.dense(degree) for p in (function, *map(function.diff, range(3)))], axis=1)
+        curves = [points for points, _ in join.measured_curves()]
+        for plane in join.planes:
+            curve = np.concatenate([c for c, face in zip(curves, join.faces, strict=True) if face in plane.faces])
+            if len(curve):
+                found.append(_ring(curve, plane.plane, columns))
+    return found
+
+
+def _ring(curve: Floats, plane: Polynomial, columns: Floats) -> Ring:
+    normal = plane.dense(1)[1:4]
+    offset = -plane.dense(1)[0] / np.sqrt(normal @ normal)
+    normal = normal / np.sqrt(normal @ normal)
+    middle = (curve.min(axis=0) + curve.max(axis=0)) / 2
+    middle = middle + (offset - middle @ normal) * normal
+    size = float(np.sqrt(((curve - middle) ** 2).sum(axis=1).max()))
+    ring = Ring(middle, normal, columns, size)
+    with np.errstate(all="ignore"):
+        ends = ring.at(np.concatenate([curve, ring.round(64)]))
+        off = evaluate(ends, columns)
+        lost = np.abs(off[:, 0]) > OFF * size * np.sqrt((off[:, 1:] ** 2).sum(axis=1))
+        apart = np.sqrt(((ends[: len(curve)] - curve) ** 2).sum(axis=1)) > OFF * size
+    if not np.isfinite(ends).all() or lost.any() or apart.any() or evaluate(middle[None], columns)[0, 0] >= 0:
+        raise ArithmeticError("a contact curve is not one graph over the angle about its middle")
+    return ring

@@ -1,0 +1,134 @@
+"""Meshes of surfaces as graphs over directions: thin pipes, few and well-shaped triangles, limits, what is no graph."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, solved
+
+import pas
+from pas.mesh import radial
+from pas.mesh.fine import finer
+from pas.mesh.hull import icosphere
+from pas.mesh.triangulate import triangulate
+from pas.surface import meshing
+from pas.surface.local_field import LocalField
+
+AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+THIN = ("1/25", "1/10", "1/20")
+
+
+@cache
+def corner(radii, center=(0, 0, 0), scale=1):
+    """A corner of pipes of radii up to `scale`."""
+    pipes = [pas.Pipe(a, Fraction(r) * scale, scale, point=center) for a, r in zip(AXES, radii, strict=True)]
+    return pas.blend(pipes, 1, energy=pas.ThinPlate()).surface
+
+
+@pytest.fixture
+def no_lattice(monkeypatch):
+    """The other mesher must not be asked."""
+
+    def refuse(*_):
+        raise AssertionError("a graph was meshed from a lattice")
+
+    monkeypatch.setattr(meshing, "triangulate", refuse)
+
+
+def check(surface, mesh, tolerance):
+    """What every mesh of a blend must be."""
+    jets = surface.jets(mesh.points)
+    assert (np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)).max() < 1e-9
+    assert mesh.is_manifold
+    assert mesh.components == 1
+    assert mesh.euler_characteristic == 2 - len(surface.contacts)
+    assert tolerance / 4 < mesh.deviation <= tolerance
+    rim = mesh.points[mesh.boundary]
+    scale = float(surface.partition.frame.scale)
+    off = [np.abs(c.clip(rim)) + np.abs(c.surface(rim)) / scale for c in surface.contacts]
+    assert np.min(off, axis=0).max() < 1e-11 * scale
+
+
+@pytest.mark.parametrize("tolerance", [2e-2, 2e-3])
+@pytest.mark.parametrize("radii", [THIN, EQUAL, UNEQUAL])
+def test_corners_have_good_triangles(no_lattice, radii, tolerance):
+    surface = corner(THIN) if radii is THIN else solved(radii, 1).surface
+    mesh = surface.mesh(tolerance)
+    check(surface, mesh, tolerance)
+    assert mesh.smallest_angles.min() > 15
+    assert np.percentile(mesh.smallest_angles, 1) > (30 if tolerance < 1e-2 else 24)
+
+
+def test_triangles_are_fewer_than_from_a_lattice():
+    surface, tolerance = solved(EQUAL, 2).surface, 1e-2
+    lattice = LocalField(surface)
+    many = triangulate(lattice, tolerance / lattice.scale)
+    assert len(surface.mesh(tolerance).triangles) < 0.8 * len(many.triangles)
+
+
+def test_nodes_of_struts_are_graphs(no_lattice):
+    pipes = pas.struts([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), 1)], 1)
+    surface = pas.blend(pipes, 1, energy=pas.ThinPlate()).surface
+    tolerance = 3e-3 * float(np.ptp(surface.partition.points, axis=0).max())
+    check(surface, surface.mesh(tolerance), tolerance)
+
+
+def test_meshes_are_the_same_each_time_and_move_with_the_surface(no_lattice):
+    mesh, again = (corner(EQUAL).mesh(1e-2) for _ in range(2))
+    assert np.array_equal(mesh.points, again.points)
+    assert np.array_equal(mesh.triangles, again.triangles)
+    large = corner(EQUAL, (3, -2, 5), 8).mesh(8e-2)
+    assert np.array_equal(large.triangles, mesh.triangles)
+    assert large.points == pytest.approx(8 * mesh.points + [3, -2, 5], abs=1e-8)
+
+
+def test_a_limit_of_triangles_says_what_it_allows(no_lattice):
+    surface = solved(EQUAL, 1).surface
+    most = 2000
+    with pytest.raises(pas.MeshError, match=f"needs more than {most} triangles; (0.0[0-9]*) is reached with") as error:
+        surface.mesh(1e-4, max_triangles=most)
+    words = str(error.value).split("; ")[1].split()
+    assert int(words[-1]) <= most
+    assert len(surface.mesh(1.05 * float(words[0]), max_triangles=2 * most).triangles) <= 2 * most
+
+
+@pytest.mark.parametrize(("limit", "error"), [(0, ValueError), (-3, ValueError), (2.5, TypeError), (True, TypeError)])
+def test_bad_limits(limit, error):
+    with pytest.raises(error, match="max_triangles must be"):
+        solved(EQUAL, 1).surface.mesh(1e-2, max_triangles=limit)
+
+
+def test_what_is_no_graph_is_meshed_from_a_lattice(monkeypatch):
+    good = solved(EQUAL, 1).surface
+    bubble = pas.Polynomial("(x - 1/4)^2 + (y - 1/4)^2 + (z - 1/4)^2 - 1/400")  # outside the corner
+    wrong = pas.PiecewiseSurface.from_polynomials(
+        good.partition, good.contacts, 1, [c.polynomial * bubble for c in good.cells]
+    )
+    asked = []
+    lattice = meshing.triangulate
+    monkeypatch.setattr(meshing, "triangulate", lambda *args: asked.append(1) or lattice(*args))
+    mesh = wrong.mesh(1e-2)
+    assert asked
+    assert mesh.euler_characteristic == -1 + 2
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 7])
+def test_cut_triangles_make_a_finer_sphere(m):
+    units, _ = icosphere(1)
+    from scipy.spatial import ConvexHull
+
+    triangles = ConvexHull(units).simplices.astype(int)
+    turned = np.linalg.det(units[triangles]) < 0
+    triangles[turned] = triangles[turned][:, ::-1]
+    points, cut = finer(units, triangles, units, m)
+    assert len(cut) == m * m * len(triangles)
+    assert len(points) == 2 + len(cut) // 2
+    assert np.unique(cut).size == len(points)
+    edges = radial.Edges(cut, len(points))
+    assert edges.manifold
+    assert not len(edges.rim)
+    assert np.abs(np.linalg.norm(points, axis=1) - 1).max() < 0.02
+    assert (np.linalg.det(points[cut]) > 0).all()
