@@ -251,7 +251,7 @@ def test_stripes_turn_with_the_frame():
 
 
 def test_highlights_are_as_many_as_lights_and_the_same_after_a_turn():
-    scene = scene_of(solved(EQUAL, 1), Picture(style="highlights", tolerance=0.05))
+    scene = scene_of(solved(EQUAL, 1), Picture(style="highlights", tolerance=0.005))
     for paint in STYLES["highlights"].paint(scene)[0]:
         low, high = paint.options["clim"]
         assert low <= paint.values.min() < paint.values.max() <= high
