@@ -116,7 +116,9 @@ def main() -> None:
     for i, row in enumerate(rows):
         for j, picture in enumerate(row):
             whole.paste(picture, (SIZE[0] * j, SIZE[1] * i))
-    whole.quantize(128).save(options.output / "nodes.png", optimize=True)
+    palette = whole.quantize(256)  # shades that are dithered, not in steps
+    few = whole.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+    few.save(options.output / "nodes.png", optimize=True)
 
 
 if __name__ == "__main__":
