@@ -196,3 +196,15 @@ def test_an_open_end_is_no_half_made_contact():
     assert pipe(X, 1) == pipe(X, 1) != pipe(X, 1, 2)
     with pytest.raises(ValueError, match="clip is not a rational number: 'auto'"):
         pas.Sphere(X, 1, "auto")
+
+
+def test_ends_are_placed_before_a_blend_is_looked_for_among_those_kept(blends_are_kept):
+    pipes = [pas.Pipe((1, 0, 0), 1, "auto"), pas.Pipe((-1, 2, 0), 1, "auto")]
+    first = pas.blend(pipes, 1, degree="lowest")
+    again = pas.blend(pipes[::-1], 1, degree="lowest")
+    assert first.certificate.proved
+    assert again.certificate.proved
+    assert [c.clip for c in again.surface.contacts] == [c.clip for c in first.surface.contacts][::-1]
+    for wrong, words in ((5, "contacts must be a list"), ([1, 2], r"contacts\[0\]")):
+        with pytest.raises(TypeError, match=words):
+            pas.blend(wrong, 1)
