@@ -13,7 +13,8 @@ from flint import fmpq_mat
 import pas
 from pas.fairing.wishes import Wishes
 from pas.pipeline.ladder import Ladder
-from pas.pipeline.repeated import KEPT, USUAL, Anchor, key_of, similarities
+from pas.pipeline.repeated import KEPT, USUAL, key_of
+from pas.pipeline.similarities import Anchor, similarities
 
 CORNER = [pas.Pipe((1, 0, 0), "1/2", 1), pas.Pipe((0, 1, 0), "1/3", 1), pas.Pipe((0, 0, 1), "1/4", 1)]
 ELBOW = [pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((0, 1, 0), "3/4", 2)]

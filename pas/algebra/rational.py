@@ -166,6 +166,11 @@ def dot(left: Sequence[fmpq], right: Sequence[fmpq]) -> fmpq:
     return sum((a * b for a, b in zip(left, right, strict=True)), fmpq(0))
 
 
+def minus(left: Vector, right: Vector) -> Vector:
+    """The exact difference of two vectors in space."""
+    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
+
+
 def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
     """Exact vector product of two vectors in space."""
     a, b, c = left

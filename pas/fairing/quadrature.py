@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from scipy.special import roots_jacobi, roots_legendre
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, VectorLike, cross, dot, to_floats, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, to_floats, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.gram import gram
 from pas.partition.cells import Partition
@@ -41,7 +41,7 @@ def tetrahedron_products(functions: Sequence[fmpq_mpoly], corners: Sequence[Vect
     if not functions:
         return fmpq_mat(0, 0)
     a, b, c, d = corners
-    volume = abs(dot(_minus(b, a), cross(_minus(c, a), _minus(d, a)))) / 6
+    volume = abs(dot(minus(b, a), cross(minus(c, a), minus(d, a)))) / 6
     forms = [b_form(on_simplex(g, corners), degree, 3) for g in functions]
     rows = fmpq_mat(len(forms), len(forms[0]), [c for form in forms for c in form])
     return rows * gram(degree, 3) * rows.transpose() * volume
@@ -101,7 +101,3 @@ def _integral(polynomial: fmpq_mpoly, box: Box) -> fmpq:
             term *= (hi ** (e + 1) - lo ** (e + 1)) / (e + 1)
         total += term
     return total
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

@@ -24,7 +24,18 @@ from numpy.typing import NDArray
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, plain, to_float, to_floats, vector
+from pas.algebra.rational import (
+    Vector,
+    VectorLike,
+    binary_exponent,
+    cross,
+    dot,
+    minus,
+    plain,
+    to_float,
+    to_floats,
+    vector,
+)
 from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.frame import Frame
@@ -155,7 +166,7 @@ class Partition:
         rays that avoid the edges: one is counted.  Of the directions a + t b + t^2 c from the centre
         to a face no more than two lie in the plane of an edge, so one that avoids them is found.
         """
-        faces = [tuple(_minus(p, center) for p in self.corners(face.vertices)) for face in self.outer_faces]
+        faces = [tuple(minus(p, center) for p in self.corners(face.vertices)) for face in self.outer_faces]
         tried = range(2, 3 + 6 * len(faces))
         directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in tried)
         depths = next(filter(all, ([_least_weight(way, face) for face in faces] for way in directions)))
@@ -299,7 +310,7 @@ def _middle(points: Sequence[Vector]) -> Vector:
 
 def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:
     """The plane through three points, as a linear polynomial with coprime integer coefficients."""
-    normal = cross(_minus(b, a), _minus(c, a))
+    normal = cross(minus(b, a), minus(c, a))
     raw = sum((n * (g - o) for n, g, o in zip(normal, GENERATORS, a, strict=True)), GENERATORS[0] * 0)
     if raw.is_zero():
         raise GeometryError("three points of a face are on one line")
@@ -312,12 +323,8 @@ def written(point: Vector) -> list[str]:
     return [plain(c) for c in point]
 
 
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
 def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
-    return dot(_minus(b, a), cross(_minus(c, a), _minus(d, a))) / 6
+    return dot(minus(b, a), cross(minus(c, a), minus(d, a))) / 6
 
 
 def _least_weight(direction: Sequence[fmpq], triangle: Sequence[Vector]) -> fmpq:
