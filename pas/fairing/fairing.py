@@ -132,17 +132,18 @@ class Fairing:
         """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`."""
         return Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, live)
 
-    def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None) -> Choice:
+    def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None, patient: bool = True) -> Choice:
         """The member that meets the wishes best, proved or guarded as they say.
 
-        An energy of the surface is followed from the member `start`, of no higher degree, where that is given.
+        An energy of the surface is followed from the member `start`, of no higher degree, where that is given; without
+        patience it raises `BeyondLimitsError` where the way ends beyond the limits of fairness.
         Raises `InfeasibleError`, naming an irreducible set of conflicting points where the
         conflict involves the user's, and `NotSolvedError` where the solvers failed.
         """
         if self.energy.on_surface:
             check_on_surface(wishes)
             self._check_possible(MemberProgramme(self, wishes))
-            found = FairSearch(self, wishes, start).choice()
+            found = FairSearch(self, wishes, start, patient).choice()
             if found is not None:
                 return found
             fallback = self.of(as_energy(None))

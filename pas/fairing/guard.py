@@ -190,9 +190,12 @@ class Guard:
         return Rows(self.basis.radial(piece, points), margin * self.reach * _lengths(points) / self.radius)
 
 
+@lru_cache(maxsize=64)
 def lattice_weights(subdivisions: int, vertices: int) -> Floats:
-    """Barycentric coordinates of the uniform lattice on a simplex."""
-    return np.array(homogeneous_exponents(subdivisions, vertices)) / subdivisions
+    """Barycentric coordinates of the uniform lattice on a simplex (read-only)."""
+    weights = np.array(homogeneous_exponents(subdivisions, vertices)) / subdivisions
+    weights.flags.writeable = False
+    return weights
 
 
 def _lengths(vectors: Floats) -> Floats:

@@ -8,12 +8,13 @@ on the way to it, and neither on the last bits of its coefficients.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
+from functools import lru_cache
+from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, monomial_values
+from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
 from pas.fairing.guard import Guard, Rows, lattice_weights
 
 SAMPLES = 32
@@ -99,19 +100,25 @@ def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
     local = guard.placed.local
     if local.center is None:
         return {}
-    seen: set[tuple[tuple[int, Fraction], ...]] = set()
+    seen: set[tuple[tuple[int, int, int], ...]] = set()
     ends: dict[int, list[Floats]] = {}
     for face in local.outer_faces:
         corners = local.points[list(face.vertices)]
         parts = guard.parts(corners, subdivisions)
+        inner, edges = _of_lattice(parts)
         new = []
-        for number, index in enumerate(homogeneous_exponents(parts, 3)):
-            if min(index) == 0:  # on an edge
-                shares = ((v, Fraction(i, parts)) for v, i in zip(face.vertices, index, strict=True) if i)
-                key = tuple(sorted(shares))
-                if key in seen:
-                    continue
+        for number, index in edges:
+            lowest = ((v, i, gcd(i, parts)) for v, i in zip(face.vertices, index, strict=True) if i)
+            key = tuple(sorted((v, i // d, parts // d) for v, i, d in lowest))
+            if key not in seen:
                 seen.add(key)
-            new.append(number)
-        ends.setdefault(face.piece, []).append(lattice_weights(parts, 3)[new] @ corners)
+                new.append(number)
+        ends.setdefault(face.piece, []).append(lattice_weights(parts, 3)[sorted([*inner, *new])] @ corners)
     return {piece: np.concatenate(parts) for piece, parts in ends.items()}
+
+
+@lru_cache(maxsize=16)
+def _of_lattice(parts: int) -> tuple[list[int], list[tuple[int, Exponents]]]:
+    """The numbers of a triangle's lattice points within it, and those on its edges with their indices."""
+    indices = list(enumerate(homogeneous_exponents(parts, 3)))
+    return [number for number, index in indices if min(index)], [(n, index) for n, index in indices if not min(index)]

@@ -34,10 +34,12 @@ def choose(
     attempts: Sequence[Attempt],
     stages: Stages,
     start: PiecewiseSurface | None = None,
+    patient: bool = True,
 ) -> Blend:
     """The same for wishes that are settled and known not to contradict by themselves.
 
-    `attempts` are those before this one; `start` is a surface of a lower degree to begin with.
+    `attempts` are those before this one; `start` is a surface of a lower degree to begin with.  Without patience it
+    raises `BeyondLimitsError` early where the surface will not be fair.
     """
     began = time.perf_counter()
     if wishes.basis is not None:
@@ -45,7 +47,7 @@ def choose(
     assert wishes.energy is not None
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
     with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
-        choice = space.fairing(wishes.energy).choose(wishes, start)
+        choice = space.fairing(wishes.energy).choose(wishes, start, patient)
     certificate = choice.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
     if choice.by is not None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
 from pas.blending.solving import solve
 from pas.errors import InfeasibleError, NotProvedError
+from pas.fairing.fair import BeyondLimitsError
 from pas.fairing.wishes import Wishes
 from pas.pipeline.fit import choose
 from pas.pipeline.result import Attempt, Blend
@@ -25,7 +26,8 @@ DEGREES_FOR_FAIRNESS = 2
 
 FEWEST_UNKNOWNS, MOST_UNKNOWNS = 15, 160
 """Spaces of smaller dimension are not tried on layouts that the program chose: there is always a larger one, and
-none of these was fair.  Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+none of these was fair.  Elsewhere they are put aside where the first way down does not end at a fair surface.  Spaces
+of larger dimension are not tried for fairness alone: they take many seconds."""
 
 MANY_PIECES = 20
 """Pieces, as strips have, on which no further degree is tried for fairness: its space has hundreds of dimensions."""
@@ -59,16 +61,23 @@ class Ladder:
         Spaces of fewer than `fewest` unknowns are left out.
         """
         below: Blend | None = None  # the fairest on this layout
+        aside: list[SolutionSpace] = []  # small spaces in which no fair surface was in sight
         first = 0
         for space in self._spaces(placed, fewest):
             if below is not None and space.dimension > MOST_UNKNOWNS:
                 self._note(space, f"not tried: more than {MOST_UNKNOWNS} unknowns")
                 break
             began = time.perf_counter()
+            patient = not self.raised or space.dimension >= FEWEST_UNKNOWNS
             try:
                 # around a node the fair surface of a higher degree is often not near that of a lower one
                 start = None if below is None or fewest else below.surface
-                found = choose(space, self.wishes, self.attempts, self.stages, start)
+                found = choose(space, self.wishes, self.attempts, self.stages, start, patient)
+            except BeyondLimitsError as error:
+                self._note(space, f"{error}, a higher degree comes first", time.perf_counter() - began)
+                first = first or space.degree
+                aside.append(space)
+                continue
             except (InfeasibleError, NotProvedError) as error:
                 self._note(space, str(error), time.perf_counter() - began)
                 self.failure = error
@@ -85,7 +94,21 @@ class Ladder:
             highest = first + (more if fewest else DEGREES_FOR_FAIRNESS)
             if not excess(found) or hopeless or found.surface.degree >= highest:
                 break
+        if below is None:
+            below = self._patiently(aside)
         return below and replace(below, attempts=tuple(self.attempts))
+
+    def _patiently(self, aside: list[SolutionSpace]) -> Blend | None:
+        """What small spaces have to give where no higher degree had anything."""
+        for space in aside:
+            try:
+                found = judged(choose(space, self.wishes, self.attempts, self.stages))
+            except (InfeasibleError, NotProvedError) as error:
+                self.failure = error
+            else:
+                self.attempts.append(found.attempts[-1])
+                return found
+        return None
 
     def _spaces(self, placed: PlacedContacts, fewest: int) -> Iterator[SolutionSpace]:
         """Solution spaces with regular members, of rising degree; others are noted as attempts."""

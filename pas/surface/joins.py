@@ -9,7 +9,7 @@ is negative and where else it may cut the surface.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations
@@ -28,6 +28,9 @@ from pas.verdicts import Status
 
 CURVE_LATTICE = 24
 """Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""
+
+BISECTIONS = 52
+"""Halvings of an edge that leave it as long as its rounding."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +143,12 @@ class Join:
         a small face counts as much as a large one.  Sums with these weights are integrals along
         the curve, and depend on it continuously, even where it passes through points of the lattice.
         """
-        return [_zeros_on_triangle(self.contact.surface, corners, subdivisions) for corners in self._triangles()]
+        return self._measured(subdivisions)
+
+    @cached_property
+    def _measured(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
+        surface, triangles = self.contact.surface, self._triangles()
+        return cache(lambda subdivisions: [_zeros_on_triangle(surface, t, subdivisions) for t in triangles])
 
     @cached_property
     def radius(self) -> float:
@@ -217,12 +225,15 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
     first, second = pairs[crossed].T
     first, second = np.where(negative[first], first, second), np.where(negative[first], second, first)
-    low, high = points[first], points[second]
-    for _ in range(52):
+    along = _along_edges(surface, points[first], points[second])
+    low, high = np.zeros(len(first)), np.ones(len(first))
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        below = (surface(middle) < 0)[:, None]
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    zeros = (low + high) / 2
+        value = np.zeros_like(middle)
+        for coefficients in along[::-1]:
+            value = value * middle + coefficients
+        low, high = np.where(value < 0, middle, low), np.where(value < 0, high, middle)
+    zeros = points[first] + ((low + high) / 2)[:, None] * (points[second] - points[first])
     inverse = np.linalg.pinv(np.vstack([corners.T, np.ones(3)]))
     barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
     number = np.cumsum(crossed) - 1
@@ -232,6 +243,13 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
     lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)
     return zeros, lengths
+
+
+def _along_edges(surface: Polynomial, first: Floats, second: Floats) -> Floats:
+    """The coefficients (n + 1, m) of a polynomial along m edges, in the shares of their lengths."""
+    shares = np.arange(surface.degree + 1) / max(surface.degree, 1)
+    values = [surface(first + share * (second - first)) for share in shares]
+    return np.asarray(np.linalg.solve(np.vander(shares, increasing=True), np.array(values)))
 
 
 @cache
