@@ -9,9 +9,10 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.products import Products
 from pas.surface.placed import PlacedContacts
 
-Patches = tuple[fmpq_mat, ...]
+Patches = tuple[fmpq_mat, ...] | Products
 """For each piece the patches of a basis in local coordinates, one member a row: (dimension, C(n+3, 3))."""
 
 

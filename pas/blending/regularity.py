@@ -44,9 +44,8 @@ def _some_alpha(space: Space, contact: int) -> bool:
     join = space.placed.joins[contact]
     images = _form(join.contact).images(space.degree)
     for piece in join.pieces:
-        matrix = space.patches[piece]
         for member in range(space.dimension):
-            row = (matrix[member, column] for column in range(matrix.ncols()))
+            row = map(fmpq, space.source.row(piece, member))
             if _remainder(images, zip(exponents(space.degree), row, strict=True)):
                 return True
     return False

@@ -22,6 +22,7 @@ from scipy.linalg import svd
 
 from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.products import Products
 from pas.algebra.rational import rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
 from pas.blending.space import Space
@@ -161,7 +162,7 @@ def least_squares(
         raise ValueError(f"weights must be {len(points)} positive numbers, one for each point")
     rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
     vectors = fmpq_mat(rows)
-    change = orthonormal((vectors,), lambda tables: tables[0].T)[0].matrix
+    change = orthonormal(Products.of((vectors,)), lambda tables: tables[0].T)[0].matrix
     basis = change * vectors
     values = to_doubles(change * space.values(points).transpose()).T
     roots = np.sqrt([to_float(w) for w in given])

@@ -17,6 +17,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.latex import latex
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.fairing.functionals import Functional, value_at
 from pas.surface.piecewise import PiecewiseSurface
@@ -35,8 +36,7 @@ LATEX_MEMBERS = 4
 class Space(InPlace):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
-    `placed` are the problem's contacts in place; `patches[p]` (dimension, C(n+3, 3)) holds the exact
-    coefficients of the basis on piece p, in local coordinates, one member a row.  `given_basis`
+    `placed` are the problem's contacts in place; `source` holds the patches of the basis.  `given_basis`
     is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
     were looked at to the dimensions found.
 
@@ -47,17 +47,23 @@ class Space(InPlace):
         self,
         placed: PlacedContacts,
         degree: int,
-        patches: Sequence[fmpq_mat],
+        patches: Sequence[fmpq_mat] | Products,
         given_basis: tuple[Member, ...] | None = None,
         degrees_tried: Mapping[int, int] | None = None,
     ) -> None:
-        self.placed, self.degree, self.patches, self.given_basis = placed, degree, tuple(patches), given_basis
+        self.placed, self.degree, self.given_basis = placed, degree, given_basis
+        self.source = patches if isinstance(patches, Products) else Products.of(tuple(patches))
         self.degrees_tried = dict(degrees_tried or {degree: self.dimension})
 
     @property
     def dimension(self) -> int:
         """How many members are linearly independent."""
-        return int(self.patches[0].nrows())
+        return self.source.size
+
+    @property
+    def patches(self) -> tuple[fmpq_mat, ...]:
+        """The exact coefficients (dimension, C(n+3, 3)) of the basis on each piece, in local coordinates."""
+        return self.source.matrices
 
     @cached_property
     def basis(self) -> tuple[Member, ...]:

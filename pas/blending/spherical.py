@@ -19,6 +19,7 @@ from pas.algebra.monomials import Exponents, count, homogeneous_exponents, posit
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace
 from pas.algebra.polynomial import GENERATORS, RING
+from pas.algebra.products import Products
 from pas.algebra.sparse import solve_sparse
 from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
 from pas.limits import checkpoint
@@ -30,7 +31,7 @@ Tables = tuple[fmpz_mat, ...]
 """For each piece the members' coefficients, one member a row."""
 
 
-def solve(placed: PlacedContacts, layout: Layout, degree: int) -> tuple[fmpq_mat, ...]:
+def solve(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
     """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
     return _solved(placed.local_contacts, placed.carriers, placed.order, layout, degree)
 
@@ -38,7 +39,7 @@ def solve(placed: PlacedContacts, layout: Layout, degree: int) -> tuple[fmpq_mat
 @lru_cache(maxsize=16)
 def _solved(
     contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
-) -> tuple[fmpq_mat, ...]:
+) -> Products:
     """The same by what it depends on: regions of one layout differ in their walls alone."""
     parts = [splines(layout, order, d) for d in range(degree + 1)]
     total = sum(part[0].nrows() for part in parts)
@@ -53,9 +54,9 @@ def _solved(
                 {i: fmpq(v) for i, v in enumerate(row) if v != 0}
                 for row in (tables[piece] * images).transpose().tolist()
             ]
-    # without the denominator of all members each is many times shorter, and so are the products
+    # without the denominator of all members each is many times shorter
     (basis,) = _shortened([integral_nullspace(rows, total)[0]])
-    return _primitive(tuple(basis * table for table in tables))
+    return Products(basis, tables)
 
 
 @lru_cache(maxsize=64)
@@ -166,8 +167,3 @@ def _shortened(tables: list[fmpz_mat]) -> Tables:
         fmpz_mat(t.nrows(), t.ncols(), [v // contents[i] for i, entries in enumerate(row) for v in entries])
         for t, row in zip(tables, rows, strict=True)
     )
-
-
-def _primitive(tables: Tables) -> tuple[fmpq_mat, ...]:
-    """The members with coprime whole coefficients."""
-    return tuple(map(fmpq_mat, _shortened(list(tables))))

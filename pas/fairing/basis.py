@@ -9,7 +9,7 @@ has numbers of hundreds of digits, is worked out to as many as its doubles need,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
@@ -21,6 +21,7 @@ from scipy.linalg import qr
 
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
 from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.products import Products
 from pas.algebra.rational import to_float
 from pas.fairing.quadrature import tetrahedra_rule
 from pas.partition.cells import Partition
@@ -57,7 +58,7 @@ class Change:
 class WorkingBasis:
     """A basis of a space of piecewise polynomials, exact and rounded, in local coordinates.
 
-    `members[p]` (m, C(n+3, 3)) are those that it was made from, and `change` gives it in terms of them;
+    `source` holds those that it was made from, (m, C(n+3, 3)) on each piece, and `change` gives it in terms of them;
     `coefficients` (pieces, m, C(n+3, 3)) are its doubles.  `partition` is that of the local coordinates, `frame` says
     where these are: `x = origin + scale * u`.
     """
@@ -65,13 +66,13 @@ class WorkingBasis:
     partition: Partition
     frame: Frame
     degree: int
-    members: tuple[fmpq_mat, ...]
+    source: Products
     change: Change
     coefficients: Floats
 
     @classmethod
-    def of(cls, partition: Partition, patches: Sequence[fmpq_mat], degree: int) -> WorkingBasis:
-        """A well-conditioned basis of the span of `patches`, which are in the partition's local coordinates."""
+    def of(cls, partition: Partition, source: Products, degree: int) -> WorkingBasis:
+        """A well-conditioned basis of the span of members in the partition's local coordinates."""
         rules = tetrahedra_rule(partition.local, 2 * degree)
         values = [monomial_values(p, degree) * np.sqrt(w) for p, w in rules]
 
@@ -79,8 +80,13 @@ class WorkingBasis:
             on_cells = zip((tables[piece] for piece in partition.piece_of), values, strict=True)
             return np.concatenate([c @ v for c, v in on_cells], axis=1).T
 
-        change, doubles = orthonormal(patches, samples)
-        return cls(partition.local, partition.frame, degree, tuple(patches), change, np.array(doubles))
+        change, doubles = orthonormal(source, samples)
+        return cls(partition.local, partition.frame, degree, source, change, np.array(doubles))
+
+    @property
+    def members(self) -> tuple[fmpq_mat, ...]:
+        """The exact coefficients (m, C(n+3, 3)) of the members that it was made from, on each piece."""
+        return self.source.matrices
 
     @property
     def transform(self) -> fmpq_mat:
@@ -118,16 +124,12 @@ class WorkingBasis:
         """
         monomials = exponents(self.degree)
         numerators, denominator = working.numer_denom()
-        row, common = numerators * self.change.numerators, denominator * fmpz(2) ** self.change.shift
+        scale = fmpq(1, denominator * self.source.denominator * fmpz(2) ** self.change.shift)
         result = []
-        for matrix, scale in self._integers:
-            whole = RING.from_dict(dict(zip(monomials, (row * matrix).entries(), strict=True)))
-            result.append(Polynomial.from_raw(whole * fmpq(1, scale * common)))
+        for row in self.source.combined(numerators * self.change.numerators):
+            whole = RING.from_dict(dict(zip(monomials, row.entries(), strict=True)))
+            result.append(Polynomial.from_raw(whole * scale))
         return result
-
-    @cached_property
-    def _integers(self) -> list[tuple[fmpz_mat, fmpz]]:
-        return [patch.numer_denom() for patch in self.members]
 
     def derivative(self, piece: int, points: Floats, variables: Derivative) -> Floats:
         """A partial derivative of the members on a piece at local points (N, 3), in local units: (N, m)."""
@@ -160,13 +162,13 @@ class WorkingBasis:
         return np.asarray(change @ self.coefficients[piece].T)
 
 
-def orthonormal(matrices: Sequence[fmpq_mat], samples: Callable[[list[Floats]], Floats]) -> tuple[Change, list[Floats]]:
+def orthonormal(source: Products, samples: Callable[[list[Floats]], Floats]) -> tuple[Change, list[Floats]]:
     """Change a basis exactly to one whose samples are orthonormal columns up to `CONDITION`.
 
-    `matrices` hold the members as rows; `samples` maps doubles of them to columns (N, m).  Returns
+    `source` holds the members as rows; `samples` maps doubles of its matrices to columns (N, m).  Returns
     the change (m, m), and the doubles of the changed matrices.
     """
-    members = _FixedPoint(matrices)
+    members = _FixedPoint(source)
     whole, shift, doubles = members.unit, 0, members.doubles()
     for _ in range(ATTEMPTS):
         columns = samples(doubles)
@@ -190,22 +192,19 @@ class _FixedPoint:
     some spaces have members with coefficients beyond any double, and more digits than are of use.
     """
 
-    def __init__(self, matrices: Sequence[fmpq_mat]) -> None:
-        self.size, self.widths = matrices[0].nrows(), [matrix.ncols() for matrix in matrices]
-        parts = [matrix.numer_denom() for matrix in matrices]
-        self.rows = [[[int(v) for v in row] for row in numerators.tolist()] for numerators, _ in parts]
-        self.denominators = [int(denominator) for _, denominator in parts]
-        self.exponents = [self._exponent(member) for member in range(self.size)]
+    def __init__(self, source: Products) -> None:
+        self.source, self.size = source, source.size
+        self.widths = [table.ncols() for table in source.tables]
+        self.rows = [[int(v) for v in row] for row in source.rows.tolist()]
+        self.lengths = [_length(row) for row in self.rows]
         self.unit = fmpz_mat(self.size, self.size, [int(i == j) for i in range(self.size) for j in range(self.size)])
+        self.exponents = [0] * self.size
         self._bits, self._table = BITS, self._rounded(BITS)
 
-    def _exponent(self, member: int) -> int:
-        """That of the power of two near the member's largest coefficient, by its length in lowest terms."""
-        parts = zip((rows[member] for rows in self.rows), self.denominators, strict=True)
-        sizes = [(n.bit_length() - d.bit_length(), n, d) for row, d in parts for n in row if n]
-        most = max((size for size, _, _ in sizes), default=0)
-        large = (fmpq(n, d) for size, n, d in sizes if size >= most - 1)  # in lowest terms one digit more, or less
-        return max((int(v.p).bit_length() - int(v.q).bit_length() for v in large), default=0)
+    @cached_property
+    def lost(self) -> int:
+        """Digits that a sum over the generators may lose."""
+        return len(self.rows[0]).bit_length() + max(_length(map(int, t.entries())) for t in self.source.tables)
 
     def doubles(self) -> list[Floats]:
         """The doubles of the members, scaled."""
@@ -221,7 +220,7 @@ class _FixedPoint:
 
     def _split(self, whole: fmpz_mat, shift: int) -> list[Floats]:
         """The doubles of a table of whole numbers of 2^-shift, piece by piece."""
-        entries = np.array([int(v) for v in whole.entries()], dtype=float)
+        entries = np.array([float(v) for v in whole.entries()])
         table = np.ldexp(entries, -shift).reshape(self.size, -1)
         ends = list(accumulate(self.widths))
         return [table[:, end - width : end] for end, width in zip(ends, self.widths, strict=True)]
@@ -230,19 +229,42 @@ class _FixedPoint:
         """`whole * 2^-shift` as a change of the members as they were given."""
         most = max(self.exponents)
         entries = [[int(v) << (most - e) for v, e in zip(row, self.exponents, strict=True)] for row in whole.tolist()]
-        total = shift + most  # negative for members that are small
-        scaled = [v << max(-total, 0) for row in entries for v in row]
+        total = shift + most
+        scaled = [v * self.source.denominator << max(-total, 0) for row in entries for v in row]
         return Change(fmpz_mat(self.size, self.size, scaled), max(total, 0))
 
     def _rounded(self, bits: int) -> fmpz_mat:
-        """All members, side by side on the pieces, in whole numbers of 2^-bits."""
-        entries = []
-        for member, exponent in enumerate(self.exponents):
-            up, down = max(bits - exponent, 0), max(exponent - bits, 0)
-            for rows, denominator in zip(self.rows, self.denominators, strict=True):
-                divisor = denominator << down
-                entries += [(v << up) // divisor for v in rows[member]]
-        return fmpz_mat(self.size, sum(self.widths), entries)
+        """All members, side by side on the pieces, in whole numbers of 2^-bits.
+
+        The combinations of generators are cut to as many digits as that takes, and to more where members cancel.
+        """
+        kept = max(bits, *self.lengths) if max(self.lengths) <= 2 * bits else bits + self.lost
+        while True:
+            cut = [max(length - kept, 0) for length in self.lengths]
+            rows = [v >> c for row, c in zip(self.rows, cut, strict=True) for v in row]
+            generated = fmpz_mat(self.size, len(self.rows[0]), rows)
+            parts = [[int(v) for v in (generated * table).entries()] for table in self.source.tables]
+            whole = [
+                [part[i * width : (i + 1) * width] for part, width in zip(parts, self.widths, strict=True)]
+                for i in range(self.size)
+            ]
+            sizes = [max(map(_length, row)) for row in whole]
+            missing = max((bits + self.lost - s for s, c in zip(sizes, cut, strict=True) if c), default=0)
+            if missing <= 0:
+                break
+            kept += missing
+        self.exponents = [s + c for s, c in zip(sizes, cut, strict=True)]
+        moved: list[int] = []
+        for row, size in zip(whole, sizes, strict=True):
+            up, down = max(bits - size, 0), max(size - bits, 0)
+            moved += [v << up >> down for part in row for v in part]
+        return fmpz_mat(self.size, sum(self.widths), moved)
+
+
+def _length(values: Iterable[int]) -> int:
+    """Binary digits of the largest of some whole numbers."""
+    found = list(values)
+    return max(max(found, default=0), -min(found, default=0)).bit_length()
 
 
 def derivative_matrix(degree: int, variable: int) -> Floats:

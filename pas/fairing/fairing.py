@@ -8,7 +8,7 @@ then solved exactly for the coefficients that they determine best, so they hold 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -18,6 +18,7 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.products import Products
 from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis, to_doubles
 from pas.fairing.energy import Energy, as_energy
@@ -52,16 +53,16 @@ class Choice:
 class Fairing:
     """The choice among the members of one solution space, for one energy.
 
-    `patches[p]` (m, C(n+3, 3)) are the members' patches in local coordinates, exact.
+    `source` holds the members' patches (m, C(n+3, 3)) in local coordinates, exact.
     """
 
-    def __init__(self, placed: PlacedContacts, degree: int, patches: Sequence[fmpq_mat], energy: Energy) -> None:
+    def __init__(self, placed: PlacedContacts, degree: int, source: Products, energy: Energy) -> None:
         self.placed, self.partition, self.degree, self.energy = placed, placed.partition, degree, energy
         if not placed.partition.cells:
             raise ValueError(
                 "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
             )
-        self.basis = WorkingBasis.of(placed.partition, patches, degree)
+        self.basis = WorkingBasis.of(placed.partition, source, degree)
 
     def of(self, energy: Energy) -> Fairing:
         """The same for another energy, with the basis, guard rows and rays that there are."""

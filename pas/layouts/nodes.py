@@ -56,8 +56,8 @@ LADDERS: dict[int, tuple[Rung, ...]] = {
     ),
     2: (
         Rung("planes", planes, 1.15),
-        Rung("fan", _fan(2)),
         Rung("fan", _fan(2), 1.15),
+        Rung("fan", _fan(2)),
         Rung("fan", _fan(3)),
     ),
 }

@@ -7,7 +7,7 @@ layouts where that fails; what was tried is said in its summary.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
+from itertools import chain, groupby
 from typing import Any, Literal, Unpack, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
@@ -97,8 +97,9 @@ def blend(
     raised = degree is None and wished.energy is not None and wished.energy.on_surface
     ladder = Ladder(wished, given, raised, stages)
     own = isinstance(partition, Partition) or isinstance(placed.partition, SixTetrahedra)
-    for place in chain([placed], candidates):
-        found = ladder.climb(place, 0 if own or not raised else FEWEST_UNKNOWNS)
+    fewest = 0 if own or not raised else FEWEST_UNKNOWNS
+    for _, regions in groupby(chain([placed], candidates), lambda place: place.partition.layout if fewest else place):
+        found = ladder.climb(regions, fewest)
         if found is not None:
             if key is not None:
                 KEPT.keep(found, key)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
@@ -41,6 +41,20 @@ DEGREES_ON_LAYOUTS = 1
 made no shape fairer that another degree did not."""
 
 
+class Replay:
+    """What an iterator has, to be gone through as often as one likes, each thing fetched when it is first needed."""
+
+    def __init__(self, source: Iterable[PlacedContacts]) -> None:
+        self._known: list[PlacedContacts] = []
+        self._source = iter(source)
+
+    def __iter__(self) -> Iterator[PlacedContacts]:
+        yield from self._known
+        for place in self._source:
+            self._known.append(place)
+            yield place
+
+
 @dataclass
 class Ladder:
     """What was tried.
@@ -55,15 +69,18 @@ class Ladder:
     attempts: list[Attempt] = field(default_factory=list)
     failure: InfeasibleError | NotProvedError | None = None
 
-    def climb(self, placed: PlacedContacts, fewest: int = 0) -> Blend | None:
-        """The fairest blend that was found on one layout; None where none was.
+    def climb(self, places: Iterable[PlacedContacts], fewest: int = 0) -> Blend | None:
+        """The fairest blend that was found on one layout, of which `places` are regions; None where none was.
 
-        Spaces of fewer than `fewest` unknowns are left out.
+        Each degree is tried on one region after the other.  Spaces of fewer than `fewest` unknowns are left out.
         """
         below: Blend | None = None  # the fairest on this layout
+        home: PlacedContacts | None = None  # its region
         aside: list[SolutionSpace] = []  # small spaces in which no fair surface was in sight
         first = 0
-        for space in self._spaces(placed, fewest):
+        for space in self._spaces(Replay(places), fewest):
+            if home is not None and space.placed is not home:
+                continue
             if below is not None and space.dimension > MOST_UNKNOWNS:
                 self._note(space, f"not tried: more than {MOST_UNKNOWNS} unknowns")
                 break
@@ -84,13 +101,14 @@ class Ladder:
                 continue
             if not self.raised:
                 return found
+            home = space.placed
             with self.stages.stage("measure", f" (degree {space.degree})"):
                 found = judged(found)
                 self.attempts.append(found.attempts[-1])
                 hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
                 below = found if below is None or excess(found) < excess(below) else below
                 first = first or space.degree
-            more = 0 if len(placed.partition.pieces) > MANY_PIECES else DEGREES_ON_LAYOUTS
+            more = 0 if len(space.partition.pieces) > MANY_PIECES else DEGREES_ON_LAYOUTS
             highest = first + (more if fewest else DEGREES_FOR_FAIRNESS)
             if not excess(found) or hopeless or found.surface.degree >= highest:
                 break
@@ -110,25 +128,31 @@ class Ladder:
                 return found
         return None
 
-    def _spaces(self, placed: PlacedContacts, fewest: int) -> Iterator[SolutionSpace]:
-        """Solution spaces with regular members, of rising degree; others are noted as attempts."""
+    def _spaces(self, places: Iterable[PlacedContacts], fewest: int) -> Iterator[SolutionSpace]:
+        """Solution spaces with regular members, of rising degree, each on all regions; others are noted as attempts.
+
+        Which spaces are of use does not hang on the region.
+        """
         degrees = range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]
         yielded = 0
         for candidate in degrees:
-            with self.stages.stage("solve", f" (degree {candidate})"):
-                space = SolutionSpace.of(solve(placed, candidate))
-                small = 0 < space.dimension < fewest
-                usable = not small and space.regular
-            if usable:
-                yield space
-                yielded += 1
-                if yielded == (DEGREES_ON_LAYOUTS_TRIED if fewest else DEGREES_TRIED):
-                    return
-            elif space.dimension == 0:
-                self._note(space, "no solution")
-            else:
-                reason = f"not tried: fewer than {fewest} unknowns"
-                self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
+            for number, placed in enumerate(places):
+                with self.stages.stage("solve", f" (degree {candidate})"):
+                    space = SolutionSpace.of(solve(placed, candidate))
+                    small = 0 < space.dimension < fewest
+                    usable = not small and space.regular
+                if usable:
+                    yield space
+                    yielded += not number
+                    continue
+                if space.dimension == 0:
+                    self._note(space, "no solution")
+                else:
+                    reason = f"not tried: fewer than {fewest} unknowns"
+                    self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
+                break
+            if yielded == (DEGREES_ON_LAYOUTS_TRIED if fewest else DEGREES_TRIED):
+                return
 
     def _note(self, space: SolutionSpace, outcome: str, seconds: float = 0.0) -> None:
         self.attempts.append(Attempt(space.degree, space.dimension, outcome, seconds, space.partition.title))

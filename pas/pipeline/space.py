@@ -39,7 +39,7 @@ class SolutionSpace(Space):
     @classmethod
     def of(cls, space: Space) -> SolutionSpace:
         """A space with these methods."""
-        return cls(space.placed, space.degree, space.patches, space.given_basis, space.degrees_tried)
+        return cls(space.placed, space.degree, space.source, space.given_basis, space.degrees_tried)
 
     @cached_property
     def regular(self) -> bool:
@@ -84,7 +84,7 @@ class SolutionSpace(Space):
     def fairing(self, energy: Energy) -> Fairing:
         """The prepared choice among the members for an energy; what does not depend on that is kept."""
         if self._fairing is None:
-            self._fairing = Fairing(self.placed, self.degree, self.patches, energy)
+            self._fairing = Fairing(self.placed, self.degree, self.source, energy)
         if self._fairing.energy != energy:
             self._fairing = self._fairing.of(energy)
         return self._fairing
@@ -197,4 +197,4 @@ def solutions(
         tried[candidate] = space.dimension
         if space.dimension and (not regular or is_regular(space)):
             break
-    return SolutionSpace(placed, space.degree, space.patches, degrees_tried=tried)
+    return SolutionSpace(placed, space.degree, space.source, degrees_tried=tried)

@@ -22,7 +22,7 @@ net 1.3 s and dense elimination 17 s.  Homogeneous splines take 0.1 s on a node 
 def _solve(placed: PlacedContacts, degree: int) -> Patches:
     if len(placed.partition.pieces) == 1:
         alone = PlacedContacts(SingleCell(), placed.contacts, placed.order)
-        (found,) = Conditions(alone).solve(degree)
+        (found,) = Conditions(alone).solve(degree).matrices
         members = [Polynomial.from_row(row, degree).primitive() for row in found.tolist()]
         return patches_of(placed, degree, [(member,) for member in members])
     if len(placed.partition.cells) > MANY_CELLS:
