@@ -234,9 +234,9 @@ def test_assemblies_keep_parts_apart():
 )
 def test_lattice_edges_are_crossed_where_functions_vanish(values, root):
     class Along:
-        def jets(self, points, label):
+        def jets(self, points, labels):
             value, slope = values(points[:, 0])
             return np.stack([value, slope, 0 * slope, 0 * slope], axis=1)
 
-    found = _roots(Along(), 0, np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
+    found = _roots(Along(), np.zeros(2, dtype=int), np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
     assert found == pytest.approx([root] * 2, abs=2e-3 if root == 0.9 else 1e-9)

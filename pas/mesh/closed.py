@@ -21,7 +21,7 @@ from pas.mesh.field import FaceField, Floats
 from pas.mesh.first import FOLD, first_mesh, unsound
 from pas.mesh.mesh import Mesh
 from pas.mesh.refine import far_edges, farthest_inside, inner_points, not_reached, require_room, split
-from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, project, smooth
+from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, placing, project, smooth
 from pas.mesh.trouble import find_trouble
 
 LATER_SMOOTHINGS, REFINEMENTS = 1, 40
@@ -92,20 +92,18 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
 
 def edge_distances(field: FaceField, mesh: Labelled) -> Floats:
     """First-order distances of the edges' midpoints from their face or curve (E,)."""
-    edges = mesh.topology.edges
-    result = np.zeros(len(edges))
-    for labels, rows in mesh.topology.edge_groups:
-        middles = (mesh.points[edges[rows, 0]] + mesh.points[edges[rows, 1]]) / 2
-        step = least_norm(field, field.functions(labels), middles)
+    ends = mesh.points[mesh.topology.edges]
+    middles = (ends[:, 0] + ends[:, 1]) / 2
+    result = np.zeros(len(middles))
+    for rows, functions in placing(field, mesh.topology.edge_labels):
+        step = least_norm(field, functions, middles[rows])
         result[rows] = np.sqrt((step * step).sum(axis=1))
     return result
 
 
 def inner_distances(field: FaceField, mesh: Labelled) -> Floats:
     """The largest first-order distance of some inner points of each triangle from its face (T,)."""
-    result = np.zeros(len(mesh.triangles))
-    for label, _, rows in mesh.topology.label_rows:
-        points = inner_points(mesh.points[mesh.triangles[rows]])
-        steps = least_norm(field, (label,), points)
-        result[rows] = farthest_inside(np.sqrt((steps * steps).sum(axis=1)))
-    return result
+    points = inner_points(mesh.points[mesh.triangles])
+    labels = np.repeat(mesh.labels, len(points) // max(len(mesh.triangles), 1))
+    steps = least_norm(field, labels[:, None], points)
+    return farthest_inside(np.sqrt((steps * steps).sum(axis=1)))

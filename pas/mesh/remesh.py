@@ -7,6 +7,7 @@ vertices are averaged inside their face or along their curve and projected back 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,9 +28,6 @@ NEARBY = 8
 PARALLEL, WELL_APART = 1e-6, 1e-6
 """Ratio of singular values below which gradients count as parallel; squared sine of the angle between two
 above which their inverse is written down."""
-
-FUNCTIONS = 3
-"""A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,29 +113,19 @@ class Topology:
         return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)))
 
     @cached_property
-    def groups(self) -> list[tuple[tuple[int, ...], Integers]]:
-        """The vertices by their labels, three at most: (labels, vertex numbers)."""
+    def vertex_labels(self) -> Integers:
+        """The labels of each vertex (N, k), ascending, then -1."""
         vertices, labels = self.pairs.T
         place = np.arange(len(vertices)) - np.searchsorted(vertices, vertices)
-        rows = np.full((self.size, FUNCTIONS), -1, dtype=np.intp)
-        kept = place < FUNCTIONS
-        rows[vertices[kept], place[kept]] = labels[kept]
-        used = np.flatnonzero(self.label_count > 0)
-        return [(tuple(int(v) for v in row if v >= 0), used[at]) for row, at in grouped(rows[used], self._span + 1)]
+        rows = np.full((self.size, int(self.label_count.max(initial=0))), -1, dtype=np.intp)
+        rows[vertices, place] = labels
+        return rows
 
     @cached_property
-    def edge_groups(self) -> list[tuple[tuple[int, ...], Integers]]:
-        """The edges by their labels: (labels, rows of `edges`)."""
-        found = grouped(self.edge_table[1], self._span + 1)
-        return [(tuple(int(v) for v in np.unique(row)), at) for row, at in found]
-
-    @cached_property
-    def label_rows(self) -> list[tuple[int, Integers, Integers]]:
-        """For each label its rows in `pairs` and its triangles."""
-        return [
-            (int(label), np.flatnonzero(self.pairs[:, 1] == label), np.flatnonzero(self.labels == label))
-            for label in np.unique(self.labels)
-        ]
+    def edge_labels(self) -> Integers:
+        """The labels of each edge (E, 2), ascending; -1 instead of the second where both are one."""
+        labels = self.edge_table[1]
+        return np.stack([labels[:, 0], np.where(self.seam_mask, labels[:, 1], -1)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,15 +189,27 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
     return [(rows[part[0]], part) for part in np.split(order, starts[1:])] if len(key) else []
 
 
+def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:
+    """Rows of labels (N, k), filled up with -1, by how many functions place such a vertex.
+
+    Of each number m the rows (n,) and, as labels, the functions (n, m).
+    """
+    found: dict[int, list[tuple[Integers, Integers]]] = {}
+    for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
+        functions = field.functions(tuple(int(v) for v in row if v >= 0))
+        found.setdefault(len(functions), []).append((at, np.tile(functions, (len(at), 1))))
+    for number, parts in sorted(found.items()):
+        if number:
+            rows, functions = (np.concatenate(column) for column in zip(*parts, strict=True))
+            yield rows, functions
+
+
 def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     """Unit outward normals (P, 3) of each vertex's faces; zero at singular points."""
     if mesh.normals is not None:
         return mesh.normals
-    pairs = mesh.topology.pairs
-    result = np.zeros((len(pairs), 3))
-    for label, rows, _ in mesh.topology.label_rows:
-        result[rows] = unit_rows(field.jets(mesh.points[pairs[rows, 0]], label)[:, 1:])
-    return result
+    vertices, labels = mesh.topology.pairs.T
+    return unit_rows(field.jets(mesh.points[vertices], labels)[:, 1:])
 
 
 def face_normals(mesh: Labelled, normals: Floats) -> Floats:
@@ -223,29 +223,27 @@ def project(mesh: Labelled, field: FaceField, reach: Floats) -> Labelled:
     A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
     """
     points = mesh.points.copy()
-    for labels, vertices in mesh.topology.groups:
+    corner = mesh.topology.label_count > 2
+    for vertices, functions in placing(field, mesh.topology.vertex_labels):
         start = points[vertices]
         most = reach[vertices]
-        end = newton(start, field, labels, most)
-        if len(labels) > 2:
-            rest = np.sqrt((least_norm(field, field.functions(labels), end) ** 2).sum(axis=1))
-            lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
-            end = np.where(lost[:, None], start, end)
-        points[vertices] = end
+        end = newton(start, field, functions, most)
+        rest = np.sqrt((least_norm(field, functions, end) ** 2).sum(axis=1))
+        lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
+        points[vertices] = np.where((corner[vertices] & lost)[:, None], start, end)
     return mesh.moved(points)
 
 
-def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Floats) -> Floats:
-    """Points (N, 3) moved to the common zeros of the functions that place such a vertex.
+def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
+    """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
     """
     points = points.copy()
-    functions = field.functions(labels)
     active = np.arange(len(points))
     for _ in range(NEWTON_STEPS):
         checkpoint()
-        step = -least_norm(field, functions, points[active])
+        step = -least_norm(field, functions[active], points[active])
         length = np.sqrt((step * step).sum(axis=1, keepdims=True))
         points[active] += step * np.minimum(1.0, reach[active, None] / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-14 * (1 + np.abs(points[active]).max(axis=1))]
@@ -254,17 +252,21 @@ def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Flo
     return points
 
 
-def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> Floats:
-    """The shortest steps (N, 3), to first order, from the functions' common zeros to points."""
-    jets = [field.jets(points, f) for f in functions]
-    if len(functions) == 1:
+def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Floats) -> Floats:
+    """The shortest steps (N, 3), to first order, from the common zeros of functions to points.
+
+    Functions are given as labels, (m,) for all points or (N, m).
+    """
+    each = np.broadcast_to(np.asarray(functions, dtype=np.intp), (len(points), np.shape(functions)[-1]))
+    jets = [field.jets(points, column) for column in each.T]
+    if len(jets) == 1:
         values, gradient = jets[0][:, :1], jets[0][:, 1:]
         return values * gradient / np.maximum((gradient * gradient).sum(axis=1, keepdims=True), 1e-300)
     values = np.stack([j[:, 0] for j in jets], axis=1)
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
     size = np.maximum(np.sqrt((matrix * matrix).sum(axis=2)), 1e-300)
     matrix, values = matrix / size[..., None], values / size
-    if len(functions) > 2:
+    if len(jets) > 2:
         return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
     cosine = (matrix[:, 0] * matrix[:, 1]).sum(axis=1, keepdims=True)
     square = 1 - cosine * cosine

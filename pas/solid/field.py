@@ -97,8 +97,11 @@ class SolidField:
         """Whether points with given signs are in the solid."""
         return self.program.inside(signs)
 
-    def jets(self, points: Floats, label: int) -> Floats:
-        """Values and gradients (N, 4) of a label's function, positive outside."""
+    def jets(self, points: Floats, label: int | Integers) -> Floats:
+        """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside."""
+        if isinstance(label, np.ndarray):
+            signs = 1.0 - 2.0 * (label % 2)
+            return self.program.jets_of(points, label // 2) * signs[:, None]
         jets = self.program.jets(points, label // 2)
         return -jets if label % 2 else jets
 
@@ -106,6 +109,15 @@ class SolidField:
         """The labels whose common zeros are where faces of given labels meet."""
         if len(labels) == 1:
             return labels
+        if labels not in self._placing:
+            self._placing[labels] = self._functions(labels)
+        return self._placing[labels]
+
+    @cached_property
+    def _placing(self) -> dict[tuple[int, ...], tuple[int, ...]]:
+        return {}
+
+    def _functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         columns = sorted({label // 2 for label in labels})
         known: list[int] = []
         free = set(columns)
