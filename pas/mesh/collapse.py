@@ -47,8 +47,6 @@ def _collapse_once(
     chosen = np.flatnonzero(short(mesh, edges))
     chosen = chosen[np.argsort(mesh.lengths[chosen], kind="stable")]
     removed, kept = _directed(mesh.topology, chosen)
-    valid = removed >= 0
-    removed, kept = removed[valid], kept[valid]
     if not len(removed):
         return None
     size, normals = len(mesh.points), pair_normals(mesh, field)
@@ -74,17 +72,13 @@ def _collapse_once(
 
 
 def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
-    """Which end of the edges in given rows goes and which stays (-1 where neither may go).
+    """Which ends (K,) of the edges in given rows may go, edge by edge, and to which others (K,).
 
     A vertex inside a face may go anywhere; one on a curve only along it; a corner stays.
     """
     edges, is_seam = topology.edges[rows], topology.seam_mask[rows]
-    inner, fixed = topology.label_count == 1, topology.fixed
-    removed, kept = np.full(len(edges), -1), np.full(len(edges), -1)
-    for a, b in ((edges[:, 0], edges[:, 1]), (edges[:, 1], edges[:, 0])):
-        may = (inner[a] | (is_seam & ~fixed[a])) & (removed < 0)
-        removed[may], kept[may] = a[may], b[may]
-    return removed, kept
+    may = (topology.label_count[edges] == 1) | (is_seam[:, None] & ~topology.fixed[edges])
+    return edges[may], edges[:, ::-1][may]
 
 
 def untangle(mesh: Labelled, field: FaceField, fold: float) -> Labelled:
@@ -96,11 +90,11 @@ def untangle(mesh: Labelled, field: FaceField, fold: float) -> Labelled:
         folded = cosines(mesh, field) < fold
         if not folded.any() or folded.sum() > MANY * len(folded):
             break
-        keys = np.sort(mesh.triangles[folded][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        marked = np.unique(keys @ np.array([mesh.topology.size, 1]))
+        marked = np.zeros(mesh.topology.size, dtype=bool)
+        marked[mesh.triangles[folded]] = True
 
-        def short(m: Labelled, edges: Integers, marked: Integers = marked) -> NDArray[np.bool_]:
-            return np.isin(edges @ np.array([m.topology.size, 1]), marked)
+        def short(m: Labelled, edges: Integers, marked: NDArray[np.bool_] = marked) -> NDArray[np.bool_]:
+            return np.asarray(marked[edges].any(axis=1))
 
         mesh = collapse(mesh, field, short, 1)
         mesh = smooth(flip(mesh, field), field)

@@ -115,7 +115,7 @@ class Crossings:
         mesh = _cut(points, triangles, labels)
         if not len(nodes.points):
             return mesh
-        found = contracted(mesh.points, mesh.triangles, mesh.labels, nodes)
+        found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
         return found if isinstance(found, np.ndarray) else Labelled.of(*found)
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
@@ -157,9 +157,7 @@ class Crossings:
         return np.bincount(number, minlength=size) - np.bincount(number[triangles[:, 0]], minlength=size) // 2
 
 
-def _unclear(
-    field: FaceField, points: Floats, triangles: Integers, labels: Integers
-) -> tuple[Integers, Integers]:
+def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> tuple[Integers, Integers]:
     """The triangles in which a curve or corner between faces is not found near where it should be, and others in
     which faces meet so flatly that they may touch nearby."""
     corner_labels = labels[triangles]

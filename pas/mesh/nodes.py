@@ -22,17 +22,18 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.errors import MeshError
-from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.remesh import least_norm, newton
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, is_closed_manifold
+from pas.mesh.touching import FOUND, touching
 
-STEPS, SLOPE_STEP = 24, 1e-5
-"""Of the Gauss-Newton method; of the differences that give second derivatives, over the extent of the box."""
+SAME = 1e-7
+"""Distance over the extent of the box between two nodes that are one."""
 
-FOUND, SAME = 1e-10, 1e-7
-"""Distances over the extent of the box: from a node to the surfaces through it, and between two that are one."""
+SHARP = 1e-3
+"""Least singular value of unit normals: below, rounding moves a common zero, and the functions touch elsewhere."""
 
 MOST_FACES = 6
 """Faces near a place of which all pairs and triples are tried."""
@@ -95,9 +96,7 @@ def find_nodes(field: FaceField, points: Floats, triangles: Integers, labels: In
     return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
 
 
-def _systems(
-    tree: cKDTree, centers: Floats, size: Floats, columns: Integers
-) -> tuple[Integers, list[tuple[int, ...]]]:
+def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) -> tuple[Integers, list[tuple[int, ...]]]:
     """What may meet near centres: for each system of functions, the centre's row and the functions."""
     rows, systems = [], []
     for row, near in enumerate(tree.query_ball_point(centers, AROUND * size)):
@@ -123,8 +122,11 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
             result[rows] = touching(field, starts[rows], functions, reach[rows])
             continue
         end = newton(starts[rows], field, functions, reach[rows])
-        off = [np.linalg.norm(least_norm(field, column[:, None], end), axis=1) for column in functions.T]
-        result[rows] = np.where((np.max(off, axis=0) < FOUND * extent)[:, None], end, np.nan)
+        jets = np.stack([field.jets(end, column) for column in functions.T], axis=1)
+        units = unit_rows(jets[..., 1:])
+        off = np.abs(jets[..., 0]) / np.maximum(np.linalg.norm(jets[..., 1:], axis=2), 1e-300)
+        sharp = np.linalg.svd(units, compute_uv=False)[:, 2] > SHARP
+        result[rows] = np.where((sharp & (off.max(axis=1) < FOUND * extent))[:, None], end, np.nan)
     return result
 
 
@@ -170,67 +172,19 @@ def _apart(points: Floats, reach: Floats) -> Nodes:
     return Nodes(points, reach)
 
 
-def touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) -> Floats:
-    """The points (N, 3) near given ones where the functions of two labels (N, 2) vanish with parallel gradients.
-
-    NaN where none is found within steps of `reach` (N,).
-    """
-    extent = float(np.ptp(field.box, axis=0).max())
-    first = [field.jets(points, column)[:, 1:] for column in pairs.T]
-    scale = [1 / np.maximum(np.linalg.norm(g, axis=1), 1e-300)[:, None] for g in first]
-    sides = SLOPE_STEP * extent * np.concatenate([np.eye(3), -np.eye(3)])
-    points = points.copy()
-    active = np.arange(len(points))
-    for _ in range(STEPS):
-        checkpoint()
-        here = points[active]
-        around = (here[:, None] + sides).reshape(-1, 3)
-        jets = [field.jets(here, pairs[active, i]) * scale[i][active] for i in range(2)]
-        bends = []
-        for i in range(2):
-            gradients = field.jets(around, np.repeat(pairs[active, i], 6))[:, 1:].reshape(-1, 6, 3)
-            bends.append((gradients[:, :3] - gradients[:, 3:]) * (scale[i][active][:, None] / (2 * SLOPE_STEP * extent)))
-        a, b = (j[:, None, 1:] for j in jets)
-        turn = np.cross(bends[0], b) + np.cross(a, bends[1])  # row k: the derivative of the product along axis k
-        size = reach[active, None]
-        value = np.concatenate([jets[0][:, :1], jets[1][:, :1], size * np.cross(a, b)[:, 0]], axis=1)
-        matrix = np.concatenate([a, b, size[..., None] * turn.transpose(0, 2, 1)], axis=1)
-        good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(value).all(axis=1)
-        step = np.full((len(active), 3), np.nan)
-        step[good] = -np.einsum("nij,nj->ni", np.linalg.pinv(matrix[good], rcond=1e-6), value[good])
-        length = np.sqrt((step * step).sum(axis=1, keepdims=True))
-        points[active] += step * np.minimum(1.0, size / np.maximum(length, 1e-300))
-        active = active[good & (length[:, 0] > 1e-15 * (1 + np.abs(here).max(axis=1)))]
-        if not len(active):
-            break
-    off = np.zeros(len(points))
-    gradients = []
-    for column in pairs.T:
-        with np.errstate(all="ignore"):
-            jets_ = field.jets(points, column)
-            size_ = np.linalg.norm(jets_[:, 1:], axis=1)
-            off = np.maximum(off, np.abs(jets_[:, 0]) / size_)
-            gradients.append(jets_[:, 1:] / size_[:, None])
-    with np.errstate(all="ignore"):
-        sine = np.linalg.norm(np.cross(*gradients), axis=1)
-        found = (off < FOUND * extent) & (sine < np.sqrt(FOUND))
-    points[~found] = np.nan
-    return points
-
-
 def contracted(
-    points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
 ) -> tuple[Floats, Integers, Integers] | Floats:
     """The mesh (points, triangles, labels) with all that is within reach of each node drawn into one vertex.
 
     Only what is a disc is; where it is none the result is the nodes (K, 3) in question.
     """
-    failed = []
+    failed, close = [], SAME * float(np.ptp(field.box, axis=0).max())
     for node, reach in zip(nodes.points, nodes.reach, strict=True):
         distance = np.linalg.norm(points - node, axis=1)
         for share in SHRINKS:
             found = _drawn(triangles, labels, np.flatnonzero(distance < share * reach), int(distance.argmin()))
-            if found is not None:
+            if found is not None and _meet(field, node, found[1][(found[0] == found[2]).any(axis=1)], close):
                 break
         else:
             failed.append(node)
@@ -244,9 +198,14 @@ def contracted(
     return points[used], numbers.reshape(-1, 3), labels
 
 
-def _drawn(
-    triangles: Integers, labels: Integers, near: Integers, center: int
-) -> tuple[Integers, Integers, int] | None:
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
+
+
+def _drawn(triangles: Integers, labels: Integers, near: Integers, center: int) -> tuple[Integers, Integers, int] | None:
     """Triangles and labels with some vertices drawn into one; None where these are no disc, or a label is lost."""
     number = np.arange(int(triangles.max()) + 1)
     number[near[near < len(number)]] = center

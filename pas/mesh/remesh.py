@@ -196,12 +196,12 @@ def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Inte
     """
     found: dict[int, list[tuple[Integers, Integers]]] = {}
     for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
-        functions = field.functions(tuple(int(v) for v in row if v >= 0))
-        found.setdefault(len(functions), []).append((at, np.tile(functions, (len(at), 1))))
+        placed = field.functions(tuple(int(v) for v in row if v >= 0))
+        found.setdefault(len(placed), []).append((at, np.tile(np.array(placed, dtype=np.intp), (len(at), 1))))
     for number, parts in sorted(found.items()):
         if number:
-            rows, functions = (np.concatenate(column) for column in zip(*parts, strict=True))
-            yield rows, functions
+            rows, functions = zip(*parts, strict=True)
+            yield np.concatenate(rows), np.concatenate(functions)
 
 
 def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
