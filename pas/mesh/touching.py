@@ -71,7 +71,7 @@ def _step(field: FaceField, points: Floats, pairs: Integers, scale: Floats, size
 
 def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:
     """Whether both surfaces pass through points (N, 3) with one normal."""
-    result = np.isfinite(points).all(axis=1)
+    result = np.asarray(np.isfinite(points).all(axis=1))
     here, functions = points[result], pairs[result]
     jets = [field.jets(here, column) for column in functions.T]
     off = [np.abs(j[:, 0]) / np.maximum(np.linalg.norm(j[:, 1:], axis=1), 1e-300) for j in jets]
