@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross, flip_once, to_centres
-from pas.mesh.refine import split
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import distinct
 
@@ -277,16 +276,6 @@ def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Fl
     return result
 
 
-def subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
-    """The mesh with edges of at most a given length."""
-    while (long := mesh.lengths > longest).any():
-        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
-        points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
-        finer = Labelled.of(points, triangles, mesh.labels[parents])
-        mesh = project(finer, field, finer.sizes)
-    return mesh
-
-
 def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     """Each vertex moved to the mean of its triangles' centres, or along its curve, then projected."""
     points, topology = mesh.points, mesh.topology
@@ -296,6 +285,7 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     vertices = topology.pairs[inner, 0]
     normal = pair_normals(mesh, field)[inner]
     move[vertices] -= (move[vertices] * normal).sum(axis=1, keepdims=True) * normal
+    move[vertices[~normal.any(axis=1)]] = 0.0  # an apex stays
     both = np.concatenate([topology.seams, topology.seams[:, ::-1]])
     along = np.stack([np.bincount(both[:, 0], points[both[:, 1], i], minlength=size) for i in range(3)], axis=1)
     on_curve = topology.label_count > 1
@@ -304,24 +294,51 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     return project(mesh.moved(points + move), field, mesh.sizes / 4)
 
 
-def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
-    """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
+def flip(mesh: Labelled, field: FaceField, passes: int = 4, limit: float | None = None) -> Labelled:
+    """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end).
+
+    On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
+    """
     known = pair_normals(mesh, field)
     normals = face_normals(mesh, known)
     triangles, changed = mesh.triangles.copy(), False
+
+    def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
+        labels = mesh.labels[owners[:, :1]]
+        before, after = (sags(mesh.points, known, ends, mesh.topology.rows(ends, labels)) for ends in (edges, opposite))
+        matters = field.lines(labels[:, 0]) & (np.maximum(before, after) > (limit or 0.0))
+        return np.where(matters, before - after, 0.0)
 
     def about(first: Integers, second: Integers) -> Floats:
         return normals[first] + normals[second]
 
     for _ in range(passes):
         checkpoint()
-        owners = flip_once(mesh.points, triangles, about, mesh.labels)
+        owners = flip_once(mesh.points, triangles, about, mesh.labels, None if limit is None else nearer)
         if not len(owners):
             break
         normals[owners] = about(owners[:, 0], owners[:, 1])[:, None] / 2
         changed = True
     topology = Topology(triangles, mesh.labels, len(mesh.points)) if changed else mesh.topology
     return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
+
+
+def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Floats:
+    """How far the middles of edges (E, 2) are from a face, to second order, by its normals at the ends.
+
+    `rows` (E, 2) are those of the ends in `normals`.  Straight lines of a face have 0, whatever their length.
+    """
+    along = points[edges[:, 1]] - points[edges[:, 0]]
+    turn = normals[rows[:, 1]] - normals[rows[:, 0]]
+    return np.asarray(np.abs((along * turn).sum(axis=1)) / 8)
+
+
+def edge_sags(mesh: Labelled, field: FaceField) -> Floats:
+    """The same of all edges (E,) of a mesh, of both their faces."""
+    edges, labels = mesh.topology.edge_table
+    normals = pair_normals(mesh, field)
+    both = [sags(mesh.points, normals, edges, mesh.topology.rows(edges, column[:, None])) for column in labels.T]
+    return np.asarray(np.maximum(*both))
 
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
