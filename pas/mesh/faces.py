@@ -20,7 +20,10 @@ from scipy.sparse.csgraph import connected_components
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.remesh import Labelled, grouped, least_norm, newton
+from pas.mesh.improve import cross
+from pas.mesh.nodes import Nodes, contracted, find_nodes
+from pas.mesh.remesh import Labelled, least_norm, newton, placing
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
 
 SNAP = 0.4
@@ -34,6 +37,12 @@ MOST_CHANGES = 12
 
 FARTHEST = 4.0
 """How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
+
+FLAT, MOST_UNCLEAR = 0.4, 400
+"""Sine of the angle between two faces below which they may touch nearby; triangles about which nodes are looked for:
+where there are more, the lattice is too coarse."""
+
+NOWHERE = np.empty((0, 3))
 
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
@@ -95,10 +104,19 @@ class Crossings:
         labels = self.crossed[1][source]
         if (labels < 0).any():
             return points[labels < 0]
-        unclear = _unclear(self.field, points, triangles, labels)
-        if len(unclear):
-            return np.asarray(points[triangles[unclear]].mean(axis=1))
-        return _cut(points, triangles, labels)
+        unclear, flat = _unclear(self.field, points, triangles, labels)
+        nodes = Nodes(NOWHERE, np.empty(0))
+        if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
+            nodes = find_nodes(self.field, points, triangles, labels, np.concatenate([unclear, flat]))
+        centers = points[triangles[unclear]].mean(axis=1)
+        centers = centers[~nodes.reaches(centers)]
+        if len(centers):
+            return np.asarray(centers)
+        mesh = _cut(points, triangles, labels)
+        if not len(nodes.points):
+            return mesh
+        found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
+        return found if isinstance(found, np.ndarray) else Labelled.of(*found)
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""
@@ -139,8 +157,9 @@ class Crossings:
         return np.bincount(number, minlength=size) - np.bincount(number[triangles[:, 0]], minlength=size) // 2
 
 
-def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> Integers:
-    """The triangles in which a curve or corner between faces is not found near where it should be."""
+def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> tuple[Integers, Integers]:
+    """The triangles in which a curve or corner between faces is not found near where it should be, and others in
+    which faces meet so flatly that they may touch nearby."""
     corner_labels = labels[triangles]
     doubtful = np.zeros(len(triangles), dtype=bool)
     mixed = np.flatnonzero((corner_labels != corner_labels[:, :1]).any(axis=1))
@@ -154,7 +173,22 @@ def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Inte
         & (corner_labels[mixed, 0] != corner_labels[mixed, 1])
     ]
     doubtful[triple] |= _lost(field, points, triangles[triple], labels)
-    return np.flatnonzero(doubtful)
+    flat = mixed[~doubtful[mixed] & _flat(field, points, triangles[mixed], corner_labels[mixed])]
+    return np.flatnonzero(doubtful), flat
+
+
+def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> NDArray[np.bool_]:
+    """Whether two of the functions that place what is between triangles' faces have gradients almost parallel."""
+    result = np.zeros(len(triangles), dtype=bool)
+    centers = points[triangles].mean(axis=1)
+    for i in range(3):
+        pair = np.sort(labels[:, [i, (i + 1) % 3]], axis=1)
+        differ = np.flatnonzero(pair[:, 0] != pair[:, 1])
+        for at, functions in placing(field, pair[differ]):
+            rows = differ[at]
+            units = [unit_rows(field.jets(centers[rows], column)[:, 1:]) for column in functions.T[:2]]
+            result[rows] |= np.sqrt((cross(units[0], units[-1]) ** 2).sum(axis=1)) < FLAT
+    return result
 
 
 def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) -> NDArray[np.bool_]:
@@ -162,34 +196,34 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
     result = np.zeros(len(groups), dtype=bool)
     p = points[groups]
     size = np.sqrt(((p - p.mean(axis=1, keepdims=True)) ** 2).sum(axis=2)).max(axis=1) * 2
-    for row, at in grouped(np.sort(labels[groups], axis=1), int(labels.max()) + 2):
-        checkpoint()
-        names = tuple(int(v) for v in row)
-        start = p[at].mean(axis=1)
-        end = newton(start, field, names, size[at])
-        rest = np.sqrt((least_norm(field, field.functions(names), end) ** 2).sum(axis=1))
-        moved = np.sqrt(((end - start) ** 2).sum(axis=1))
+    names = np.sort(labels[groups], axis=1)
+    end = p.mean(axis=1)
+    for at, functions in placing(field, names):
+        start = end[at]
+        end[at] = newton(start, field, functions, size[at])
+        rest = np.sqrt((least_norm(field, functions, end[at]) ** 2).sum(axis=1))
+        moved = np.sqrt(((end[at] - start) ** 2).sum(axis=1))
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
-        found = np.flatnonzero(~result[at])
-        result[at[found]] = ~_on_boundary(field, end[found], names, 1e-3 * size[at[found]])
+    found = np.flatnonzero(~result)
+    result[found] = ~_on_boundary(field, end[found], names[found], 1e-3 * size[found])
     return result
 
 
-def _on_boundary(field: FaceField, points: Floats, names: tuple[int, ...], reach: Floats) -> NDArray[np.bool_]:
-    """Whether points (N, 3) have the inside on one side and the outside on the other.
+def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Floats) -> NDArray[np.bool_]:
+    """Whether points (N, 3) on faces (N, m) have the inside on one side and the outside on the other.
 
     Of an edge the mean of its faces' normals points outwards, convex or not; about a corner the
     corners of a small cube are looked at as well.
     """
     outwards = np.zeros_like(points)
-    for label in names:
+    for label in names.T:
         gradient = field.jets(points, label)[:, 1:]
         outwards += gradient / np.maximum(np.sqrt((gradient * gradient).sum(axis=1, keepdims=True)), 1e-300)
     outwards /= np.maximum(np.sqrt((outwards * outwards).sum(axis=1, keepdims=True)), 1e-300)
     step = reach[:, None] * outwards
     inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))
     result = np.asarray(inside & ~outside)
-    if len(names) > 2:
+    if names.shape[1] > 2:
         corners = (points[:, None] + reach[:, None, None] * (2 * _CORNERS - 1)).reshape(-1, 3)
         around = field.inside(field.signs(corners)).reshape(-1, 8)
         result |= around.any(axis=1) & ~around.all(axis=1)
@@ -204,10 +238,8 @@ def _crossing(
     start, end = signs[:, a], signs[:, b]
     changes = start != end
     roots = np.full(changes.shape, 2.0)
-    for column in np.flatnonzero(changes.any(axis=1)):
-        checkpoint()
-        rows = np.flatnonzero(changes[column])
-        roots[column, rows] = _roots(field, 2 * int(column), points[a[rows]], points[b[rows]])
+    columns, rows = np.nonzero(changes)
+    roots[columns, rows] = _roots(field, 2 * columns, points[a[rows]], points[b[rows]])
     order = np.argsort(roots, axis=0)
     result, label = np.full(len(edges), 0.5), np.full(len(edges), -1)
     open_edges = np.arange(len(edges))
@@ -261,17 +293,17 @@ def _check_crossings(
     t[rows], label[rows] = (low + high) / 2, found
 
 
-def _roots(field: FaceField, label: int, a: Floats, b: Floats) -> Floats:
-    """Parameters in [0, 1] where a function that changes sign from a to b vanishes (bracketed Newton)."""
+def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
+    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish (bracketed Newton)."""
     low, high = np.zeros(len(a)), np.ones(len(a))
-    first, last = field.jets(a, label)[:, 0], field.jets(b, label)[:, 0]
+    first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
     rising = first <= 0
     t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
     active = np.arange(len(a))
     for _ in range(ROOT_STEPS):
         checkpoint()
         here, along = t[active], b[active] - a[active]
-        jets = field.jets(a[active] + here[:, None] * along, label)
+        jets = field.jets(a[active] + here[:, None] * along, labels[active])
         before = (jets[:, 0] <= 0) == rising[active]
         low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
         slope = (jets[:, 1:] * along).sum(axis=1)

@@ -154,8 +154,14 @@ class FaceField(Field, Protocol):
     def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Whether points with given signs (M, N) are in the set (N,)."""
 
-    def jets(self, points: Floats, label: int) -> Floats:
-        """Values and gradients (N, 4) of a label's function at points (N, 3)."""
+    def jets(self, points: Floats, label: int | Integers) -> Floats:
+        """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
+
+    def lines(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether faces of given labels (N,) have straight lines along which their normals do not turn (N,).
+
+        Planes, cylinders and cones have.
+        """
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""

@@ -19,7 +19,8 @@ from pas.mesh.collapse import collapse, untangle
 from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
-from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, project, smooth
+from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.straight import coarser
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3
@@ -174,7 +175,7 @@ def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
         checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
         smaller = flip(collapse(mesh, field, spare, 2), field, 1)
         if len(smaller.points) > (1 - FEW) * len(mesh.points):
-            return mesh
+            return coarser(mesh, field, np.minimum(tolerance, mesh.sizes / 4), tolerance)
         mesh = smaller
 
 
@@ -218,13 +219,14 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
         places = mesh.points[mesh.triangles[folded]].mean(axis=1)
         return f"near {place_of(field, places[0])} it is too thin or two faces meet too flatly", places
     far = np.zeros(len(mesh.points))
-    for labels, vertices in mesh.topology.groups:
-        if len(labels) > 2:  # a corner may be one only within the tolerance
-            each = np.array([least_norm(field, (label,), mesh.points[vertices]) for label in labels])
-            far[vertices] = np.sqrt((each * each).sum(axis=2)).max(axis=0) / (CORNER * tolerance)
-        else:
-            steps = least_norm(field, field.functions(labels), mesh.points[vertices])
-            far[vertices] = np.sqrt((steps * steps).sum(axis=1)) / (ON_FACE * mesh.sizes[vertices])
+    corner = mesh.topology.label_count > 2
+    for vertices, functions in placing(field, mesh.topology.vertex_labels):
+        steps = least_norm(field, functions, mesh.points[vertices])
+        far[vertices] = np.sqrt((steps * steps).sum(axis=1)) / (ON_FACE * mesh.sizes[vertices])
+    vertices, labels = mesh.topology.pairs[corner[mesh.topology.pairs[:, 0]]].T
+    far[corner] = 0.0  # a corner may be one only within the tolerance
+    steps = least_norm(field, labels[:, None], mesh.points[vertices])
+    np.maximum.at(far, vertices, np.sqrt((steps * steps).sum(axis=1)) / (CORNER * tolerance))
     if far.max() > 1:
         place = place_of(field, mesh.points[far.argmax()])
         return f"near {place} faces come close without meeting", mesh.points[far > 1]

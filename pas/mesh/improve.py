@@ -127,11 +127,13 @@ def flip_once(
     triangles: Integers,
     normal: Callable[[Integers, Integers], Floats],
     labels: Integers | None = None,
+    better: Callable[[Integers, Integers, Integers], Floats] | None = None,
 ) -> Integers:
     """Flip an independent set of edges in place; returns the pairs of triangles that changed (F, 2).
 
     `normal(i, j)` is the surface's normal (of any length) about the triangles i and j; edges
-    between triangles of different `labels` stay.
+    between triangles of different `labels` stay.  `better(owners, edges, opposite)`, each (E, 2), says by how much
+    flips mend something else, which goes before Delaunay's criterion: that decides where it is 0.
     """
     pairs, owners, opposite, keys = _interior_edges(triangles)
     if labels is not None:
@@ -143,6 +145,10 @@ def flip_once(
     size = np.sqrt((cos_c**2 + sin_c**2) * (cos_d**2 + sin_d**2))
     gain = -(sin_c * cos_d + cos_c * sin_d) / np.maximum(size, 1e-300)
     wanted = np.flatnonzero(gain > 1e-6)
+    if better is not None:
+        mended = better(owners, pairs, opposite)
+        gain = np.where(mended != 0, 2 * np.sign(mended), gain)
+        wanted = np.flatnonzero(gain > 1e-6)
     about = normal(owners[wanted, 0], owners[wanted, 1])
     wanted = wanted[_flippable(points, about, a[wanted], b[wanted], c[wanted], d[wanted])]
     wanted = wanted[~_connected(keys, int(triangles.max()) + 1, c[wanted], d[wanted])]

@@ -7,6 +7,7 @@ vertices are averaged inside their face or along their curve and projected back 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross, flip_once, to_centres
-from pas.mesh.refine import split
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import distinct
 
@@ -27,9 +27,6 @@ NEARBY = 8
 PARALLEL, WELL_APART = 1e-6, 1e-6
 """Ratio of singular values below which gradients count as parallel; squared sine of the angle between two
 above which their inverse is written down."""
-
-FUNCTIONS = 3
-"""A vertex is placed by at most that many of its labels: more meet in one point only by chance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,29 +112,19 @@ class Topology:
         return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)))
 
     @cached_property
-    def groups(self) -> list[tuple[tuple[int, ...], Integers]]:
-        """The vertices by their labels, three at most: (labels, vertex numbers)."""
+    def vertex_labels(self) -> Integers:
+        """The labels of each vertex (N, k), ascending, then -1."""
         vertices, labels = self.pairs.T
         place = np.arange(len(vertices)) - np.searchsorted(vertices, vertices)
-        rows = np.full((self.size, FUNCTIONS), -1, dtype=np.intp)
-        kept = place < FUNCTIONS
-        rows[vertices[kept], place[kept]] = labels[kept]
-        used = np.flatnonzero(self.label_count > 0)
-        return [(tuple(int(v) for v in row if v >= 0), used[at]) for row, at in grouped(rows[used], self._span + 1)]
+        rows = np.full((self.size, int(self.label_count.max(initial=0))), -1, dtype=np.intp)
+        rows[vertices, place] = labels
+        return rows
 
     @cached_property
-    def edge_groups(self) -> list[tuple[tuple[int, ...], Integers]]:
-        """The edges by their labels: (labels, rows of `edges`)."""
-        found = grouped(self.edge_table[1], self._span + 1)
-        return [(tuple(int(v) for v in np.unique(row)), at) for row, at in found]
-
-    @cached_property
-    def label_rows(self) -> list[tuple[int, Integers, Integers]]:
-        """For each label its rows in `pairs` and its triangles."""
-        return [
-            (int(label), np.flatnonzero(self.pairs[:, 1] == label), np.flatnonzero(self.labels == label))
-            for label in np.unique(self.labels)
-        ]
+    def edge_labels(self) -> Integers:
+        """The labels of each edge (E, 2), ascending; -1 instead of the second where both are one."""
+        labels = self.edge_table[1]
+        return np.stack([labels[:, 0], np.where(self.seam_mask, labels[:, 1], -1)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,15 +188,27 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
     return [(rows[part[0]], part) for part in np.split(order, starts[1:])] if len(key) else []
 
 
+def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:
+    """Rows of labels (N, k), filled up with -1, by how many functions place such a vertex.
+
+    Of each number m the rows (n,) and, as labels, the functions (n, m).
+    """
+    found: dict[int, list[tuple[Integers, Integers]]] = {}
+    for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
+        placed = field.functions(tuple(int(v) for v in row if v >= 0))
+        found.setdefault(len(placed), []).append((at, np.tile(np.array(placed, dtype=np.intp), (len(at), 1))))
+    for number, parts in sorted(found.items()):
+        if number:
+            rows, functions = zip(*parts, strict=True)
+            yield np.concatenate(rows), np.concatenate(functions)
+
+
 def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     """Unit outward normals (P, 3) of each vertex's faces; zero at singular points."""
     if mesh.normals is not None:
         return mesh.normals
-    pairs = mesh.topology.pairs
-    result = np.zeros((len(pairs), 3))
-    for label, rows, _ in mesh.topology.label_rows:
-        result[rows] = unit_rows(field.jets(mesh.points[pairs[rows, 0]], label)[:, 1:])
-    return result
+    vertices, labels = mesh.topology.pairs.T
+    return unit_rows(field.jets(mesh.points[vertices], labels)[:, 1:])
 
 
 def face_normals(mesh: Labelled, normals: Floats) -> Floats:
@@ -223,29 +222,27 @@ def project(mesh: Labelled, field: FaceField, reach: Floats) -> Labelled:
     A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
     """
     points = mesh.points.copy()
-    for labels, vertices in mesh.topology.groups:
+    corner = mesh.topology.label_count > 2
+    for vertices, functions in placing(field, mesh.topology.vertex_labels):
         start = points[vertices]
         most = reach[vertices]
-        end = newton(start, field, labels, most)
-        if len(labels) > 2:
-            rest = np.sqrt((least_norm(field, field.functions(labels), end) ** 2).sum(axis=1))
-            lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
-            end = np.where(lost[:, None], start, end)
-        points[vertices] = end
+        end = newton(start, field, functions, most)
+        rest = np.sqrt((least_norm(field, functions, end) ** 2).sum(axis=1))
+        lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
+        points[vertices] = np.where((corner[vertices] & lost)[:, None], start, end)
     return mesh.moved(points)
 
 
-def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Floats) -> Floats:
-    """Points (N, 3) moved to the common zeros of the functions that place such a vertex.
+def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
+    """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
     """
     points = points.copy()
-    functions = field.functions(labels)
     active = np.arange(len(points))
     for _ in range(NEWTON_STEPS):
         checkpoint()
-        step = -least_norm(field, functions, points[active])
+        step = -least_norm(field, functions[active], points[active])
         length = np.sqrt((step * step).sum(axis=1, keepdims=True))
         points[active] += step * np.minimum(1.0, reach[active, None] / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-14 * (1 + np.abs(points[active]).max(axis=1))]
@@ -254,17 +251,21 @@ def newton(points: Floats, field: FaceField, labels: tuple[int, ...], reach: Flo
     return points
 
 
-def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> Floats:
-    """The shortest steps (N, 3), to first order, from the functions' common zeros to points."""
-    jets = [field.jets(points, f) for f in functions]
-    if len(functions) == 1:
+def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Floats) -> Floats:
+    """The shortest steps (N, 3), to first order, from the common zeros of functions to points.
+
+    Functions are given as labels, (m,) for all points or (N, m).
+    """
+    each = np.broadcast_to(np.asarray(functions, dtype=np.intp), (len(points), np.shape(functions)[-1]))
+    jets = [field.jets(points, column) for column in each.T]
+    if len(jets) == 1:
         values, gradient = jets[0][:, :1], jets[0][:, 1:]
         return values * gradient / np.maximum((gradient * gradient).sum(axis=1, keepdims=True), 1e-300)
     values = np.stack([j[:, 0] for j in jets], axis=1)
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
     size = np.maximum(np.sqrt((matrix * matrix).sum(axis=2)), 1e-300)
     matrix, values = matrix / size[..., None], values / size
-    if len(functions) > 2:
+    if len(jets) > 2:
         return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
     cosine = (matrix[:, 0] * matrix[:, 1]).sum(axis=1, keepdims=True)
     square = 1 - cosine * cosine
@@ -273,16 +274,6 @@ def least_norm(field: FaceField, functions: tuple[int, ...], points: Floats) -> 
     flat = np.flatnonzero(square[:, 0] < WELL_APART)
     result[flat] = np.einsum("nij,nj->ni", np.linalg.pinv(matrix[flat], rcond=PARALLEL), values[flat])
     return result
-
-
-def subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
-    """The mesh with edges of at most a given length."""
-    while (long := mesh.lengths > longest).any():
-        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
-        points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
-        finer = Labelled.of(points, triangles, mesh.labels[parents])
-        mesh = project(finer, field, finer.sizes)
-    return mesh
 
 
 def smooth(mesh: Labelled, field: FaceField) -> Labelled:
@@ -294,6 +285,7 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     vertices = topology.pairs[inner, 0]
     normal = pair_normals(mesh, field)[inner]
     move[vertices] -= (move[vertices] * normal).sum(axis=1, keepdims=True) * normal
+    move[vertices[~normal.any(axis=1)]] = 0.0  # an apex stays
     both = np.concatenate([topology.seams, topology.seams[:, ::-1]])
     along = np.stack([np.bincount(both[:, 0], points[both[:, 1], i], minlength=size) for i in range(3)], axis=1)
     on_curve = topology.label_count > 1
@@ -302,24 +294,51 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     return project(mesh.moved(points + move), field, mesh.sizes / 4)
 
 
-def flip(mesh: Labelled, field: FaceField, passes: int = 4) -> Labelled:
-    """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
+def flip(mesh: Labelled, field: FaceField, passes: int = 4, limit: float | None = None) -> Labelled:
+    """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end).
+
+    On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
+    """
     known = pair_normals(mesh, field)
     normals = face_normals(mesh, known)
     triangles, changed = mesh.triangles.copy(), False
+
+    def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
+        labels = mesh.labels[owners[:, :1]]
+        before, after = (sags(mesh.points, known, ends, mesh.topology.rows(ends, labels)) for ends in (edges, opposite))
+        matters = field.lines(labels[:, 0]) & (np.maximum(before, after) > (limit or 0.0))
+        return np.where(matters, before - after, 0.0)
 
     def about(first: Integers, second: Integers) -> Floats:
         return normals[first] + normals[second]
 
     for _ in range(passes):
         checkpoint()
-        owners = flip_once(mesh.points, triangles, about, mesh.labels)
+        owners = flip_once(mesh.points, triangles, about, mesh.labels, None if limit is None else nearer)
         if not len(owners):
             break
         normals[owners] = about(owners[:, 0], owners[:, 1])[:, None] / 2
         changed = True
     topology = Topology(triangles, mesh.labels, len(mesh.points)) if changed else mesh.topology
     return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
+
+
+def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Floats:
+    """How far the middles of edges (E, 2) are from a face, to second order, by its normals at the ends.
+
+    `rows` (E, 2) are those of the ends in `normals`.  Straight lines of a face have 0, whatever their length.
+    """
+    along = points[edges[:, 1]] - points[edges[:, 0]]
+    turn = normals[rows[:, 1]] - normals[rows[:, 0]]
+    return np.asarray(np.abs((along * turn).sum(axis=1)) / 8)
+
+
+def edge_sags(mesh: Labelled, field: FaceField) -> Floats:
+    """The same of all edges (E,) of a mesh, of both their faces."""
+    edges, labels = mesh.topology.edge_table
+    normals = pair_normals(mesh, field)
+    both = [sags(mesh.points, normals, edges, mesh.topology.rows(edges, column[:, None])) for column in labels.T]
+    return np.asarray(np.maximum(*both))
 
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:

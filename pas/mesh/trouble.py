@@ -19,7 +19,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, place_of
 from pas.mesh.remesh import least_norm
 
-PLACES = 24
+PLACES = 10
 """That are looked at, spread over those given."""
 
 NEAR, FARTHEST = 4.0, 0.3
@@ -179,6 +179,8 @@ class _Place:
         point = self._common([b])
         if point is None:
             return None
+        if self._sine(point, a, b) > 2 * FARTHEST * self.extent * (1 / self._radius(a) + 1 / self._radius(b)):
+            return None  # they bend too little for their normals to become parallel
         scale = [1 / max(float(np.linalg.norm(self._jet(point, c)[1:])), 1e-300) for c in (a, b)]
         f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
         share = float(f[1:] @ g[1:])

@@ -55,6 +55,36 @@ class Bank:
             self._jet_matrices[number] = np.stack(columns, axis=1)
         return evaluate(points, self._jet_matrices[number])
 
+    def jets_of(self, numbers: Integers, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3), each of a polynomial of its own (N,).
+
+        Planes and quadrics, of which machines have hundreds, are evaluated together.
+        """
+        result = np.empty((len(points), 4))
+        table, low = self._quadrics
+        rows = np.flatnonzero(low[numbers])
+        p, (constant, slopes, bends) = points[rows], np.split(table[numbers[rows]], (1, 4), axis=1)
+        bent = np.einsum("nij,nj->ni", bends.reshape(-1, 3, 3), p)
+        result[rows, 0] = constant[:, 0] + ((slopes + bent / 2) * p).sum(axis=1)
+        result[rows, 1:] = slopes + bent
+        rows = np.flatnonzero(~low[numbers])
+        for number in np.unique(numbers[rows]):
+            own = rows[numbers[rows] == number]
+            result[own] = self.jets(int(number), points[own])
+        return result
+
+    @cached_property
+    def _quadrics(self) -> tuple[Floats, Bools]:
+        """Value, gradient and second derivatives at 0 (M, 13) of polynomials, and which (M,) are told by these."""
+        low = np.array([p.degree <= 2 for p in self.polynomials], dtype=bool)
+        table = np.zeros((len(self), 13))
+        for row in np.flatnonzero(low):
+            p = self.polynomials[row]
+            slopes = [p.diff(i) for i in range(3)]
+            known = (p, *slopes, *(s.diff(i) for s in slopes for i in range(3)))
+            table[row] = [q.dense(max(q.degree, 0))[0] for q in known]
+        return table, low
+
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3), or (1, 3) for all."""
         yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)

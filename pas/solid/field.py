@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from pas.algebra.ideal import Ideal
@@ -97,15 +98,36 @@ class SolidField:
         """Whether points with given signs are in the solid."""
         return self.program.inside(signs)
 
-    def jets(self, points: Floats, label: int) -> Floats:
-        """Values and gradients (N, 4) of a label's function, positive outside."""
+    def jets(self, points: Floats, label: int | Integers) -> Floats:
+        """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside."""
+        if isinstance(label, np.ndarray):
+            signs = 1.0 - 2.0 * (label % 2)
+            return self.program.jets_of(points, label // 2) * signs[:, None]
         jets = self.program.jets(points, label // 2)
         return -jets if label % 2 else jets
+
+    def lines(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
+        return self._lines[labels // 2]
+
+    @cached_property
+    def _lines(self) -> NDArray[np.bool_]:
+        """The same for each column of the tree."""
+        return np.array([_has_lines(c.function) for c in self.program.columns[: self.program.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose common zeros are where faces of given labels meet."""
         if len(labels) == 1:
             return labels
+        if labels not in self._placing:
+            self._placing[labels] = self._functions(labels)
+        return self._placing[labels]
+
+    @cached_property
+    def _placing(self) -> dict[tuple[int, ...], tuple[int, ...]]:
+        return {}
+
+    def _functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         columns = sorted({label // 2 for label in labels})
         known: list[int] = []
         free = set(columns)
@@ -160,6 +182,16 @@ class SolidField:
                 if ideal.contains(q) and not ideal.is_whole_ring:
                     return kept, number
         return ()
+
+
+def _has_lines(function: Function) -> bool:
+    if not isinstance(function, Polynomial) or function.degree > 2:
+        return False
+    homogeneous: dict[tuple[int, int], fmpq] = {}
+    for exponent, coefficient in function.raw.to_dict().items():
+        i, j = [*(axis for axis, power in enumerate(exponent) for _ in range(power)), 3, 3][:2]
+        homogeneous[i, j] = homogeneous[j, i] = coefficient * (2 if i == j else 1)
+    return fmpq_mat(4, 4, [homogeneous.get((i, j), fmpq(0)) for i in range(4) for j in range(4)]).det() == 0
 
 
 def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
-from pas.mesh.remesh import newton
+from pas.mesh.remesh import newton, placing
 
 _GAUSS = np.array(
     [
@@ -30,8 +30,8 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
     mesh = found.mesh
     edges = mesh.topology.edges
     middles = mesh.points[edges].mean(axis=1)
-    for labels, rows in mesh.topology.edge_groups:
-        middles[rows] = newton(middles[rows], field, labels, mesh.lengths[rows])
+    for rows, functions in placing(field, mesh.topology.edge_labels):
+        middles[rows] = newton(middles[rows], field, functions, mesh.lengths[rows])
     size = mesh.topology.size
     keys = edges @ np.array([size, 1])
     center = mesh.points.mean(axis=0)

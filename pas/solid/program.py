@@ -120,6 +120,18 @@ class Program:
         chosen = self._gates.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
+    def jets_of(self, points: Floats, numbers: Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3), each of a column of its own (N,)."""
+        if len(numbers) and (numbers == numbers[0]).all():
+            return self.jets(points, int(numbers[0]))
+        result = np.empty((len(points), 4))
+        banked = np.isin(numbers, self._rows)
+        result[banked] = self._bank.jets_of(np.searchsorted(self._rows, numbers[banked]), points[banked])
+        for number in np.unique(numbers[~banked]):
+            rows = numbers == number
+            result[rows] = self.jets(points[rows], int(number))
+        return result
+
     def jets(self, points: Floats, number: int) -> Floats:
         """Values and gradients (N, 4) of a column, extra ones included, at points (N, 3)."""
         if number in self._fields:

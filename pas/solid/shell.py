@@ -22,9 +22,10 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
+from pas.mesh.field import FaceField, Integers
 from pas.mesh.improve import cross
-from pas.mesh.remesh import Labelled, least_norm, subdivided
+from pas.mesh.refine import split
+from pas.mesh.remesh import Labelled, least_norm, project
 from pas.solid.bounds import bounding_box
 from pas.solid.distance import Distance
 from pas.solid.field import SolidField
@@ -145,10 +146,20 @@ class Near(Distance):
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
 
 
+def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
+    """The mesh with edges of at most a given length."""
+    while (long := mesh.lengths > longest).any():
+        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
+        points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
+        finer = Labelled.of(points, triangles, mesh.labels[parents])
+        mesh = project(finer, field, finer.sizes)
+    return mesh
+
+
 def _dense(solid: Solid, tolerance: float) -> Labelled:
     """A mesh of the faces with vertices everywhere, flat or not."""
     longest = float(np.ptp(solid.field.box, axis=0).max()) / ALONG
-    return subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
+    return _subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
 
 
 def _target(mesh: Labelled, labels: tuple[int, ...], cells: Integers) -> _Target:

@@ -1,0 +1,224 @@
+"""Nodes of a boundary: points where curves between faces end or cross, however the faces meet there.
+
+Three faces that cross meet in one point, which Newton's method finds on their functions.  Bars from one point,
+equal cylinders and flush ends have more surfaces through a point, and surfaces that touch there; such points are
+zeros of the vector product of two gradients as well.  All of these are overdetermined systems that have a solution,
+for which the Gauss-Newton method converges quadratically (Deuflhard 2011, section 4.3).
+
+What a mesh must know of a node is whether the solid is one cone there, with one sheet of boundary: then what is on a
+small sphere about it inside, and what outside, is connected.  Otherwise there is no manifold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, cKDTree
+
+from pas.errors import MeshError
+from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.hull import icosphere
+from pas.mesh.remesh import least_norm, newton
+from pas.mesh.shading import unit_rows
+from pas.mesh.topology import edge_table, is_closed_manifold
+from pas.mesh.touching import FOUND, touching
+
+SAME = 1e-7
+"""Distance over the extent of the box between two nodes that are one."""
+
+SHARP = 1e-3
+"""Least singular value of unit normals: below, rounding moves a common zero, and the functions touch elsewhere."""
+
+MOST_FACES = 6
+"""Faces near a place of which all pairs and triples are tried."""
+
+AROUND, REACH = 3.0, 4.0
+"""Over a triangle's size: how far away its neighbours' faces count, and how far a node may be."""
+
+LEVEL = 3
+"""Of the sphere on which a node's surroundings are looked at: 642 points."""
+
+LINKS = (1e-2, 1e-3)
+"""Radii of such spheres over a lattice's spacing; a cone looks the same on all of them."""
+
+PARTS = 40
+"""Points of a part of a finer sphere that is certainly seen as it is."""
+
+SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
+"""Shares of a node's reach that are tried until what is in it is a disc."""
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Points (K, 3) of the boundary, and from how far (K,) vertices are drawn into each."""
+
+    points: Floats
+    reach: Floats
+
+    def reaches(self, places: Floats) -> NDArray[np.bool_]:
+        """Which places (N, 3) are within reach of one."""
+        if not len(self.points):
+            return np.zeros(len(places), dtype=bool)
+        distances = np.linalg.norm(places[:, None] - self.points, axis=2)
+        return np.asarray((distances < self.reach).any(axis=1))
+
+
+def find_nodes(field: FaceField, points: Floats, triangles: Integers, labels: Integers, places: Integers) -> Nodes:
+    """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
+
+    Raises `MeshError` where the solid touches itself in a node.
+    """
+    corners = points[triangles[places]]
+    centers = corners.mean(axis=1)
+    size = 2 * np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1, initial=0.0)
+    starts, functions = _systems(cKDTree(points), centers, size, 2 * (labels // 2))
+    found, owners = _solved(field, centers[starts], functions, size[starts]), starts
+    far = np.linalg.norm(found - centers[owners], axis=1) / size[owners]
+    kept = np.flatnonzero(far < REACH)
+    kept = kept[np.argsort(far[kept], kind="stable")]
+    extent = float(np.ptp(field.box, axis=0).max())
+    nodes, reach, done = [], [], np.zeros(len(places), dtype=bool)
+    for row in kept:
+        if done[owners[row]]:
+            continue
+        own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
+        radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
+        if _is_cone(field, found[row], float(size[owners[row]])):
+            nodes.append(found[row])
+            reach.append(radius)
+            done[owners[own]] = True
+    return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
+
+
+def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) -> tuple[Integers, list[tuple[int, ...]]]:
+    """What may meet near centres: for each system of functions, the centre's row and the functions."""
+    rows, systems = [], []
+    for row, near in enumerate(tree.query_ball_point(centers, AROUND * size)):
+        distance = np.linalg.norm(tree.data[near] - centers[row], axis=1)
+        close = dict.fromkeys(int(columns[near[k]]) for k in np.argsort(distance, kind="stable"))
+        few = sorted(list(close)[:MOST_FACES])
+        own = [tuple(few)] if len(few) > 3 else []
+        own += [*combinations(few, 3), *combinations(few, 2)]
+        systems += own
+        rows += [row] * len(own)
+    return np.array(rows, dtype=np.intp), systems
+
+
+def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats) -> Floats:
+    """A common zero of each system near its start (N, 3), of two functions one where they touch; NaN where none."""
+    result = np.full(starts.shape, np.nan)
+    extent = float(np.ptp(field.box, axis=0).max())
+    lengths = np.array([len(s) for s in systems], dtype=np.intp)
+    for length in np.unique(lengths):
+        rows = np.flatnonzero(lengths == length)
+        functions = np.array([systems[row] for row in rows], dtype=np.intp)
+        if length == 2:
+            result[rows] = touching(field, starts[rows], functions, reach[rows])
+            continue
+        end = newton(starts[rows], field, functions, reach[rows])
+        jets = np.stack([field.jets(end, column) for column in functions.T], axis=1)
+        units = unit_rows(jets[..., 1:])
+        off = np.abs(jets[..., 0]) / np.maximum(np.linalg.norm(jets[..., 1:], axis=2), 1e-300)
+        sharp = np.linalg.svd(units, compute_uv=False)[:, 2] > SHARP
+        result[rows] = np.where((sharp & (off.max(axis=1) < FOUND * extent))[:, None], end, np.nan)
+    return result
+
+
+def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
+    """Whether the boundary is one sheet at a node, as its links show; raises `MeshError` where it is pinched there."""
+    parts = [_link(field, node, share * spacing, LEVEL) for share in LINKS]
+    if all(len(inside) == len(outside) == 1 for inside, outside in parts):
+        return True
+    finer = [_link(field, node, share * spacing, LEVEL + 1) for share in LINKS]
+    if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
+        raise MeshError(
+            f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
+            "so that its boundary is no surface there; let its parts overlap or keep them apart"
+        )
+    return False
+
+
+def _link(field: FaceField, node: Floats, radius: float, level: int) -> tuple[list[int], list[int]]:
+    """The numbers of points in the connected parts of a small sphere that are inside, and of those outside."""
+    units, edges = _sphere(level)
+    inside = field.inside(field.signs(node + radius * units))
+    result = []
+    for side in (inside, ~inside):
+        kept = edges[side[edges].all(axis=1)]
+        graph = coo_array((np.ones(len(kept)), kept.T), shape=(len(units),) * 2)
+        part = connected_components(graph, directed=False)[1]
+        result.append(np.unique(part[side], return_counts=True)[1].tolist())
+    return result[0], result[1]
+
+
+@cache
+def _sphere(level: int) -> tuple[Floats, Integers]:
+    """Points on the unit sphere and which of them are next to each other."""
+    units = icosphere(level)[0]
+    return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
+
+
+def _apart(points: Floats, reach: Floats) -> Nodes:
+    """Nodes none of which reaches to the middle between two."""
+    if len(points) > 1:
+        nearest = cKDTree(points).query(points, 2)[0][:, 1]
+        reach = np.minimum(reach, nearest / 2)
+    return Nodes(points, reach)
+
+
+def contracted(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+) -> tuple[Floats, Integers, Integers] | Floats:
+    """The mesh (points, triangles, labels) with all that is within reach of each node drawn into one vertex.
+
+    Only what is a disc is; where it is none the result is the nodes (K, 3) in question.
+    """
+    failed, close = [], SAME * float(np.ptp(field.box, axis=0).max())
+    for node, reach in zip(nodes.points, nodes.reach, strict=True):
+        distance = np.linalg.norm(points - node, axis=1)
+        for share in SHRINKS:
+            found = _drawn(triangles, labels, np.flatnonzero(distance < share * reach), int(distance.argmin()))
+            if found is not None and _meet(field, node, found[1][(found[0] == found[2]).any(axis=1)], close):
+                break
+        else:
+            failed.append(node)
+            continue
+        triangles, labels, center = found
+        points = points.copy()
+        points[center] = node
+    if failed:
+        return np.array(failed)
+    used, numbers = np.unique(triangles, return_inverse=True)
+    return points[used], numbers.reshape(-1, 3), labels
+
+
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
+
+
+def _drawn(triangles: Integers, labels: Integers, near: Integers, center: int) -> tuple[Integers, Integers, int] | None:
+    """Triangles and labels with some vertices drawn into one; None where these are no disc, or a label is lost."""
+    number = np.arange(int(triangles.max()) + 1)
+    number[near[near < len(number)]] = center
+    if center not in near:
+        return triangles, labels, center
+    is_near = np.isin(triangles, near)
+    within = triangles[is_near.sum(axis=1) > 1]
+    edges, _ = edge_table(within)
+    inner = np.isin(edges, near).all(axis=1).sum()
+    if len(near) - inner + is_near.all(axis=1).sum() != 1:
+        return None
+    moved = number[triangles]
+    kept = (moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 2] != moved[:, 0])
+    result = moved[kept]
+    whole = len(np.unique(labels[kept])) == len(np.unique(labels)) and is_closed_manifold(result)
+    return (result, labels[kept], center) if whole else None

@@ -1,0 +1,81 @@
+"""Faces with straight lines keep long triangles: counts near the ideal ones, whatever the tolerance."""
+
+from __future__ import annotations
+
+from functools import reduce
+from math import acos, ceil, pi
+
+import numpy as np
+import pytest
+
+from pas import solid
+from pas.mesh.improve import flip_once
+
+HOLES = 15
+
+
+def plate():
+    holes = [
+        solid.cylinder((1 + 2 * i, 1 + 2 * j, -1), (1 + 2 * i, 1 + 2 * j, 2), "3/5", face=f"hole {i} {j}")
+        for i in range(5)
+        for j in range(3)
+    ]
+    return reduce(lambda a, b: a - b, holes, solid.box((0, 0, 0), (10, 6, 1)))
+
+
+def sides(radius, tolerance):
+    """Of a regular polygon inside a circle that is as near to it."""
+    return ceil(pi / acos(1 - tolerance / radius))
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, pytest.param(1e-3, marks=pytest.mark.slow)])
+def test_a_drilled_plate_has_at_most_twice_the_triangles_that_it_needs(tolerance):
+    mesh = plate().mesh(tolerance)
+    n = sides(0.6, tolerance)
+    ideal = HOLES * 2 * n + 2 * (HOLES * n + 2 * HOLES + 2) + 8  # walls, top and bottom, the box's sides
+    assert len(mesh.triangles) <= 2 * ideal
+    assert (mesh.is_closed, mesh.euler_characteristic) == (True, 2 - 2 * HOLES)
+    assert mesh.deviation <= tolerance
+    assert mesh.volume == pytest.approx(60 - HOLES * pi * 0.36, rel=tolerance)
+
+
+@pytest.mark.parametrize(
+    "shape, triangles",
+    [
+        (solid.cylinder((0, 0, 0), (0, 0, 4), 1), 4 * sides(1, 1e-3)),
+        (solid.cone((0, 0, 0), (0, 0, 4), 1, "1/2"), 4 * sides(1, 1e-3)),
+        (solid.cone((0, 0, 0), (0, 0, 4), 1), 2 * sides(1, 1e-3)),  # whose apex stays
+    ],
+)
+def test_cylinders_and_cones_have_long_triangles(shape, triangles):
+    mesh = shape.mesh(1e-3)
+    assert len(mesh.triangles) <= 2.5 * triangles
+    assert mesh.deviation <= 1e-3
+    assert mesh.is_closed
+
+
+def test_which_faces_have_straight_lines_is_decided_exactly():
+    shapes = {
+        solid.box((0, 0, 0), (1, 1, 1)): True,
+        solid.ball((0, 0, 0), 1): False,
+        solid.implicit("x^2 + 2*y^2 - 1", "z", "1 - z"): True,
+        solid.implicit("x^2 + y^2 - (z - 2)^2", "z", "1 - z"): True,
+        solid.implicit("x^2 + y^2 - z^2 - 1", "z", "1 - z"): False,  # ruled, but normals turn along its lines
+        solid.implicit("x^2 + y^2 + z^4 - 1"): False,
+    }
+    for shape, expected in shapes.items():
+        assert shape.field.lines(np.array([0, 1])).tolist() == [expected] * 2
+
+
+def test_edges_are_flipped_for_what_they_are_asked_to_mend():
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    up = np.array([0.0, 0.0, 1.0])
+    for gain, flips in ((1.0, True), (-1.0, False)):
+        triangles = np.array([[0, 1, 2], [0, 2, 3]])
+        changed = flip_once(
+            points,
+            triangles,
+            lambda i, j: np.tile(up, (len(i), 1)),
+            better=lambda owners, edges, opposite, g=gain: np.full(len(edges), g),
+        )
+        assert (len(changed) > 0) == flips

@@ -1,0 +1,144 @@
+"""Solids whose faces meet in more than threes, touch or lie flush: what they must come out as is known exactly."""
+
+from __future__ import annotations
+
+from functools import reduce
+from itertools import combinations, product
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from pas import solid
+from pas.errors import MeshError
+from pas.mesh.faces import Crossings
+from pas.mesh.nodes import contracted, find_nodes
+from pas.mesh.octree import Octree
+from pas.mesh.topology import is_closed_manifold
+
+AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+RADIUS = 0.1
+
+
+def bar(start, end, number=0, radius="1/10"):
+    return solid.cylinder(start, end, radius, face=f"bar {number}")
+
+
+def united(parts):
+    return reduce(lambda a, b: a | b, parts)
+
+
+def struts(ends):
+    return united(bar((0, 0, 0), end, i) for i, end in enumerate(ends))
+
+
+def frame():
+    """The edges of a cube as bars: at each corner three begin."""
+    corners = list(product((0, 1), repeat=3))
+    edges = [(a, b) for a, b in combinations(corners, 2) if sum(map(lambda x, y: x != y, a, b)) == 1]
+    return united(bar(a, b, i, "1/8") for i, (a, b) in enumerate(edges))
+
+
+def lattice():
+    """27 bars of length 2 through 27 nodes, three of them equal and perpendicular through each."""
+    bars = []
+    for axis, (i, j) in product(range(3), product(range(3), repeat=2)):
+        start, end = [i, j], [i, j]
+        start.insert(axis, 0)
+        end.insert(axis, 2)
+        bars.append(bar(start, end, len(bars)))
+    return united(bars)
+
+
+def cross(turned=(0, 2, 0)):
+    back = tuple(-x for x in turned)
+    return bar((-2, 0, 0), (2, 0, 0), 0, "1/2") | bar(back, turned, 1, "1/2")
+
+
+CORNER = 3 * pi * RADIUS**2 - 4 * RADIUS**3 + (2 - sqrt(2)) * RADIUS**3
+"""Three struts: less half of what each two have in common, with what all have."""
+
+KNOWN = {
+    "three struts": (lambda: struts(AXES), CORNER, 2),
+    "equal cylinders crossing": (cross, 2 * pi - 2 / 3, 2),
+    "equal cylinders at 45 degrees": (lambda: cross((2, 2, 0)), pi + pi * sqrt(2) - 2 / 3 * sqrt(2), 2),
+    "flush boxes": (lambda: solid.box((0, 0, 0), (1, 1, 1), "a") | solid.box(("1/2", "1/2", 0), (2, 2, 1), "b"), 3, 2),
+    "flush cylinders": (
+        lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cylinder((1, 0, 0), (1, 0, 1), 1, "b"),
+        2 * pi - (2 * pi / 3 - sqrt(3) / 2),
+        2,
+    ),
+    "coaxial bars": (lambda: bar((0, 0, 0), (1, 0, 0)) | bar((1, 0, 0), (2, 0, 0), 1), 2 * pi * RADIUS**2, 2),
+    "a ball that touches one around it": (
+        lambda: solid.ball((0, 0, 0), 1, "a") | solid.ball((0, 0, "1/2"), "1/2", "b"), 4 / 3 * pi, 2,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_coincident_corners_and_touching_faces_are_meshed(name):
+    make, volume, euler = KNOWN[name]
+    shape = make()
+    tolerance = 4e-3
+    mesh = shape.mesh(tolerance)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, euler)
+    assert mesh.deviation <= tolerance
+    assert mesh.volume == pytest.approx(volume, rel=5e-2)
+    assert shape.volume(tolerance) == pytest.approx(volume, rel=1e-3)
+    values = shape.value(mesh.points)
+    assert np.abs(values).max() < 1e-8  # every vertex lies on the boundary
+
+
+def test_frames_of_bars_have_the_holes_that_they_should():
+    mesh = frame().mesh(1e-2)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2 * (8 - 12))
+
+
+@pytest.mark.slow
+def test_a_lattice_of_27_bars():
+    mesh = lattice().mesh()
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2 * (27 - 54))
+
+
+def test_where_curves_between_faces_cross_there_is_a_corner():
+    mesh = cross().mesh(1e-2)
+    for node in ((0, 0, 0.5), (0, 0, -0.5)):
+        distance = np.linalg.norm(mesh.points - node, axis=1)
+        nearest = int(distance.argmin())
+        assert distance[nearest] < 1e-9
+        assert (mesh.feature_edges == nearest).sum() == 4
+    mesh = struts(AXES).mesh(2e-3)
+    for node in -RADIUS * np.eye(3):  # two cylinders touch, and two flat ends begin
+        distance = np.linalg.norm(mesh.points - node, axis=1)
+        assert distance.min() < 1e-9
+        assert len(np.unique(mesh.faces[(mesh.triangles == distance.argmin()).any(axis=1)])) == 4
+
+
+@pytest.mark.parametrize(
+    "second, place",
+    [
+        (solid.box((1, 1, 1), (2, 2, 2), "b"), r"near \(1, 1, 1\)"),
+        (solid.box((1, 1, 0), (2, 2, 1), "b"), r"near \(1, 1, "),
+    ],
+)
+def test_solids_that_touch_themselves_are_refused_with_the_place(second, place):
+    with pytest.raises(MeshError, match=place + ".*touches itself"):
+        (solid.box((0, 0, 0), (1, 1, 1), "a") | second).mesh()
+
+
+def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
+    shape = solid.box((0, 0, 0), (1, 1, 1))
+    field, mesh = shape.field, shape.face_mesh(1e-2).mesh
+    corner = field.program.local(np.array([[1.0, 1.0, 1.0]]))[0]
+    crossings = Crossings(field, *Octree(field, 0.2).tetrahedra())
+    points, triangles, source = crossings._merged()
+    place = np.linalg.norm(points[triangles].mean(axis=1) - corner, axis=1).argmin()
+    nodes = find_nodes(field, points, triangles, crossings.crossed[1][source], np.array([place]))
+    assert np.linalg.norm(nodes.points - corner, axis=1).min() < 1e-9
+    everything = type(nodes)(corner[None], np.array([10.0]))
+    refused = contracted(field, mesh.points, mesh.triangles, mesh.labels, everything)
+    assert isinstance(refused, np.ndarray)  # all of the box is no disc
+    small = type(nodes)(corner[None], np.array([1e-3]))
+    points, triangles, _ = contracted(field, mesh.points, mesh.triangles, mesh.labels, small)
+    assert is_closed_manifold(triangles)
+    assert len(points) == len(mesh.points)
