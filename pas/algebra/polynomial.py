@@ -145,7 +145,7 @@ class Polynomial:
         return evaluate(array, columns)
 
     def surface(self, lower: VectorLike, upper: VectorLike) -> Any:
-        """Its zeros in the box from `lower` to `upper` (three exact numbers each): a `pas.PiecewiseSurface` of one cell.
+        """Its zeros in the box from `lower` to `upper` (three exact numbers each): a `pas.PiecewiseSurface`.
 
         Raises `ValueError` for a constant, which has no surface, and for a box that is empty or inverted.
         """
