@@ -137,7 +137,7 @@ def test_tolerances_that_need_too_many_triangles_are_refused(monkeypatch):
 
 def test_no_surface_is_said():
     good = solved(EQUAL, 1).surface
-    empty = pas.PiecewiseSurface.from_polynomials(good.partition, good.contacts, 1, [pas.Polynomial(1)] * 6)
+    empty = pas.PiecewiseSurface.from_polynomials(good.partition, good.contacts, 1, [pas.Polynomial("x^2 + 1")] * 6)
     with pytest.raises(pas.MeshError, match="does not change sign"):
         empty.triangulate(1e-2)
 

@@ -62,11 +62,13 @@ def test_corners_have_good_triangles(no_lattice, radii, tolerance):
     assert np.percentile(mesh.smallest_angles, 1) > (30 if tolerance < 1e-2 else 24)
 
 
-def test_triangles_are_fewer_than_from_a_lattice():
+def test_from_a_lattice_the_mesh_is_as_good():
     surface, tolerance = solved(EQUAL, 2).surface, 1e-2
     lattice = LocalField(surface)
-    many = triangulate(lattice, tolerance / lattice.scale)
-    assert len(surface.mesh(tolerance).triangles) < 0.8 * len(many.triangles)
+    other = triangulate(lattice, tolerance / lattice.scale)
+    check(surface, other, tolerance)
+    assert 0.7 < len(surface.mesh(tolerance).triangles) / len(other.triangles) < 1.4
+    assert np.percentile(other.smallest_angles, 1) > 28
 
 
 def test_nodes_of_struts_are_graphs(no_lattice):

@@ -24,6 +24,7 @@ from pas.algebra.latex import latex
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
+from pas.registry import loaded
 
 if TYPE_CHECKING:
     import sympy
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+
+BOXED = "pas.surface.boxes:boxed"
+"""What makes a surface of a polynomial, in a room above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
 """What is taken for a polynomial; see `Polynomial`."""
@@ -139,6 +143,16 @@ class Polynomial:
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"points must have shape (..., 3), not {array.shape}")
         return evaluate(array, columns)
+
+    def surface(self, lower: VectorLike, upper: VectorLike) -> Any:
+        """Its zeros in the box from `lower` to `upper` (three exact numbers each): a `pas.PiecewiseSurface`.
+
+        Raises `ValueError` for a constant, which has no surface, and for a box that is empty or inverted.
+        """
+        if self.degree < 1:
+            where = "everywhere" if self.is_zero else "nowhere"
+            raise ValueError(f"the polynomial {self} is constant: it vanishes {where}, so it has no surface")
+        return loaded(BOXED)(self, lower, upper)
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""

@@ -27,11 +27,82 @@ class Field(Protocol):
         """The user's coordinates of points (..., 3)."""
 
 
-class CellField(Field, Protocol):
-    """A function with gradients on a region made of tetrahedra: a surface that ends on curves in the region's walls.
+class RimCurve(Protocol):
+    """A curve on which a surface ends, in a wall of the region; or, where it is `fixed`, a point of such curves."""
 
-    `vertices` (V, 3), `cells` (C, 4) vertex numbers, `walls` (W, 4) the oriented unit planes
-    (normal, offset) of the region's flat boundary pieces.
+    @property
+    def fixed(self) -> bool:
+        """Whether its points are ends of curves, which stay where they are."""
+
+    def at(self, points: Floats) -> Floats:
+        """The points of the curve (N, 3) at points (N, 3) near it."""
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) in the wall, to first order."""
+
+    def off(self, points: Floats) -> Floats:
+        """Distances (N,) from the wall, or from the curve."""
+
+
+class RingCurve(RimCurve, Protocol):
+    """A closed curve on which a surface ends, in a plane and a graph over the angle about its middle."""
+
+    @property
+    def middle(self) -> Floats:
+        """A point (3,) of the plane inside the curve."""
+
+    def round(self, number: int) -> Floats:
+        """So many points (N, 3) of it in turn."""
+
+    def inside(self, units: Floats) -> NDArray[np.bool_]:
+        """Which rays (N, 3) from 0 pass through it."""
+
+
+class SheetField(Field, Protocol):
+    """A surface near which points are: what makes a good mesh of a first one."""
+
+    @property
+    def reach(self) -> float:
+        """The distance from 0 of the region's furthest point."""
+
+    @property
+    def rims(self) -> Sequence[RimCurve]:
+        """The curves on which it ends."""
+
+    def near(self, points: Floats) -> Floats:
+        """Points (N, 3) of the surface near points inside or outside it."""
+
+    def closed(self, points: Floats) -> tuple[Floats, Floats]:
+        """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
+
+    def gradients(self, points: Floats) -> Floats:
+        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points (N, 3) from it, to first order."""
+
+    def bending(self, points: Floats) -> tuple[Floats, Floats]:
+        """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
+
+
+class RayField(SheetField, Protocol):
+    """A surface that rays from 0 meet once, but for those through its `rims`, on which it ends."""
+
+    @property
+    def rims(self) -> Sequence[RingCurve]:
+        """The curves on which it ends."""
+
+    def met(self, points: Floats) -> Floats:
+        """The points of the surface (N, 3) on the rays through points (N, 3)."""
+
+    def once(self, points: Floats) -> bool:
+        """Whether rays through points (N, 3) meet it once, as sampled."""
+
+
+class CellField(SheetField, Protocol):
+    """A polynomial on each of the tetrahedra of a region, whose zeros end on curves in the region's walls.
+
+    Of `rims` the first `walls` are those walls; then for each of `edges`, pairs of walls, the ends of curves on it.
     """
 
     @property
@@ -43,8 +114,20 @@ class CellField(Field, Protocol):
         """The tetrahedra as vertex numbers (C, 4)."""
 
     @property
-    def walls(self) -> Floats:
-        """Planes (W, 4) that bound the region: `n . x = d` with unit n, as (n, d)."""
+    def forms(self) -> Floats:
+        """B-coefficients (C, m) on them, each row times a positive number."""
+
+    @property
+    def degree(self) -> int:
+        """The degree of the forms."""
+
+    @property
+    def walls(self) -> int:
+        """The number of walls."""
+
+    @property
+    def edges(self) -> Sequence[tuple[int, int]]:
+        """The pairs of walls that meet in an edge of the region."""
 
     def nearest_walls(self, points: Floats) -> Integers:
         """The numbers of the walls nearest to points (N, 3) on the boundary: of the faces, not of their planes, which
@@ -58,67 +141,8 @@ class CellField(Field, Protocol):
     def curves(self) -> list[Floats]:
         """Points (m, 3) of each curve on which the surface must end."""
 
-    def locate(self, points: Floats) -> Integers:
-        """The cell that holds, or is nearest to, each of points (N, 3)."""
-
-    def jets(self, points: Floats, cells: Integers) -> Floats:
-        """Values and gradients (N, 4) of given cells' functions at points (N, 3)."""
-
-
-class RingCurve(Protocol):
-    """A closed curve on which a surface ends, in a plane and a graph over the angle about its middle."""
-
-    @property
-    def middle(self) -> Floats:
-        """A point (3,) of the plane inside the curve."""
-
-    def at(self, points: Floats) -> Floats:
-        """The points of the curve (N, 3) seen from the middle where points (N, 3) near it are."""
-
-    def round(self, number: int) -> Floats:
-        """So many points (N, 3) of it in turn."""
-
-    def distances(self, points: Floats) -> Floats:
-        """Distances (N,) in the plane."""
-
-    def off(self, points: Floats) -> Floats:
-        """Distances (N,) in space."""
-
-    def inside(self, units: Floats) -> NDArray[np.bool_]:
-        """Which rays (N, 3) from 0 pass through it."""
-
-
-class RayField(Field, Protocol):
-    """A surface that rays from 0 meet once, but for those through its `rings`, on which it ends."""
-
-    @property
-    def reach(self) -> float:
-        """The distance from 0 of the region's furthest point."""
-
-    @property
-    def rings(self) -> Sequence[RingCurve]:
-        """The curves on which it ends."""
-
-    def met(self, points: Floats) -> Floats:
-        """The points of the surface (N, 3) on the rays through points (N, 3)."""
-
-    def near(self, points: Floats) -> Floats:
-        """Points (N, 3) of the surface near points inside or outside it."""
-
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
-
-    def once(self, points: Floats) -> bool:
-        """Whether rays through points (N, 3) meet it once, as sampled."""
-
-    def gradients(self, points: Floats) -> Floats:
-        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
-
-    def distances(self, points: Floats) -> Floats:
-        """Distances (N,) of points (N, 3) from it, to first order."""
-
-    def bending(self, points: Floats) -> tuple[Floats, Floats]:
-        """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
+    def values(self, points: Floats) -> Floats:
+        """Values (N,) at points (N, 3)."""
 
 
 class FaceField(Field, Protocol):

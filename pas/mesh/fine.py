@@ -37,6 +37,14 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
     return np.concatenate([points, on_edges.reshape(-1, 3), inner.reshape(-1, 3)]), grid[:, cut].reshape(-1, 3)
 
 
+def points_on_edges(triangles: Integers, size: int, m: int, chosen: Integers) -> Integers:
+    """The numbers (E, m - 1) that `finer` gives the new points of chosen edges (E, 2)."""
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    edges = np.unique(np.minimum(start, end) * size + np.maximum(start, end))
+    place = np.searchsorted(edges, chosen.min(axis=1) * size + chosen.max(axis=1))
+    return np.asarray(size + place[:, None] * (m - 1) + np.arange(m - 1))
+
+
 def _inside(points: Floats, triangles: Integers, normals: Floats, weights: Floats) -> Floats:
     """The points (T, K, 3) inside triangles at barycentric coordinates (K, 3)."""
     corners = points[triangles]

@@ -58,11 +58,11 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     Raises `ArithmeticError` where these directions do not do.
     """
     units, spacing = icosphere(level)
-    rings = [ring.round(AROUND) for ring in field.rings]
-    for ring in field.rings:
+    rings = [ring.round(AROUND) for ring in field.rims]
+    for ring in field.rims:
         units = units[~ring.inside(units)]
     for _ in range(HALVINGS):
-        poles = np.array([ring.middle for ring in field.rings]).reshape(-1, 3)
+        poles = np.array([ring.middle for ring in field.rims]).reshape(-1, 3)
         free = np.concatenate([*_collars(field, rings, spacing), units])
         free = free[_clear(free, rings, spacing)]
         points = np.concatenate([*rings, free, poles])
@@ -70,14 +70,14 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
         missing = _missing(triangles, [len(r) for r in rings], len(points))
         if not any(m.any() for m in missing):
             return _trimmed(field, points, triangles, rings, len(poles))
-        rings = [_halved(c, r, m) for c, r, m in zip(field.rings, rings, missing, strict=True)]
+        rings = [_halved(c, r, m) for c, r, m in zip(field.rims, rings, missing, strict=True)]
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
 
 
 def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Floats]:
     """Directions (N, 3) in circles around each ring, out to where the others are as close."""
     result = []
-    for number, curve in enumerate(field.rings):
+    for number, curve in enumerate(field.rims):
         ring = curve.round(AROUND)
         way, width = ring - curve.middle, WIDER
         while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < SMALL * spacing:

@@ -1,84 +1,17 @@
-"""Moving a mesh onto its surface and making its triangles well shaped.
-
-Vertices are projected by Newton's method along the gradient, those of the boundary inside
-their wall's plane; connectivity is improved by flipping edges to Delaunay's criterion (opposite
-angles of sum at most pi), positions by tangential averaging.
+"""What meshers improve triangles with: flips towards Delaunay's criterion (opposite angles of sum at most pi), the way
+to the centres around, and what is folded.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from pas.limits import checkpoint
-from pas.mesh.field import CellField, Floats, Integers
-from pas.mesh.topology import edge_table
-
-NEWTON_STEPS = 20
-FLIP_PASSES = 12
-ON_WALL = 1e-9
-"""Distance, in units of the region's size, below which a vertex is on a wall."""
+from pas.mesh.field import Floats, Integers
 
 FOLD = 0.3
 """Cosine below which a triangle counts as folded: good meshes keep above 0.8, folds are negative."""
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """The boundary vertices, the unit normal of each one's wall (0 where a vertex is on several
-    walls and must stay), the wall's offset, and each one's two neighbours along the boundary."""
-
-    vertices: Integers
-    normals: Floats
-    offsets: Floats
-    movable: np.ndarray
-    neighbours: Integers
-
-
-def boundary_of(points: Floats, triangles: Integers, field: CellField) -> Boundary:
-    """The boundary of a mesh whose boundary vertices lie on walls of the field's region."""
-    edges, times = edge_table(triangles)
-    rim = edges[times == 1]
-    vertices = np.unique(rim)
-    both = np.concatenate([rim, rim[:, ::-1]])
-    both = both[np.argsort(both[:, 0], kind="stable")]
-    starts, degree = np.searchsorted(both[:, 0], vertices), np.bincount(both[:, 0], minlength=len(points))[vertices]
-    neighbours = (
-        np.stack([both[starts, 1], both[np.minimum(starts + 1, len(both) - 1), 1]], axis=1)
-        if len(rim)
-        else np.empty((0, 2), dtype=np.intp)
-    )
-    walls = field.walls
-    on = np.abs(points[vertices] @ walls[:, :3].T - walls[:, 3]) < ON_WALL
-    directions = walls[field.nearest_walls(points[vertices])]
-    alone = (on & (np.abs(walls[:, :3] @ directions[:, :3].T).T < 1 - 1e-12)).sum(axis=1) == 0
-    return Boundary(vertices, directions[:, :3], directions[:, 3], alone & (degree == 2), neighbours)
-
-
-def project(points: Floats, field: CellField, boundary: Boundary) -> Floats:
-    """Points moved onto the surface by Newton's method; boundary ones inside their walls."""
-    points = points.copy()
-    normals = np.zeros_like(points)
-    normals[boundary.vertices] = boundary.normals
-    active = np.arange(len(points))
-    for _ in range(NEWTON_STEPS):
-        checkpoint()
-        jets = field.jets(points[active], field.locate(points[active]))
-        gradient = jets[:, 1:]
-        n = normals[active]
-        gradient = gradient - (gradient * n).sum(axis=1, keepdims=True) * n
-        square = np.maximum((gradient * gradient).sum(axis=1), 1e-300)
-        step = -jets[:, :1] * gradient / square[:, None]
-        points[active] += step
-        active = active[np.abs(step).max(axis=1) > 1e-14]
-        if not len(active):
-            break
-    v = boundary.vertices
-    off = (points[v] * boundary.normals).sum(axis=1) - boundary.offsets
-    points[v] -= off[:, None] * boundary.normals
-    return points
 
 
 def folded(points: Floats, triangles: Integers, normals: Floats) -> np.ndarray:
@@ -96,30 +29,6 @@ def to_centres(points: Floats, triangles: Integers) -> Floats:
     centres = np.repeat(points[triangles].mean(axis=1), 3, axis=0)
     total = np.stack([np.bincount(corners, c, minlength=len(points)) for c in centres.T], axis=1)
     return np.asarray(total / np.maximum(times, 1)[:, None] - points)
-
-
-def smooth(points: Floats, triangles: Integers, normals: Floats, boundary: Boundary) -> Floats:
-    """Each vertex moved tangentially to the mean of its triangles' centres.
-
-    Unweighted, so that small triangles stay where they are needed (weights by area would drive
-    all to one size).
-    """
-    move = to_centres(points, triangles)
-    move -= (move * normals).sum(axis=1, keepdims=True) * normals
-    along = points[boundary.neighbours].mean(axis=1) - points[boundary.vertices]
-    move[boundary.vertices] = np.where(boundary.movable[:, None], along / 2, 0.0)
-    return points + move
-
-
-def flip(points: Floats, triangles: Integers, normals: Floats) -> Integers:
-    """Edges flipped, in independent sets, until Delaunay's criterion holds (or passes end)."""
-    triangles = triangles.copy()
-    for _ in range(FLIP_PASSES):
-        checkpoint()
-        about = lambda i, j: (normals[triangles[i]] + normals[triangles[j]]).sum(axis=1)  # noqa: E731
-        if not len(flip_once(points, triangles, about)):
-            break
-    return triangles
 
 
 def flip_once(

@@ -1,25 +1,28 @@
-"""Conforming subdivision of tetrahedral cells, down to small tetrahedra where a surface passes.
+"""Conforming subdivision of tetrahedral cells, down to small tetrahedra where the surface passes.
 
-Each cell is cut by Freudenthal's triangulation of the lattice of its barycentric coordinates and
-then halved again and again (each tetrahedron into eight, which is the triangulation of the
-finer lattice), only where the function may vanish.  On faces this leaves the standard triangles,
-so neighbours fit.  A tetrahedron is dropped where the values at its corners are further from 0
-than twice the steepest corner gradient could bring them: an estimate, not a bound.
+Each cell is cut by Freudenthal's triangulation of the lattice of its barycentric coordinates: each tetrahedron into
+eight, level by level.  On faces this leaves the standard triangles, so neighbours fit.  A tetrahedron is dropped where
+the B-coefficients on it have one sign: there is no zero in it, but for rounding.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from itertools import permutations
+from math import factorial, prod
 
 import numpy as np
 
+from pas.algebra.monomials import homogeneous_exponents
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 
-STEEPER = 2.0
-"""How much steeper than at its corners a function may be inside a tetrahedron."""
+TINY = 1e-300
+"""What stands for a value of 0 at a node."""
+
+ROUNDING = 1e-13
+"""Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
 
 
 @dataclass(frozen=True)
@@ -31,62 +34,103 @@ class Lattice:
     tetrahedra: Integers
 
 
-def lattice(field: CellField, coarse: int, halvings: int) -> Lattice:
-    """The small tetrahedra across which the field changes sign, with shared nodes.
+class Subdivision:
+    """The tetrahedra that may hold zeros, as they are cut again and again."""
 
-    A cell's edge is subdivided into `coarse` parts before the first test, `coarse * 2**halvings` in
-    the end.
+    def __init__(self, field: CellField) -> None:
+        self.field, self.parts = field, 1
+        cells = len(field.cells)
+        self._nodes = np.zeros((cells, 4, len(field.vertices)), dtype=np.intp)
+        self._nodes[np.arange(cells)[:, None], np.arange(4), field.cells] = 1
+        self.forms = field.forms
+        self._keep()
+
+    def halve(self) -> None:
+        """Cut each tetrahedron into eight."""
+        checkpoint(f"refining the lattice ({len(self.forms)} tetrahedra)")
+        corners, matrices = eighths(self.field.degree)
+        self._nodes = np.einsum("ekj,tjv->tekv", corners, self._nodes).reshape(-1, 4, self._nodes.shape[2])
+        self.forms = np.matmul(self.forms, matrices).transpose(1, 0, 2).reshape(-1, self.forms.shape[1])
+        self.parts *= 2
+        self._keep()
+
+    def _keep(self) -> None:
+        kept = (self.forms.min(axis=1) <= ROUNDING) & (self.forms.max(axis=1) >= -ROUNDING)
+        self._nodes, self.forms = self._nodes[kept], self.forms[kept]
+
+    @property
+    def bent(self) -> float:
+        """The share of the tetrahedra in which the function need not rise all along its mean gradient."""
+        if not len(self.forms):
+            return 0.0
+        points = self._nodes @ self.field.vertices
+        rises, mean = risings(self.forms, points, self.field.degree)
+        along = np.einsum("tmx,tx->tm", rises, mean)
+        return float((along.min(axis=1) <= 0).mean())
+
+    @property
+    def lattice(self) -> Lattice:
+        """The tetrahedra across which the sign changes, with shared nodes."""
+        flat = self._nodes.reshape(-1, self._nodes.shape[2])
+        first, inverse = _distinct(flat)
+        points = flat[first] @ self.field.vertices / self.parts
+        values = self.field.values(points)
+        values = np.where(values == 0, TINY, values)
+        joined = inverse.reshape(-1, 4)
+        negative = (values < 0)[joined]
+        return Lattice(points, values, joined[negative.any(axis=1) & ~negative.all(axis=1)])
+
+
+def _distinct(rows: Integers) -> tuple[Integers, Integers]:
+    """Where the distinct ones of rows of whole numbers stand first, and which of these each row is."""
+    weights = np.random.default_rng(0).integers(1 << 62, size=rows.shape[1]) | 1
+    _, first, inverse = np.unique(rows @ weights, return_index=True, return_inverse=True)  # wraps around
+    if not np.array_equal(rows[first][inverse], rows):  # two with one key
+        _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return first, inverse.ravel()
+
+
+def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
+    """B-coefficients (T, m, 3) of gradients on tetrahedra (T, 4, 3), and their means (T, 3), up to positive factors."""
+    up = raised(degree)
+    slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])
+    steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
+    gradients = steps @ slopes.transpose(0, 2, 1)
+    return gradients, gradients.mean(axis=1)
+
+
+@cache
+def raised(degree: int) -> Integers:
+    """For each multi-index of degree - 1 where those of `degree` with one more in each place stand, (m, 4)."""
+    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, 4))}
+    lower = homogeneous_exponents(degree - 1, 4)
+    return np.array([[where[tuple(v + (i == k) for i, v in enumerate(a))] for k in range(4)] for a in lower])
+
+
+@cache
+def eighths(degree: int) -> tuple[Integers, Floats]:
+    """The corners (8, 4, 4) of the eight parts in halves of barycentric coordinates, and matrices (8, m, m).
+
+    B-coefficients, as a row, times a matrix are those on a part.
     """
-    keys, tetrahedra, found = [], [], 0
-    for number, cell in enumerate(field.cells):
-        corners, small = _active(field, number, coarse, halvings)
-        full = np.zeros((len(corners), len(field.vertices)), dtype=np.intp)
-        full[:, cell] = corners
-        keys.append(full)
-        tetrahedra.append(small + found)
-        found += len(corners)
-    nodes, inverse = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
-    points = nodes @ field.vertices / (coarse << halvings)
-    values = field.jets(points, field.locate(points))[:, 0]
-    values = np.where(values == 0, 1e-300, values)
-    joined = inverse.ravel()[np.concatenate(tetrahedra)]
-    negative = (values < 0)[joined]
-    return Lattice(points, values, joined[negative.any(axis=1) & ~negative.all(axis=1)])
+    nodes, parts = _freudenthal(2)
+    corners = nodes[parts]
+    indices = homogeneous_exponents(degree, 4)
+    lattice = np.array(indices) / degree
+    back = np.linalg.inv(_bernstein(lattice, degree))
+    matrices = [(back @ _bernstein(lattice @ (part / 2), degree)).T for part in corners]
+    return corners, np.ascontiguousarray(matrices)
 
 
-def _active(field: CellField, number: int, coarse: int, halvings: int) -> tuple[Integers, Integers]:
-    """Nodes of one cell (barycentric, in parts) and its small tetrahedra that may be crossed."""
-    corners = field.vertices[field.cells[number]]
-    nodes, tetrahedra = _freudenthal(coarse)
-    eighth_nodes, eighths = _freudenthal(2)
-    parts = coarse
-    for level in range(halvings + 1):
-        checkpoint("refining the lattice")
-        if level:
-            children = np.einsum("ek,tkw->tew", eighth_nodes, nodes[tetrahedra])[:, eighths].reshape(-1, 4)
-            parts *= 2
-            nodes, tetrahedra = _distinct(children, parts)
-        points = nodes @ corners / parts
-        jets = field.jets(points, np.full(len(points), number))
-        steepest = np.sqrt((jets[:, 1:] ** 2).sum(axis=1))[tetrahedra].max(axis=1)
-        p = points[tetrahedra]
-        width = np.sqrt(((p - p.mean(axis=1, keepdims=True)) ** 2).sum(axis=2)).max(axis=1)
-        near = np.abs(jets[:, 0])[tetrahedra].min(axis=1) <= STEEPER * steepest * width + 1e-12
-        negative = (jets[:, 0] < 0)[tetrahedra]
-        tetrahedra = tetrahedra[near | (negative.any(axis=1) & ~negative.all(axis=1))]
-    used, inverse = np.unique(tetrahedra, return_inverse=True)
-    return nodes[used], inverse.reshape(-1, 4)
+def _bernstein(points: Floats, degree: int) -> Floats:
+    """The values (N, m) of the Bernstein polynomials at barycentric coordinates (N, 4)."""
+    columns = [
+        factorial(degree) / prod(map(factorial, a)) * np.prod(points ** np.array(a), axis=1)
+        for a in homogeneous_exponents(degree, 4)
+    ]
+    return np.stack(columns, axis=1)
 
 
-def _distinct(children: Integers, parts: int) -> tuple[Integers, Integers]:
-    """Distinct nodes of tetrahedra given by the barycentric coordinates of their corners."""
-    size = parts + 1
-    key = (children[:, 1] * size + children[:, 2]) * size + children[:, 3]
-    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-    return children[first], inverse.reshape(-1, 4)
-
-
-@lru_cache(maxsize=8)
 def _freudenthal(n: int) -> tuple[Integers, Integers]:
     """Barycentric indices (m, 4) of the lattice of a tetrahedron, and its n^3 tetrahedra (n^3, 4).
 

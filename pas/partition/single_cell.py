@@ -10,7 +10,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-from pas.algebra.rational import Vector, VectorLike, vector
+from pas.algebra.rational import Vector, VectorLike, plain, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition, written
 
@@ -38,7 +38,8 @@ class SingleCell(Partition):
             return
         low, high = vector(lower, "lower"), vector(upper, "upper")
         if any(a >= b for a, b in zip(low, high, strict=True)):
-            raise ValueError("each lower bound of a box must be below the upper one")
+            bounds = ", ".join(f"{plain(a)} to {plain(b)}" for a, b in zip(low, high, strict=True))
+            raise ValueError(f"each lower bound of a box must be below the upper one, and it goes from {bounds}")
         middle = vector([(a + b) / 2 for a, b in zip(low, high, strict=True)])
         inside = middle if center is None else vector(center, "center")
         if not all(a < c < b for a, c, b in zip(low, inside, high, strict=True)):

@@ -1,53 +1,134 @@
-"""Surfaces as the mesher of cells wants them."""
+"""Surfaces as the mesher of cells wants them: forms on the cells, Newton's method, and the walls of the region."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_fraction
+from pas.bernstein.forms import nearby_forms
+from pas.mesh.field import Integers
 from pas.partition.cells import OuterFace
+from pas.surface.patch_field import PatchField
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
+STEPS = 20
+"""Of Newton's method along gradients."""
 
-class LocalField:
-    """The surface in local coordinates, as the mesher wants it."""
+SETTLED = 1e-15
+"""Length of a step, in local units, that ends it."""
+
+FARTHEST = 0.2
+"""Length of a step at most, over the region's reach."""
+
+
+class LocalField(PatchField):
+    """The surface in local coordinates."""
 
     def __init__(self, surface: PiecewiseSurface) -> None:
+        super().__init__(surface)
         self.surface = surface
-        self.scale = float(to_fraction(surface.partition.frame.scale))
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
-        self.faces = [surface.local.points[list(face.vertices)] for face in surface.local.outer_faces]
-        self.walls, self.wall_of = np.unique(
-            [_unit_plane(face) for face in surface.local.outer_faces], axis=0, return_inverse=True
-        )
+        outer = surface.local.outer_faces
+        self.faces = [surface.local.points[list(face.vertices)] for face in outer]
+        planes, of = np.unique([_unit_plane(face) for face in outer], axis=0, return_inverse=True)
+        self._wall_of = of.ravel()
+        self.walls = len(planes)
+        pairs = {
+            tuple(sorted(map(int, (self._wall_of[i], self._wall_of[j]))))
+            for i, j in combinations(range(len(outer)), 2)
+            if self._wall_of[i] != self._wall_of[j] and len({*outer[i].vertices} & {*outer[j].vertices}) == 2
+        }
+        self.edges: list[tuple[int, int]] = sorted((i, j) for i, j in pairs)
+        self.rims = [Wall(self, planes[[i]]) for i in range(len(planes))]
+        self.rims += [Wall(self, planes[list(pair)]) for pair in self.edges]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
 
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
-        return self.surface.partition.frame.global_points(points)
+    @cached_property
+    def forms(self) -> Floats:
+        """The B-coefficients (C, m) of the function on the cells, each cell's scaled by a positive number."""
+        local = self.surface.local
+        exact = [local.corners(cell) for cell in local.cells]
+        return nearby_forms([self.surface.patches[p].raw for p in local.piece_of], exact, self.degree)[0]
 
     def nearest_walls(self, points: Floats) -> NDArray[np.intp]:
         """The numbers of the walls (N,) whose faces are nearest to points (N, 3)."""
         if not len(points):
             return np.empty(0, dtype=np.intp)
         nearest = np.argmin([_distances(points, face) for face in self.faces], axis=0)
-        return np.asarray(self.wall_of.ravel()[nearest])
+        return np.asarray(self._wall_of[nearest])
 
-    def locate(self, points: Floats) -> np.ndarray:
-        """The cell that holds, or is nearest to, each of points (N, 3)."""
-        return self.surface.local.locate(points, tolerance=np.inf)
+    def pieces(self, points: Floats) -> Integers:
+        """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
+        if len(self.surface.patches) == 1:
+            return np.zeros(len(points), dtype=np.intp)
+        local = self.surface.local
+        return np.asarray(local.piece_of[local.locate(points, tolerance=np.inf)])
 
-    def jets(self, points: Floats, cells: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of given cells' patches at points (N, 3)."""
-        return self.surface.local_jets(points, self.surface.partition.piece_of[cells])
+    def near(self, points: Floats) -> Floats:
+        """Points moved onto the surface along gradients."""
+        return self.slid(points, np.empty((0, 3)))
+
+    def slid(self, points: Floats, fixed: Floats) -> Floats:
+        """Points (N, 3) moved onto the surface at right angles to `fixed` orthonormal directions (k, 3)."""
+        points, active = points.copy(), np.arange(len(points))
+        for _ in range(STEPS):
+            jets = self._jets_at(points[active])
+            g = jets[1:].T
+            g = g - (g @ fixed.T) @ fixed
+            step = -jets[0][:, None] * g / np.maximum((g * g).sum(axis=1), 1e-300)[:, None]
+            length = np.sqrt((step * step).sum(axis=1))
+            points[active] += step * np.minimum(1.0, FARTHEST * self.reach / np.maximum(length, 1e-300))[:, None]
+            active = active[length > SETTLED]
+            if not len(active):
+                break
+        return points
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """Where a surface ends on a plane, or on the line of two planes (unit normals and offsets, (k, 4))."""
+
+    field: LocalField
+    planes: Floats
+
+    @property
+    def fixed(self) -> bool:
+        """Whether its points are ends of curves, which stay."""
+        return len(self.planes) > 1
+
+    @cached_property
+    def _across(self) -> Floats:
+        """Orthonormal directions (k, 3) that span the normals."""
+        return np.linalg.qr(self.planes[:, :3].T)[0].T
+
+    def at(self, points: Floats) -> Floats:
+        """Points of the curve (N, 3) near points near it."""
+        points = self._onto(self.field.slid(self._onto(points), self._across))
+        return self._onto(points)
+
+    def _onto(self, points: Floats) -> Floats:
+        normals, offsets = self.planes[:, :3], self.planes[:, 3]
+        return np.asarray(points - (points @ normals.T - offsets) @ np.linalg.pinv(normals).T)
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances |f| / |grad f| (N,) of points in the plane, to first order."""
+        jets = self.field.jets(points)
+        g = jets[:, 1:] - (jets[:, 1:] @ self._across.T) @ self._across
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((g * g).sum(axis=1)), 1e-300))
+
+    def off(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from the planes."""
+        return np.asarray(np.abs(points @ self.planes[:, :3].T - self.planes[:, 3]).max(axis=1))
 
 
 def _unit_plane(face: OuterFace) -> tuple[float, ...]:

@@ -249,6 +249,8 @@ class PiecewiseSurface(InPlace, Shape):
         """
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
+        if all(patch.degree < 1 for patch in self.patches):
+            raise MeshError("there is no surface to be meshed: its function is constant in each piece")
         if tolerance is None:
             tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
         scale = float(to_fraction(self.partition.frame.scale))

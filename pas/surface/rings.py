@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class Ring:
     normal: Floats
     columns: Floats
     size: float
+    fixed: ClassVar[bool] = False
 
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""

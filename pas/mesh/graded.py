@@ -1,0 +1,282 @@
+"""From few triangles with the surface's topology to triangles within a tolerance, graded by curvature.
+
+Edges are first made as long as the curvature lets them be at m^2 times the tolerance: split, collapsed, flipped,
+points smoothed.  Each triangle is then cut into m^2, and all points are put onto the surface.  What is measured to be
+too far is halved.  Splits, collapses under the link condition, flips that make no edge twice, and moves keep the
+topology.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pas.limits import checkpoint
+from pas.mesh import refine
+from pas.mesh.coarsen import collapsed
+from pas.mesh.field import Floats, Integers, SheetField
+from pas.mesh.fine import finer, points_on_edges
+from pas.mesh.mesh import Mesh
+from pas.mesh.radial import Edges, centred, flipped, settled, upright
+from pas.mesh.refine import require_room, split, too_many, with_longest
+from pas.mesh.shading import unit_rows
+
+COARSE = 8e-3
+"""Over the region's reach: the tolerance for the triangles that are then cut."""
+
+AIM = 0.72
+"""Share of the tolerance at which edges of triangles with equal angles are as long as the curvature lets them be."""
+
+LONGEST, GRADE = 0.3, 0.5
+"""Of edges, over the region's reach; and by how much their length may grow from one end to the other, over it."""
+
+BENT = 1.2
+"""Edges are at most this many times as long as the smaller radius of curvature."""
+
+FOLDED = 0.3
+"""Cosine with the surface's normals below which a triangle counts as folded."""
+
+LONG = 1.35
+"""Edges this many times as long as they should be are split."""
+
+ROUNDS, LAST, MENDINGS = 24, 4, 12
+
+THINNINGS, SMOOTHED = 40, 6
+"""Passes of collapses at most, and how many of them there are between smoothings."""
+
+FEW = 0.02
+"""Share of the vertices below which a pass of collapses is the last."""
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Points (N, 3), triangles (T, 3), and at the points unit normals (N, 3) and the larger curvature's size (N,).
+
+    `rim` (N,) is the number of the rim that a point is on, -1 inside.
+    """
+
+    points: Floats
+    triangles: Integers
+    rim: Integers
+    normals: Floats
+    bends: Floats
+
+
+def fineness(field: SheetField, tolerance: float) -> int:
+    """Into how many parts the edges of the first triangles are cut."""
+    return max(1, int(np.sqrt(COARSE * field.reach / tolerance)))
+
+
+def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None = None) -> Mesh:
+    """The mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
+
+    Raises `ArithmeticError` where triangles are folded or the tolerance is not reached, `MeshError` where there
+    would be too many triangles.
+    """
+    m = fineness(field, tolerance)
+    most = refine.LARGEST if most is None else most
+    fits = max(1, int(np.sqrt(most / len(graph.triangles))))
+    if fits < m or len(graph.triangles) > most:
+        measured = _cut(field, graph, fits)
+        reached = _farthest(*distances(field, measured, Edges(measured.triangles, len(measured.points))))
+        raise too_many(field, len(measured.triangles), most, tolerance, reached)
+    return _mended(field, _cut(field, graph, m), tolerance, most)
+
+
+def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
+    """The rims (E,) of edges (E, 2) on the boundary: that of an end, or between two fixed ends the nearest."""
+    fixed = np.array([curve.fixed for curve in field.rims], dtype=bool)
+    ends = rim[edges]
+    result = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
+    both = np.flatnonzero(fixed[result])
+    if len(both):
+        walls = np.flatnonzero(~fixed)
+        middles = points[edges[both]].mean(axis=1)
+        result[both] = walls[np.argmin([field.rims[w].off(middles) for w in walls.tolist()], axis=0)]
+    return result
+
+
+def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
+    """Each triangle cut into m^2, the points on the surface."""
+    points, triangles = finer(graph.points, graph.triangles, graph.normals, m)
+    rim = np.concatenate([graph.rim, np.full(len(points) - len(graph.points), -1)])
+    border = Edges(graph.triangles, len(graph.points)).rim
+    if len(border) and m > 1:
+        rows = points_on_edges(graph.triangles, len(graph.points), m, border)
+        rim[rows] = rims_of_edges(field, graph.points, graph.rim, border)[:, None]
+    return _placed(field, points, triangles, rim)
+
+
+def _farthest(inside: Floats, along: Floats) -> float:
+    return float(max(inside.max(), along.max()))
+
+
+def looked_at(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
+    """With normals and curvatures."""
+    gradients, bends = field.bending(points)
+    return Graph(points, triangles, rim, unit_rows(gradients), bends)
+
+
+def _placed(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
+    """The points put onto the surface and its rims; of the surface only normals are known."""
+    points, inner = points.copy(), rim < 0
+    gradients = np.empty_like(points)
+    points[inner], gradients[inner] = field.closed(points[inner])
+    _to_rims(field, points, rim)
+    gradients[~inner] = field.gradients(points[~inner])
+    return Graph(points, triangles, rim, unit_rows(gradients), np.zeros(len(points)))
+
+
+def _put(field: SheetField, points: Floats, rim: Integers) -> None:
+    inner = np.flatnonzero(rim < 0)
+    points[inner] = field.near(points[inner])
+    _to_rims(field, points, rim)
+
+
+def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
+    for number, curve in enumerate(field.rims):
+        here = np.flatnonzero(rim == number)
+        if len(here):
+            points[here] = curve.at(points[here])
+
+
+def _sizes(field: SheetField, graph: Graph, tolerance: float, edges: Edges) -> Floats:
+    """How long edges should be at points (N,)."""
+    longest = LONGEST * field.reach
+    size = np.sqrt(8 * tolerance / np.maximum(graph.bends, 8 * tolerance / longest**2))
+    size = np.minimum(size, BENT / np.maximum(graph.bends, BENT / longest))
+    a, b = edges.every.T
+    lengths = _lengths(graph.points, edges.every)
+    for _ in range(3):
+        grown = np.full(len(size), np.inf)
+        np.minimum.at(grown, a, size[b] + GRADE * lengths)
+        np.minimum.at(grown, b, size[a] + GRADE * lengths)
+        size = np.minimum(size, grown)
+    return size
+
+
+def _lengths(points: Floats, edges: Integers) -> Floats:
+    way = points[edges[:, 1]] - points[edges[:, 0]]
+    return np.asarray(np.sqrt((way * way).sum(axis=1)))
+
+
+def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
+    """The mesh without the edges that are shorter than the curvature lets them be."""
+    for step in range(THINNINGS):
+        checkpoint(f"coarsening the first triangles ({len(graph.triangles)})")
+        edges = Edges(graph.triangles, len(graph.points))
+        sizes = _sizes(field, graph, tolerance, edges)
+        fixed = _fixed(field, graph.rim)
+        left, triangles = collapsed(graph.points, graph.triangles, graph.normals, graph.rim, fixed, sizes)
+        few = len(graph.points) - len(left) <= FEW * len(graph.points)
+        graph = Graph(graph.points[left], triangles, graph.rim[left], graph.normals[left], graph.bends[left])
+        if few or step % SMOOTHED == SMOOTHED - 1:
+            graph = _relaxed(field, graph, tolerance)
+        if few:
+            break
+    return graph
+
+
+def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
+    """The mesh with edges of the lengths that the curvature lets them have."""
+    for _ in range(ROUNDS):
+        checkpoint(f"making the first triangles ({len(graph.triangles)})")
+        edges = Edges(graph.triangles, len(graph.points))
+        sizes = _sizes(field, graph, tolerance, edges)
+        every = edges.every
+        ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
+        long = _longest(graph.triangles, every, ratio, len(graph.points))
+        if not len(long):
+            break
+        graph = _relaxed(field, _split(field, graph, long), tolerance)
+    for _ in range(LAST):
+        graph = _relaxed(field, graph, tolerance)
+    return graph
+
+
+def _longest(triangles: Integers, edges: Integers, ratio: Floats, size: int) -> Integers:
+    """The edges that are too long, and the longest of one of their triangles, each over what it should be."""
+    keys = edges.min(axis=1) * size + edges.max(axis=1)
+    order = np.argsort(keys)
+    start, end = triangles, triangles[:, [1, 2, 0]]
+    place = order[np.searchsorted(keys[order], np.minimum(start, end) * size + np.maximum(start, end))]
+    worst = place[np.arange(len(place)), ratio[place].argmax(axis=1)]
+    return edges[np.unique(worst[ratio[worst] > LONG])]
+
+
+def _split(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
+    size = len(graph.points)
+    points, triangles, _ = split(graph.points, graph.triangles, chosen)
+    rim = np.concatenate([graph.rim, np.full(len(points) - size, -1)])
+    border = Edges(triangles, len(points)).rim
+    new, old = (border.max(axis=1) >= size), border.min(axis=1) < size
+    halves = border[new & old]  # each new point between two old ones: two halves
+    if len(halves):
+        middle, end = halves.max(axis=1), halves.min(axis=1)
+        order = np.argsort(middle, kind="stable").reshape(-1, 2)
+        pairs = np.stack([end[order[:, 0]], end[order[:, 1]]], axis=1)
+        rim[middle[order[:, 0]]] = rims_of_edges(field, points, rim, pairs)
+    fresh = points[size:].copy()
+    _put(field, fresh, rim[size:])
+    points[size:] = fresh
+    return looked_at(field, points, triangles, rim)
+
+
+def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
+    """Flipped and smoothed once."""
+    triangles = flipped(graph.points, graph.triangles, graph.normals)
+    graph = replace(graph, triangles=triangles)
+    edges = Edges(triangles, len(graph.points))
+    sizes = _sizes(field, graph, tolerance, edges)
+    move = centred(graph.points, triangles, sizes)
+    move -= (move * graph.normals).sum(axis=1, keepdims=True) * graph.normals
+    v, before, after = edges.neighbours
+    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
+    move[_fixed(field, graph.rim)] = 0.0
+    points = graph.points + move
+    _put(field, points, graph.rim)
+    points = settled(graph.points, points, triangles, graph.normals)
+    return looked_at(field, points, triangles, graph.rim)
+
+
+def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
+    for step in range(MENDINGS + 1):
+        checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
+        edges = Edges(graph.triangles, len(graph.points))
+        inside, along = distances(field, graph, edges)
+        reached = _farthest(inside, along)
+        if reached <= tolerance:
+            if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
+                raise ArithmeticError("some triangles are folded")
+            world, deviation = field.world(graph.points), reached * field.scale
+            return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
+        if step == MENDINGS:
+            break
+        far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
+        require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
+        graph = _split(field, graph, far)
+        graph = replace(graph, triangles=flipped(graph.points, graph.triangles, graph.normals, 3))
+    raise ArithmeticError("the tolerance was not reached")
+
+
+def distances(field: SheetField, graph: Graph, edges: Edges) -> tuple[Floats, Floats]:
+    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane."""
+    centres = graph.points[graph.triangles].mean(axis=1)
+    middles = graph.points[edges.every].mean(axis=1)
+    inner = len(edges.inner)
+    found = field.distances(np.concatenate([centres, middles[:inner]]))
+    along = np.empty(len(middles))
+    along[:inner] = found[len(centres) :]
+    rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)
+    for number, curve in enumerate(field.rims):
+        here = inner + np.flatnonzero(rims == number)
+        if len(here):
+            along[here] = curve.distances(middles[here])
+    return found[: len(centres)], along
+
+
+def _fixed(field: SheetField, rim: Integers) -> np.ndarray:
+    """Which points (N,) stay where they are."""
+    fixed = np.array([*(curve.fixed for curve in field.rims), False], dtype=bool)
+    return np.asarray(fixed[rim])
