@@ -13,8 +13,8 @@ from typing import Any
 
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.rational import rational, to_float
-from pas.surface.contact import CONTACTS
 from pas.studio.documents import TEAPOT, Data
+from pas.surface.contact import CONTACTS
 
 Control = dict[str, Any]
 

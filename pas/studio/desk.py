@@ -1,7 +1,8 @@
 """What one process of the studio knows and does: it solves, follows what is dragged, proves and exports.
 
-A desk belongs to one page.  `solve` finds the shape of a document as its problem is solved, with all proofs; `move` gives
-a shape quickly that is near it (blends follow by Gauss-Newton steps), and `prove` says what holds of that very shape.
+A desk belongs to one page.  `solve` finds the shape of a document as its problem is solved, with all proofs; `move`
+gives a shape quickly that is near it (blends follow by Gauss-Newton steps), and `prove` says what holds of that very
+shape.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -31,7 +33,7 @@ from pas.studio import documents
 from pas.studio.controls import TENSION, controls
 from pas.studio.documents import Data
 from pas.studio.messages import Message
-from pas.studio.scene import coefficients, picture, quick
+from pas.studio.scene import coefficients, outline, picture, quick
 from pas.studio.sections import hairs
 
 PATIENCE = 120.0
@@ -55,7 +57,8 @@ class Desk:
         self.opened: dict[str, Shape] = {}
         self.bases: dict[str, Shape] = {}
         self.seen: Shape | None = None
-        self.key = ""
+        self.key = self.scene = ""
+        self.placed: Any = None
         self.solved: tuple[str, Shape] | None = None
 
     def read(self, name: str, text: str) -> Data:
@@ -108,12 +111,24 @@ class Desk:
             self.seen, self.key = shape, _key(documents.base_of(document))
             if not _can_follow(shape):
                 return quick(shape)
+            surface = shape.surface  # type: ignore[attr-defined]  # of blends
+            if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
+                return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface)})
             message = picture(shape)
             name = scene_of(message)
-            if name == scene:
-                surface = shape.surface  # type: ignore[attr-defined]  # of blends
-                return Message({"kind": "moved", "scene": name}, {"coefficients": coefficients(surface)})
+            self.placed, self.scene = surface.placed, name.partition(" ")[2]
             return Message({**message.head, "scene": name}, message.arrays)
+
+    def outline(self, document: Data) -> Message | None:
+        """The neighbours alone, where these have changed and the blend has to be solved anew, which takes longer."""
+        documents.checked(document)
+        key = _key(documents.base_of(document))
+        if key == self.key or key in self.bases or document["kind"] != "problem":
+            return None
+        problem: Any = documents.problem_of(document["problem"])
+        if not hasattr(problem, "contacts"):
+            return None
+        return outline(problem.contacts, problem.order, problem.partition)
 
     def prove(self) -> Message:
         """The verdicts on the shape of the last `move`."""
@@ -124,9 +139,12 @@ class Desk:
 
     def repair(self, document: Data) -> Data:
         """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
+        only = "only blends can be repaired; go back to the last proved one"
+        if document["kind"] != "problem":
+            raise InputError(only)
         shape = self.shape_of(document)
-        if document["kind"] != "problem" or not _can_follow(shape):
-            raise InputError("only blends can be repaired; go back to the last proved one")
+        if not _can_follow(shape):
+            raise InputError(only)
         with limit(PATIENCE, stopped=self.stopped):
             for other in remedies(document, shape):
                 try:
@@ -136,7 +154,9 @@ class Desk:
                 if found.certificate.proved:
                     self.solved = (_key(other), found)
                     return other
-        raise InputError("no repair was found: neither guarding the witness, nor lighter weights, nor a higher degree")
+        raise InputError(
+            "no repair was found: neither by guarding the witness, nor by lighter weights, nor by a higher degree"
+        )
 
     def export(self, document: Data, suffix: str) -> Message:
         """The file of a document's shape in a format that `pas` writes, or its project."""
@@ -162,13 +182,14 @@ class Desk:
             return before.refit(**_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
-        problem = documents.problem_of(document["problem"])
+        problem: Any = documents.problem_of(document["problem"])
         wishes = getattr(problem, "wishes", None)
         if wishes is None:
-            return problem.solve()
+            found: Shape = problem.solve()
+            return found
         degree = getattr(getattr(self.seen, "surface", None), "degree", None)
         held = degree if document["problem"].get("degree") is None and self._same_order(document) else None
-        return problem.changed(degree=held, wishes=wishes.changed(prove=False)).solve()
+        return replace(problem, degree=held or problem.degree, wishes=wishes.changed(prove=False)).solve()
 
     def _same_order(self, document: Data) -> bool:
         surface = getattr(self.seen, "surface", None)
@@ -183,8 +204,10 @@ class Desk:
 
 
 def remedies(document: Data, shape: Any) -> Iterator[Data]:
-    """What may be tried in turn: the witness kept outside or inside, lighter weights, a higher degree."""
-    problem = document["problem"]
+    """What may be tried in turn: to ask for proofs, to guard the witness, lighter weights, higher degrees."""
+    problem = {name: value for name, value in document["problem"].items() if name not in ("prove", "guard")}
+    document = {**document, "problem": problem}
+    yield document
     points = problem.get("points", {})
     failed = [v.witness for v in shape.certificate.verdicts if v.failed and v.witness is not None]
     for kind in ("outside", "inside") if failed else ():

@@ -64,9 +64,7 @@ GALLERY: dict[str, Data] = {
     "Three pipes askew": _pipes(
         "askew", 2, [_pipe(X, "1", "auto"), _pipe([-1, 2, 0], "1", "auto"), _pipe([0, -1, 3], "3/4", "auto")]
     ),
-    "Six-way node": _pipes(
-        "six", 1, [_pipe(axis, "1/3", "auto") for axis in (X, Y, Z, LEFT, BACK, DOWN)]
-    ),
+    "Six-way node": _pipes("six", 1, [_pipe(axis, "1/3", "auto") for axis in (X, Y, Z, LEFT, BACK, DOWN)]),
     "Two hemispheres": {"kind": "problem", "problem": HEMISPHERES},
     "Two quadrics": {"kind": "problem", "problem": QUADRICS},
     "Helicoid to pipe": {"kind": "problem", "problem": HELICOID},

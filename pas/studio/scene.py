@@ -7,12 +7,14 @@ meshes of its parts.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
+from pas.blending.place import ended, places
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.scene import Picture, scene_of
 from pas.shape import Shape, kind_of
@@ -20,6 +22,7 @@ from pas.studio.messages import Message
 from pas.surface.fairness_limits import neighbour
 from pas.surface.joins import Join
 from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
 
 BEYOND = 0.22
 """How far neighbours are shown beyond their clips, over the extent of the region."""
@@ -51,12 +54,29 @@ def coefficients(surface: PiecewiseSurface) -> Floats:
     return np.array([patch.dense(surface.degree) for patch in surface.patches])
 
 
+def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
+    """The neighbours of a blend that is not solved yet; raises what placing them raises."""
+    placed = next(iter(places(ended(contacts, order, partition), order, partition)))
+    frame, beyond = placed.partition.frame, _neighbours(placed)
+    head = {
+        "kind": "outline",
+        "origin": to_floats(frame.origin),
+        "scale": to_float(frame.scale),
+        "beyond": [box for box, _ in beyond],
+    }
+    return Message(head, {"neighbours": np.concatenate([np.empty(0), *(values for _, values in beyond)])})
+
+
+def _neighbours(placed: PlacedContacts) -> list[tuple[dict[str, Any], Floats]]:
+    extent = float(np.ptp(placed.local.points, axis=0).max())
+    return [box for join in placed.joins if (box := _beyond(join, BEYOND * extent)) is not None]
+
+
 def _cast(surface: PiecewiseSurface) -> Message:
     local, frame = surface.local, surface.partition.frame
     shared = {triangle for triangle, _, _ in local.inner_triangles}
     inner = [[tuple(sorted(set(cell) - {v})) in shared for v in cell] for cell in local.cells]
-    extent = float(np.ptp(local.points, axis=0).max())
-    beyond = [box for join in surface.joins if (box := _beyond(join, BEYOND * extent)) is not None]
+    beyond = _neighbours(surface.placed)
     head = {
         "kind": "picture",
         "how": "cast",
@@ -68,7 +88,7 @@ def _cast(surface: PiecewiseSurface) -> Message:
         "title": surface.partition.title,
         "beyond": [box for box, _ in beyond],
     }
-    arrays = {
+    arrays: dict[str, Any] = {
         "coefficients": coefficients(surface),
         "vertices": local.points,
         "cells": np.array(local.cells, dtype=np.uint32),

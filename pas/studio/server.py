@@ -46,8 +46,8 @@ def policy(port: int) -> dict[str, str]:
     own = f"ws://{LOOPBACK}:{port} ws://localhost:{port}"
     return {
         "Content-Security-Policy": (
-            f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self' {own}; "
-            "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+            f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+            f"connect-src 'self' {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
         ),
         "Referrer-Policy": "no-referrer",
         "X-Content-Type-Options": "nosniff",
@@ -86,6 +86,39 @@ class Studio:
         """Two processes for a page, and two more are begun for the next one."""
         ready, self.spare = self.spare or (Worker(), Worker()), None
         return ready
+
+    async def talk(self, socket: Any) -> None:
+        """One conversation, from the first word to the last."""
+        from starlette.websockets import WebSocketDisconnect
+
+        if not self.admits(socket.headers, socket.scope.get("subprotocols", [])):
+            await socket.close(REFUSED)
+            return
+        await socket.accept("pas")
+        if len(self.pages) >= MOST_PAGES:
+            await socket.close(BUSY)
+            return
+        sending = asyncio.Lock()
+
+        async def send(message: Message) -> None:
+            async with sending:
+                await socket.send_bytes(message.packed())
+
+        session = Session(send, *self.workers())
+        self.pages[session] = send
+        running = asyncio.create_task(session.run())
+        try:
+            await self.open(session, send)
+            while True:
+                await session.receive(await socket.receive_text())
+        except (WebSocketDisconnect, RuntimeError, KeyError):  # gone, or bytes instead of text
+            pass
+        finally:
+            running.cancel()
+            self.pages.pop(session, None)
+            session.end()
+            if not self.closing:
+                self.spare = self.spare or (Worker(), Worker())
 
     async def watch(self) -> None:
         """Tell all pages when the file changes."""
@@ -133,7 +166,6 @@ def application(studio: Studio) -> Any:
     from starlette.middleware.base import BaseHTTPMiddleware
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
-    from starlette.websockets import WebSocket, WebSocketDisconnect
 
     async def page(request: Any) -> Response:
         name = request.path_params.get("name") or "index.html"
@@ -147,38 +179,6 @@ def application(studio: Studio) -> Any:
         answer.headers.update(policy(studio.port))
         return answer
 
-    async def talk(socket: WebSocket) -> None:
-        if not studio.admits(socket.headers, socket.scope.get("subprotocols", [])):
-            await socket.close(REFUSED)
-            return
-        if len(studio.pages) >= MOST_PAGES:
-            await socket.accept("pas")
-            await socket.close(BUSY)
-            return
-        await socket.accept("pas")
-        sending = asyncio.Lock()
-
-        async def send(message: Message) -> None:
-            async with sending:
-                await socket.send_bytes(message.packed())
-
-        session = Session(send, *studio.workers())
-        studio.pages[session] = send
-        running = asyncio.create_task(session.run())
-        try:
-            await studio.open(session, send)
-            while True:
-                await session.receive(await socket.receive_text())
-        except (WebSocketDisconnect, RuntimeError, KeyError):  # gone, or bytes instead of text
-            pass
-        finally:
-            del studio.pages[session]
-            running.cancel()
-            session.quick.end()
-            session.final.end()
-            if not studio.closing:
-                studio.spare = studio.spare or (Worker(), Worker())
-
     @asynccontextmanager
     async def lifespan(_: Any) -> AsyncIterator[None]:
         studio.spare = (Worker(), Worker())
@@ -187,13 +187,12 @@ def application(studio: Studio) -> Any:
         studio.closing = True
         watching.cancel()
         for session in studio.pages:
-            session.quick.end()
-            session.final.end()
+            session.end()
         for worker in studio.spare or ():
             worker.end()
 
     return Starlette(
-        routes=[Route("/", page), Route("/{name}", page), WebSocketRoute("/talk", talk)],
+        routes=[Route("/", page), Route("/{name}", page), WebSocketRoute("/talk", studio.talk)],
         middleware=[Middleware(BaseHTTPMiddleware, dispatch=guarded)],
         lifespan=lifespan,
     )

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
+from contextlib import suppress
 from typing import Any
 
 from pas.studio.gallery import GALLERY
@@ -33,19 +34,25 @@ class Session:
 
     def __init__(self, send: Send, quick: Worker, final: Worker) -> None:
         self._send, self.quick, self.final = send, quick, final
-        self._shot = self._seen = 0
+        self._shot = self._seen = self._proved = 0
         self._move: Request | None = None
         self._rest: Request | None = None
         self._moved, self._rested = asyncio.Event(), asyncio.Event()
         self._others: set[asyncio.Task[None]] = set()
         self._taken: asyncio.Task[None] | None = None
         self._stoppable: set[Worker] = set()
+        self._proving = False
 
     async def run(self) -> None:
         """Work until cancelled."""
         async with asyncio.TaskGroup() as group:
             group.create_task(self._moving())
             group.create_task(self._resting())
+
+    def end(self) -> None:
+        """End both processes."""
+        self.quick.end()
+        self.final.end()
 
     async def receive(self, text: str) -> None:
         """Take one request; one that is none is refused in a sentence."""
@@ -58,15 +65,21 @@ class Session:
         if verb == "move":
             self._move = request
             self._moved.set()
+            if self._proving:
+                self.quick.stop()
         elif verb == "rest":
             self._rest, self._move = request, None
-            for worker in self._stoppable:
-                worker.stop()
+            if self.final in self._stoppable:
+                self.final.stop()
             self._rested.set()
+            self._begin(self._prove_once(request))
         else:
-            task = asyncio.create_task(self._other(verb, request))
-            self._others.add(task)
-            task.add_done_callback(self._others.discard)
+            self._begin(self._answer(request, self._do(verb, request)))
+
+    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._others.add(task)
+        task.add_done_callback(self._others.discard)
 
     async def _moving(self) -> None:
         while True:
@@ -79,16 +92,28 @@ class Session:
             try:
                 await asyncio.wait_for(self._moved.wait(), REST)
             except TimeoutError:
-                if self._seen == self._shot:  # no final picture has come since
-                    await self._answer(request, self._prove(self._shot))
+                await self._prove_once(request)
 
     async def _follow(self, request: Request) -> None:
-        message = await self._stoppably(self.quick, "move", request["document"], str(request.get("scene", "")))
+        outline = await self.quick.ask("outline", request["document"])
+        if outline is not None:
+            await self._send(outline.numbered(int(request.get("seq", 0))))
+        message = await self.quick.ask("move", request["document"], str(request.get("scene", "")))
         await self._picture(message, request)
         self._seen = self._shot
 
+    async def _prove_once(self, request: Request) -> None:
+        """Prove what is seen, unless that was done, or it is a final picture, which has its verdicts."""
+        if self._seen == self._shot and self._proved != self._shot:
+            self._proved = self._shot
+            await self._answer(request, self._prove(self._shot))
+
     async def _prove(self, shot: int) -> None:
-        message: Message = await self._stoppably(self.quick, "prove")
+        self._proving = True
+        try:
+            message: Message = await self.quick.ask("prove")
+        finally:
+            self._proving = False
         await self._send(Message({**message.head, "shot": shot}))
 
     async def _resting(self) -> None:
@@ -114,10 +139,8 @@ class Session:
             self._stoppable.discard(worker)
 
     async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
-        try:
+        with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
             await self.quick.ask("take", *kept)
-        except (RefusedError, StoppedError):
-            pass  # then the first move begins anew, and says what is wrong
 
     async def _picture(self, message: Message, request: Request) -> None:
         self._shot += 1
@@ -132,9 +155,6 @@ class Session:
             await self._send(refusal(error).numbered(int(request.get("seq", 0))))
         except StoppedError:
             pass
-
-    async def _other(self, verb: str, request: Request) -> None:
-        await self._answer(request, self._do(verb, request))
 
     async def _do(self, verb: str, request: Request) -> None:
         if verb == "gallery":

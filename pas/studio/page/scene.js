@@ -33,14 +33,17 @@ export class Scene {
   cast(head, arrays) {
     this.vertices = rows(arrays.vertices, 3); this.cells = rows(arrays.cells, 4);
     this.surface = pieces(arrays.coefficients, head.degree);
-    let at = 0;
-    head.beyond.forEach((b) => { this.beyond.push({ degree: b.degree, values: arrays.neighbours.subarray(at, (at += count(b.degree))) }); });
-    this.bodies = [
-      ...tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4)),
-      ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, [b.clip])),
-    ];
+    this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
+    this.outlined(head, arrays);
     this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
     this.meshes = [];
+  }
+  outlined(head, arrays) { // neighbours in the same frame; false in another one
+    if (head.scale !== this.scale || head.origin.some((x, i) => x !== this.origin[i])) return false;
+    let at = 0;
+    this.beyond = head.beyond.map((b) => ({ degree: b.degree, values: arrays.neighbours.subarray(at, (at += count(b.degree))) }));
+    this.bodies = [...this.tetrahedra, ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, [b.clip]))];
+    return true;
   }
   triangles(head, arrays) {
     this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = Math.sqrt(3);

@@ -112,7 +112,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
   // ---- what comes from the other side
   function receive(head, arrays) {
-    ({ picture, moved, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired }[head.kind] || (() => {}))(head, arrays);
+    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired }[head.kind] || (() => {}))(head, arrays);
   }
   function picture(head, arrays) {
     if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
@@ -135,6 +135,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     else { s.scene.movedMesh(arrays); view.caster.setMeshes(s.scene.meshes); }
     arrived(head); view.ask();
   }
+  function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
   function arrived(head) {
     s.shot = head.shot; s.shown = head.seq; s.latency = performance.now() - s.began;
     if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
