@@ -15,7 +15,6 @@ import pytest
 from conftest import ROOT
 
 import pas
-from pas.studio.desk import Desk
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
@@ -58,7 +57,7 @@ class Page:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(address)
 
-    def until(self, text, seconds=40):
+    def until(self, text, seconds=20):
         for _ in range(int(seconds / 0.03)):
             if self.page.evaluate(f"!!(globalThis.studio && ({text}))"):
                 return
@@ -103,7 +102,7 @@ def studio(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def context(browser):
-    made = browser.new_context(viewport={"width": 760, "height": 620}, accept_downloads=True)
+    made = browser.new_context(viewport={"width": 860, "height": 480}, accept_downloads=True)
     made.grant_permissions(["clipboard-read", "clipboard-write"])
     return made
 
@@ -154,13 +153,12 @@ def compared(page, surface, view, width, height):
 
 
 def test_every_pixel_is_where_the_ray_meets_the_surface(page):
-    surface, _ = Desk().solve({"kind": "problem", "problem": page.problem})
     surface = pas.blend(
         [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)], 1, 4
     ).surface
     for view in VIEWS:
         holes, extras, far, bent = compared(page, surface, view, 240, 180)
-        assert (holes, extras) == (0, 0) and len(far) > 3000
+        assert (holes, extras) == (0, 0) and len(far) > 2000
         assert np.median(far) < 1e-6 and far.max() < 1e-3
         assert bent.max() < 1e-3
 
@@ -202,10 +200,10 @@ def test_fields_take_fractions_and_refuse_what_is_no_number(page):
     field.press("Enter")
     assert "1/0 is no number" in page.page.inner_text(".message") and field.get_attribute("aria-invalid") == "true"
     assert page.problem == before and page.proved
-    field.fill("2")
+    field.fill("20")
     field.press("Enter")
-    page.until("studio.state.seq > studio.state.shown && /clips at distances/.test(document.querySelector('.message').textContent)")
-    assert "no surface for this state" in page.page.inner_text(".overall")
+    page.until("/^no surface for this state/.test(document.querySelector('.overall').textContent)")
+    assert "leave room" in page.page.inner_text(".message") and page.page.locator(".lamps li").count() == 0
     page.page.click("text=Undo")
     page.until(FINAL)
     assert page.problem == before and page.proved
@@ -277,6 +275,7 @@ def test_a_refuted_surface_shows_where_and_is_repaired(page):
     page.until(FINAL)
 
 
+@pytest.mark.slow
 def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio):
     file, address, _ = studio
     other = Page(context, address)
@@ -309,4 +308,4 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
       && !e.textContent.trim() && !e.getAttribute("aria-label") && !(e.id && document.querySelector(`label[for="${e.id}"]`))).length""")  # fmt: skip
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
-    page.page.set_viewport_size({"width": 760, "height": 620})
+    page.page.set_viewport_size({"width": 860, "height": 480})
