@@ -4,10 +4,11 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl demo teapot test test-all mutants lint examples bench clean
+.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
+	@echo "make studio    the studio in the browser: drag, see, prove"
 	@echo "make teapot    the teapot: proofs, meshes and pictures, in out/teapot/"
 	@echo "make test      the tests that CI runs"
 	@echo "make test-all  these and the slow ones"
@@ -34,16 +35,29 @@ opengl:
 		echo "pictures need OpenGL: apt-get install libgl1 libegl1 libxrender1"; \
 	fi
 
+# The studio's tests need a browser; root installs it, others may have one, and the tests say so where there is none.
+browser:
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing a browser for the tests of the studio (chromium)"; \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null; \
+	else \
+		echo "the tests of the studio need a browser: apt-get install chromium"; \
+	fi
+
 demo: setup
 	$(BIN)/pas blend examples/corners/three_pipes.toml -o out
+
+studio: setup
+	$(BIN)/pas studio
 
 teapot: setup
 	$(BIN)/python examples/teapot/teapot.py -o out/teapot
 
-test: setup
+test: setup browser
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-test-all: setup
+test-all: setup browser
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
 
 mutants: setup

@@ -1,4 +1,4 @@
-"""How long a computation may take, and how far it has come: a deadline and a progress line.
+"""How long a computation may take, and how far it has come: a deadline, a progress line, and a way to stop it.
 
 Exact computations and meshes can grow without warning.  Inside `with limit(seconds=..., progress=...)`
 the long loops of this package look at the clock through `checkpoint`: past the deadline they raise
@@ -57,20 +57,26 @@ class _Limit:
     work: str
     advice: str
     task: str
+    stopped: Callable[[], bool] | None = None
 
 
 _CURRENT: ContextVar[_Limit | None] = ContextVar("limit", default=None)
 
 
 @contextmanager
-def limit(seconds: float | None = None, progress: Report | None = None) -> Iterator[None]:
-    """Limit what is done inside to `seconds` (None: no limit) and report to `progress`.
+def limit(
+    seconds: float | None = None, progress: Report | None = None, stopped: Callable[[], bool] | None = None
+) -> Iterator[None]:
+    """Limit what is done inside to `seconds` (None: no limit), report to `progress`, and end it once `stopped()`.
 
-    An inner limit cannot outlast an outer one; without a `progress` of its own it reports to the outer one's.
-    Raises `ValueError` for a limit that is not positive, `TypeError` for one that is no number and for a
-    `progress` that cannot be called with one line of text.
+    An inner limit cannot outlast an outer one; without a `progress` of its own it reports to the outer one's.  What is
+    stopped raises `LimitError`; `stopped` is asked often, and must answer at once.
+    Raises `ValueError` for a limit that is not positive, `TypeError` for one that is no number, for a `stopped` that
+    cannot be called, and for a `progress` that cannot be called with one line of text.
     """
-    with _limit(seconds, progress):
+    if stopped is not None and not callable(stopped):
+        raise TypeError(f"stopped must be a function without arguments, not {stopped!r}")
+    with _limit(seconds, progress, stopped=stopped):
         yield
 
 
@@ -108,6 +114,8 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
     if current is None:
         return
     task = current.task = task or current.task or current.work or "computing"
+    if current.stopped is not None and current.stopped():
+        raise LimitError(f"stopped while {task}")
     now = time.monotonic()
     if now > current.deadline:
         work = f"{current.work} ({task})" if current.work not in ("", task) else task
@@ -136,14 +144,21 @@ def stage_line(stage: str, seconds: float) -> str:
 
 
 @contextmanager
-def _limit(seconds: float | None, progress: Report | None, work: str = "", advice: str = "") -> Iterator[None]:
+def _limit(
+    seconds: float | None,
+    progress: Report | None,
+    work: str = "",
+    advice: str = "",
+    stopped: Callable[[], bool] | None = None,
+) -> Iterator[None]:
     _check(seconds, progress)
     now = time.monotonic()
     outer = _CURRENT.get()
     deadline = float("inf") if seconds is None else now + float(seconds)
     reports = None if progress is None else _Reports(progress, now, now + FIRST_REPORT)
-    inner = _Limit(seconds, deadline, reports, work, f" or {advice}" if advice else "", "")
+    inner = _Limit(seconds, deadline, reports, work, f" or {advice}" if advice else "", "", stopped)
     if outer is not None:
+        inner.stopped = stopped or outer.stopped
         if outer.deadline < deadline:
             inner.seconds, inner.deadline = outer.seconds, outer.deadline
         inner.reports = reports or outer.reports

@@ -103,8 +103,8 @@ class Kind(Generic[S]):
     files, `mesh(shape, tolerance, domain)` are its triangles, `domain` that of what has parameters; `meshed` says
     that it is a mesh already, for which tolerances mean nothing; `curved` that its layers know the curvature of
     the surface, for colours and combs. What not every kind has: `parts` by name, each with a colour,
-    `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, and `body(shape, length)`, the solid with
-    it in its boundary.
+    `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, `body(shape, length)`, the solid with
+    it in its boundary, and `cast(shape)`, the piecewise surface at which rays can be cast instead of meshing it.
     """
 
     name: str
@@ -122,6 +122,7 @@ class Kind(Generic[S]):
     text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
     facts: Callable[[S], dict[str, Any]] = field(default_factory=lambda: _no_facts)
     body: Callable[[S, Any], Any] | None = None
+    cast: Callable[[S], Any] | None = None
 
     def __repr__(self) -> str:
         return f"<Kind {self.name!r} of {self.type.__name__}>"

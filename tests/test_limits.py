@@ -88,3 +88,15 @@ def test_groebner_bases_look_at_the_clock_and_go_on(monkeypatch):
     assert Ideal(*generators).groebner_basis("lex") == whole
     with limit(seconds=1e-9), pytest.raises(pas.LimitError, match="computing a Groebner basis"):
         Ideal(*generators).groebner_basis("lex")
+
+
+def test_what_is_stopped_ends_at_its_next_look_and_inner_limits_are_stopped_too():
+    asked = []
+    with limit(stopped=lambda: len(asked) > 1), limit(seconds=100):
+        checkpoint("eliminating")
+        asked += [1, 2]
+        with pytest.raises(pas.LimitError, match="stopped while eliminating"):
+            checkpoint()
+    checkpoint("afterwards nothing is stopped")
+    with pytest.raises(TypeError, match="stopped must be a function without arguments"), limit(stopped=True):
+        pass

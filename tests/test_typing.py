@@ -48,6 +48,7 @@ MAY_BE_ANY = {
     "Shape.show": FORWARDED,
     "Shape.write": FORWARDED,
     "Kind.body": BY_KIND,
+    "Kind.cast": BY_KIND,
     "Kind.cells": BY_KIND,
     "Kind.facts": BY_KIND,
     "Kind.layers": BY_KIND,

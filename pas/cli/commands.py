@@ -127,6 +127,16 @@ def run_convert(options: argparse.Namespace) -> Outcome:
     return _written(shape, options)
 
 
+def run_studio(options: argparse.Namespace) -> Outcome:
+    """`pas studio`: until it is interrupted."""
+    from pas.exchange.files import source
+    from pas.studio.server import serve
+
+    file = None if options.file is None else source(options.file)
+    serve(file, options.port, lambda line: print(line, flush=True), browser=not options.no_browser)
+    return Outcome("the studio has ended", {"ended": True})
+
+
 def _written(shape: Any, options: argparse.Namespace) -> Outcome:
     path = shape.write(options.output, tolerance=_tolerance(options), unit=options.unit)
     return Outcome(str(path), {"written": [str(path)]})

@@ -67,6 +67,7 @@ def parser() -> argparse.ArgumentParser:
     _write_parser(added)
     _convert_parser(added)
     _teapot_parser(added)
+    _studio_parser(added)
     return result
 
 
@@ -259,6 +260,20 @@ def _teapot_parser(added: Commands) -> None:
     parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
     _tolerance(parser, "0.001")
     parser.set_defaults(command="teapot", run=problems.run_teapot)
+
+
+def _studio_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "studio",
+        "drag a shape in the browser, and see it with its curvature and its proof",
+        "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
+        "Without a file it shows a gallery of starting points.  A file that changes is read again.",
+    )
+    parser.add_argument("file", metavar="FILE", nargs="?", help="a problem file (.toml) or a project (.pas.json)")
+    parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
+    parser.add_argument("--no-browser", action="store_true", help="do not open the page")
+    parser.set_defaults(command="studio", run=commands.run_studio)
 
 
 def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:

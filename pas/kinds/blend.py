@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any
 
 from pas.algebra.polynomial import Polynomial
@@ -146,5 +147,6 @@ def _facts(blend: Blend) -> dict[str, Any]:
 
 
 BLEND = Kind(
-    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, curved=True
-)
+    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, curved=True,
+    cast=attrgetter("surface"),
+)  # fmt: skip

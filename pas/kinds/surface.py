@@ -29,6 +29,11 @@ def _cells(surface: PiecewiseSurface) -> Any:
     return cell_grid(surface)
 
 
+def _itself(surface: PiecewiseSurface) -> PiecewiseSurface:
+    return surface
+
+
 SURFACE = Kind(
-    "surface", PiecewiseSurface, Table({"surface": SHAPE}), record, read, layers, body=body, cells=_cells, curved=True
-)
+    "surface", PiecewiseSurface, Table({"surface": SHAPE}), record, read, layers, body=body, cells=_cells, curved=True,
+    cast=_itself,
+)  # fmt: skip

@@ -1,0 +1,120 @@
+"""What may be dragged of a document: one description for each control, from which the page makes it.
+
+A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
+`high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
+its name; the value None leaves the key out), or "points".  `usual` is what holds where the document says nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, log2
+from typing import Any
+
+from pas.algebra.inputs import HIGHEST_DEGREE
+from pas.algebra.rational import rational, to_float
+from pas.studio.documents import TEAPOT, Data
+from pas.surface.contact import CONTACTS
+
+Control = dict[str, Any]
+
+TENSION = "23/5"
+FULLEST, SLIMMEST = 0, 40
+"""Tensions at the ends of the slider; the usual one looks as if it were in the middle, since the slider is bent."""
+
+HIGHEST_ORDER = 4
+NUMBERS = ("radius", "clip", "slope")
+VECTORS = ("axis", "point", "arm")
+SHAPE = {"l1": (0, 5), "l2": (0, 5), "lambda1": (-2, 2), "lambda2": (-2, 2)}
+RANGES = {"lid_height": (1.1, 1.9), "spout_tilt": (-0.3, 0.5), "handle_size": (0.7, 1.3)}
+
+
+def controls(document: Data) -> list[Control]:
+    """All controls of a document, in the order in which they are shown."""
+    return list(_OF_KIND[document["kind"]](document))
+
+
+def _problem(document: Data) -> Iterator[Control]:
+    problem = document["problem"]
+    tables = [name for name in CONTACTS if name in problem]
+    if not tables:
+        yield from _generatrix(problem)
+        return
+    largest = _size(problem)
+    for table in tables:
+        for number, entry in enumerate(problem[table]):
+            title = f"{getattr(CONTACTS[table], 'noun', table.removesuffix('s').replace('_', ' '))} {number + 1}"
+            path = ["problem", table, number]
+            for key in ("radius", "clip", "slope"):
+                if key in entry and entry[key] != "auto":
+                    low = -largest if key == "slope" or _number(entry[key]) <= 0 else 0
+                    yield _number_control([*path, key], key, title.capitalize(), low, largest)
+            for key in VECTORS:
+                if key in entry:
+                    yield {"kind": "vector", "path": [*path, key], "label": key, "group": title.capitalize(),
+                           "low": -largest, "high": largest}  # fmt: skip
+    orders = [[k, f"GC{'⁰¹²³⁴'[k]}"] for k in range(1, HIGHEST_ORDER + 1)]
+    yield {"kind": "choice", "path": ["problem", "order"], "label": "contact", "group": "Surface", "options": orders}
+    degrees: list[list[Any]] = [[None, "the fairest"], ["lowest", "the lowest"]]
+    degrees += [[n, str(n)] for n in range(2 + problem.get("order", 1), min(HIGHEST_DEGREE, 10) + 1)]
+    yield {"kind": "choice", "path": ["problem", "degree"], "label": "degree", "group": "Surface", "options": degrees}
+    yield from _shaping(["problem"], "energy" not in problem)
+
+
+def _shaping(path: list[Any], tense: bool = True) -> Iterator[Control]:
+    if tense:
+        yield {"kind": "number", "path": [*path, "tension"], "label": "tension", "group": "Shape", "low": FULLEST,
+               "high": SLIMMEST, "usual": TENSION, "bent": 3, "ends": ["full", "slim"]}  # fmt: skip
+    yield {"kind": "points", "path": [*path, "points"], "label": "points", "group": "Points"}
+
+
+def _generatrix(problem: Data) -> Iterator[Control]:
+    if "boundaries" not in problem:
+        return
+    for name, (low, high) in SHAPE.items():
+        value = problem.get("shape", {}).get(name, 1 if name in ("l1", "l2") else 0)
+        if not isinstance(value, list | dict):
+            usual = "1" if name in ("l1", "l2") else "0"
+            yield _number_control(["problem", "shape", name], name, "Generatrix", low, high) | {"usual": usual}
+        elif isinstance(value, dict):
+            for part in ("low", "high"):
+                path = ["problem", "shape", name, part]
+                yield _number_control(path, f"{name}, {part}", "Generatrix", low, high)
+
+
+def _teapot(_: Data) -> Iterator[Control]:
+    for name, (low, high) in RANGES.items():
+        control = _number_control(["values", name], name.replace("_", " "), "Teapot", low, high)
+        yield control | {"usual": TEAPOT[name], "slow": True}
+
+
+def _project(document: Data) -> Iterator[Control]:
+    if document.get("blend"):
+        yield from _shaping(["sliders"])
+
+
+def _number_control(path: list[Any], label: str, group: str, low: float, high: float) -> Control:
+    return {"kind": "number", "path": path, "label": label, "group": group, "low": low, "high": high}
+
+
+def _size(problem: Data) -> float:
+    """A power of two not below any clip or radius: so the ends of sliders stay when values change a little."""
+    numbers = [
+        abs(_number(entry[key]))
+        for table in CONTACTS
+        for entry in problem.get(table, [])
+        for key in NUMBERS
+        if key in entry
+    ]
+    return float(2 ** ceil(log2(1.2 * max([*numbers, 1e-6]))))
+
+
+def _number(value: Any) -> float:
+    """A number as a float; 1 for what is none (a word, or a mistake that the reader of problems names)."""
+    try:
+        return to_float(rational(value))
+    except (ValueError, TypeError):
+        return 1.0
+
+
+_OF_KIND = {"problem": _problem, "teapot": _teapot, "project": _project}

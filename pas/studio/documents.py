@@ -1,0 +1,174 @@
+"""Documents: all that a page is about, as plain data that an address, a message and a project file can hold.
+
+A document is a table with a `kind`:
+
+    {"kind": "problem", "problem": {...}}             the tables of a problem file, exact numbers as texts
+    {"kind": "teapot", "values": {...}}               the arguments of `pas.teapot`
+    {"kind": "project", "name": "...", "sliders": {}} a shape from a project file, and for blends what was moved since
+
+A kind knows how to find its shape, what may be dragged, and which texts to copy.  Nothing in a document is a path that
+is opened, and nothing is executed.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, cast
+
+from pas.algebra.inputs import DEEPEST, depth, shown
+from pas.designs.teapot import teapot
+from pas.errors import InputError, ProblemFileError
+from pas.exchange.problem import PROBLEMS, Problem
+from pas.pipeline.result import Blend
+from pas.registry import Registry
+from pas.shape import Shape
+from pas.studio import code
+
+Data = dict[str, Any]
+
+SLIDERS = ("tension", "points")
+"""Parts of a problem of contacts that `Blend.refit` follows."""
+
+TEAPOT = {"lid_height": "7/5", "spout_tilt": "0", "handle_size": "1"}
+"""The teapot's parameters as they are without a word."""
+
+PLACE = re.compile(r"^problem\.toml(, line \d+)?: ")
+"""What the reader of files puts before its sentences: a page has no lines."""
+
+Opened = Mapping[str, Shape]
+"""Shapes from project files, by name."""
+
+
+@dataclass(frozen=True)
+class DocumentKind:
+    """`solve(document, opened)`: the shape; `python`, `toml`: texts to copy, None where there is none."""
+
+    name: str
+    check: Callable[[Data], None]
+    solve: Callable[[Data, Opened], Shape]
+    python: Callable[[Data], str]
+    toml: Callable[[Data], str | None]
+
+
+def checked(document: Any) -> Data:
+    """A document; raises `InputError` for what is none."""
+    if not isinstance(document, dict) or depth(document) > DEEPEST:
+        raise InputError("a document must be a table with a kind")
+    kind = document.get("kind")
+    if kind not in DOCUMENTS:
+        raise InputError(DOCUMENTS.unknown(kind))
+    DOCUMENTS[kind].check(document)
+    return cast(Data, document)
+
+
+def solve(document: Data, opened: Opened) -> Shape:
+    """The shape of a document, as its problem is solved; raises what that raises."""
+    return DOCUMENTS[document["kind"]].solve(document, opened)
+
+
+def problem_of(problem: Data) -> Problem:
+    """A problem as its file is read; raises `InputError` with what the reader of files says, less the line."""
+    text = code.toml(problem)
+    try:
+        data = tomllib.loads(text, parse_float=Fraction)
+        kind = next(kind for kind in PROBLEMS.values() if kind.fits(data))
+        return kind.read(Path("problem.toml"), text, data)
+    except (ProblemFileError, tomllib.TOMLDecodeError) as error:
+        raise InputError(PLACE.sub("", str(error))) from None
+
+
+def plain_tables(value: Any) -> Any:
+    """The data of a problem file with decimals as numbers, or as texts where a double has not as many digits."""
+    if isinstance(value, dict):
+        return {name: plain_tables(entry) for name, entry in value.items()}
+    if isinstance(value, list):
+        return [plain_tables(entry) for entry in value]
+    if isinstance(value, Fraction):
+        return near if Fraction(repr(near := float(value))) == value else str(value)
+    return value
+
+
+def base_of(document: Data) -> Data:
+    """The document without what can be moved on a blend that is there."""
+    if document["kind"] == "problem":
+        rest = {name: value for name, value in document["problem"].items() if name not in SLIDERS}
+        return {**document, "problem": rest}
+    return {**document, "sliders": {}} if document["kind"] == "project" else document
+
+
+def sliders_of(document: Data) -> dict[str, Any]:
+    """What was moved, as the keywords of `Blend.refit`."""
+    held = document["problem"] if document["kind"] == "problem" else document.get("sliders", {})
+    moved = dict(held.get("points", {}))
+    moved = {name: [tuple(p) for p in value] if isinstance(value, list) and name != "near_weight" else value
+             for name, value in moved.items() if value != []}  # fmt: skip
+    return moved | ({"tension": held["tension"]} if "tension" in held else {})
+
+
+def _check_problem(document: Data) -> None:
+    if not isinstance(document.get("problem"), dict):
+        raise InputError(f"a problem must be a table, not {shown(document.get('problem'))}")
+
+
+def _check_teapot(document: Data) -> None:
+    values = document.get("values")
+    if not isinstance(values, dict) or not set(values) <= set(TEAPOT):
+        raise InputError(f"a teapot has the values {', '.join(TEAPOT)}, not {shown(values)}")
+
+
+def _check_project(document: Data) -> None:
+    if not isinstance(document.get("name"), str) or not isinstance(document.get("sliders", {}), dict):
+        raise InputError("a project has a name, and sliders as a table")
+
+
+def _solve_project(document: Data, opened: Opened) -> Shape:
+    if document["name"] not in opened:
+        raise InputError(f"the project {document['name']} is not open here; open its file again")
+    shape, moved = opened[document["name"]], sliders_of(document)
+    return cast(Blend, shape).refit(steps=None, **moved) if moved else shape
+
+
+def _project_program(document: Data) -> str:
+    moved = ", ".join(f"{name}={code.literal(_listed(value))}" for name, value in sliders_of(document).items())
+    refit = f".refit(steps=None, {moved})" if moved else ""
+    return f"import pas\n\nshape = pas.load({document['name']!r}){refit}\nprint(shape)\n"
+
+
+def _listed(value: Any) -> Any:
+    return [list(p) for p in value] if isinstance(value, list) and value and isinstance(value[0], tuple) else value
+
+
+def _teapot_program(document: Data) -> str:
+    options = ", ".join(f"{name}={value!r}" for name, value in document["values"].items())
+    return f"import pas\n\nshape = pas.teapot({options})\nprint(shape)\n"
+
+
+DOCUMENTS: Registry[DocumentKind] = Registry("kind of document")
+"""All kinds of documents."""
+
+DOCUMENTS.register(
+    DocumentKind(
+        "problem",
+        _check_problem,
+        lambda document, _: problem_of(document["problem"]).solve(),
+        lambda document: code.program(document["problem"]),
+        lambda document: code.toml(document["problem"]),
+    )
+)
+DOCUMENTS.register(
+    DocumentKind(
+        "teapot",
+        _check_teapot,
+        lambda document, _: teapot(**(TEAPOT | document["values"])),
+        _teapot_program,
+        lambda _: None,
+    )
+)
+DOCUMENTS.register(
+    DocumentKind("project", _check_project, _solve_project, _project_program, lambda _: None),
+)

@@ -1,0 +1,174 @@
+"""What the page draws of a shape: exact polynomials to cast rays at, or triangles.
+
+Piecewise surfaces go as the coefficients of their pieces in local coordinates, in doubles, with the tetrahedra of their
+region, and with the contacts' own polynomials in boxes beyond their plane clips.  Every other kind of shape goes as the
+meshes of its parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float, to_floats
+from pas.blending.place import ended, places
+from pas.render.piecewise import sharpest_neighbour
+from pas.render.scene import Picture, scene_of
+from pas.shape import Shape, kind_of
+from pas.studio.messages import Message
+from pas.surface.fairness_limits import neighbour
+from pas.surface.joins import Join
+from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
+
+BEYOND = 0.22
+"""How far neighbours are shown beyond their clips, over the extent of the region."""
+
+ROOM = 1.05
+"""Of the boxes around cylinders, over their radius."""
+
+OVERLAP = 0.01
+"""Of the boxes and the region, over the boxes' length; the clip itself ends a neighbour."""
+
+FLAT = 0.0
+"""Curvature that is shown where there is none, as at poles."""
+
+MOST = 95
+"""Per cent of the points whose mean curvature is within the range of the colours."""
+
+
+def picture(shape: Shape) -> Message:
+    """Everything that is needed to draw a shape."""
+    kind = kind_of(shape)
+    surface = None if kind.cast is None else kind.cast(shape)
+    if surface is not None and surface.partition.cells:
+        return _cast(surface)
+    return _meshes(shape)
+
+
+def coefficients(surface: PiecewiseSurface) -> Floats:
+    """The coefficients (pieces, C(n + 3, 3)) in local coordinates, in the order of `pas.algebra.monomials`."""
+    return np.array([patch.dense(surface.degree) for patch in surface.patches])
+
+
+def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
+    """The neighbours of a blend that is not solved yet; raises what placing them raises."""
+    placed = next(iter(places(ended(contacts, order, partition), order, partition)))
+    frame, beyond = placed.partition.frame, _neighbours(placed)
+    head = {
+        "kind": "outline",
+        "origin": to_floats(frame.origin),
+        "scale": to_float(frame.scale),
+        "beyond": [box for box, _ in beyond],
+    }
+    return Message(head, {"neighbours": np.concatenate([np.empty(0), *(values for _, values in beyond)])})
+
+
+def _neighbours(placed: PlacedContacts) -> list[tuple[dict[str, Any], Floats]]:
+    extent = float(np.ptp(placed.local.points, axis=0).max())
+    return [box for join in placed.joins if (box := _beyond(join, BEYOND * extent)) is not None]
+
+
+def _cast(surface: PiecewiseSurface) -> Message:
+    local, frame = surface.local, surface.partition.frame
+    shared = {triangle for triangle, _, _ in local.inner_triangles}
+    inner = [[tuple(sorted(set(cell) - {v})) in shared for v in cell] for cell in local.cells]
+    beyond = _neighbours(surface.placed)
+    head = {
+        "kind": "picture",
+        "how": "cast",
+        "degree": surface.degree,
+        "order": surface.placed.order,
+        "origin": to_floats(frame.origin),
+        "scale": to_float(frame.scale),
+        "unit": sharpest_neighbour(surface),
+        "title": surface.partition.title,
+        "beyond": [box for box, _ in beyond],
+    }
+    arrays: dict[str, Any] = {
+        "coefficients": coefficients(surface),
+        "vertices": local.points,
+        "cells": np.array(local.cells, dtype=np.uint32),
+        "pieces": np.asarray(local.piece_of, dtype=np.uint32),
+        "inner": np.array(inner, dtype=np.uint8),
+        "neighbours": np.concatenate([np.empty(0), *(values for _, values in beyond)]),
+    }
+    return Message(head, arrays)
+
+
+def _beyond(join: Join, length: float) -> tuple[dict[str, Any], Floats] | None:
+    """The box in which a contact's surface is shown beyond its plane clip, and its coefficients."""
+    surface, clip = join.contact.surface, join.contact.clip
+    if clip.degree != 1 or not np.isfinite(join.radius):
+        return None
+    rim = neighbour(join, 1.0)
+    slope = clip.dense(1)[1:]
+    along = slope / np.linalg.norm(slope)
+    across = np.linalg.svd(along[None])[2][1:]
+    straight = np.abs(_change(surface, along)).max() < 1e-12 * np.abs(surface.dense(surface.degree)).max()
+    radius = rim.radius * ROOM + (0.0 if straight else length)
+    start, stop = -OVERLAP * length, length
+    middle = rim.mean + (start + stop) / 2 * along
+    halves = [along * (stop - start) / 2, *(radius * across)]
+    box = {
+        "degree": surface.degree,
+        "middle": middle.tolist(),
+        "halves": [half.tolist() for half in halves],
+        "clip": [*along.tolist(), -float(along @ rim.mean)],
+    }
+    return box, surface.dense(surface.degree)
+
+
+def _change(surface: Any, along: Floats) -> Floats:
+    """The coefficients of the derivative along a direction."""
+    degree = max(surface.degree - 1, 0)
+    rows = [step * np.asarray(surface.diff(axis).dense(degree)) for axis, step in enumerate(along.tolist())]
+    return np.asarray(np.sum(rows, axis=0))
+
+
+def _meshes(shape: Shape) -> Message:
+    """The layers of the shape's picture, with curvatures where its kind knows them."""
+    curved = kind_of(shape).curved
+    layers = scene_of(shape, Picture()).layers
+    low = np.min([layer.mesh.points.min(axis=0) for layer in layers], axis=0)
+    high = np.max([layer.mesh.points.max(axis=0) for layer in layers], axis=0)
+    origin, scale = (low + high) / 2, float((high - low).max()) / 2 or 1.0
+    arrays: dict[str, Any] = {}
+    for number, layer in enumerate(layers):
+        points, triangles, normals = layer.mesh.shading
+        arrays[f"points {number}"] = ((points - origin) / scale).astype(np.float32)
+        arrays[f"normals {number}"] = normals.astype(np.float32)
+        arrays[f"triangles {number}"] = np.asarray(triangles, dtype=np.uint32)
+        if layer.principal is not None:
+            bent = layer.principal()[layer.mesh.shading_points]
+            both = np.stack([bent.mean(axis=1), bent.prod(axis=1)], axis=1)
+            arrays[f"bent {number}"] = np.nan_to_num(both, nan=FLAT, posinf=FLAT, neginf=FLAT).astype(np.float32)
+    units = [layer.unit for layer in layers if layer.unit is not None]
+    head = {
+        "kind": "picture",
+        "how": "mesh",
+        "colors": [layer.color for layer in layers],
+        "origin": origin.tolist(),
+        "scale": scale,
+        "unit": units[0] if units else _usual(arrays),
+        "main": [layer.aside for layer in layers].index(False) if not all(layer.aside for layer in layers) else 0,
+        "curved": curved,
+        "triangles": sum(len(layer.mesh.triangles) for layer in layers),
+    }
+    return Message(head, arrays)
+
+
+def quick(shape: Shape) -> Message:
+    """The triangles of a shape alone, as fast as it can be meshed, in its own coordinates."""
+    points, triangles, normals = shape.mesh().shading
+    arrays = {"points 0": points, "normals 0": normals.astype(np.float32), "triangles 0": triangles.astype(np.uint32)}
+    return Message({"kind": "moved", "scene": ""}, arrays)
+
+
+def _usual(arrays: dict[str, Any]) -> float | None:
+    """A curvature that most of the surface stays below, for the range of colours; None where none is known."""
+    known = [np.abs(values.reshape(-1, 2)[:, 0]) for name, values in arrays.items() if name.startswith("bent")]
+    return float(np.percentile(np.concatenate(known), MOST)) or 1.0 if known else None

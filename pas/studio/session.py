@@ -1,0 +1,197 @@
+"""One page's conversation: what is asked last is answered first, and what is not wanted any more is stopped.
+
+The page numbers its states.  "move" asks for a picture quickly, of the newest state only; after a rest its verdicts
+follow.  "rest" asks for the final shape with all proofs.  Every picture has a number of its own, its `shot`, and every
+verdict says to which shot it belongs: so no lamp is ever lit for another picture.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable, Coroutine
+from contextlib import suppress
+from typing import Any
+
+from pas.studio.gallery import GALLERY
+from pas.studio.messages import Message, refusal
+from pas.studio.workers import RefusedError, StoppedError, Worker
+
+REST = 0.08
+"""Seconds without a move after which what is seen is proved."""
+
+LONGEST_REQUEST = 1 << 18
+"""Characters of a request; those that bring a file may have `LONGEST_FILE`."""
+
+LONGEST_FILE = 1 << 23
+
+Send = Callable[[Message], Awaitable[None]]
+Request = dict[str, Any]
+
+
+class Session:
+    """A page, and the two processes that work for it: `quick` follows what is dragged, `final` solves and exports."""
+
+    def __init__(self, send: Send, quick: Worker, final: Worker) -> None:
+        self._send, self.quick, self.final = send, quick, final
+        self._shot = self._seen = self._proved = 0
+        self._move: Request | None = None
+        self._rest: Request | None = None
+        self._moved, self._rested = asyncio.Event(), asyncio.Event()
+        self._others: set[asyncio.Task[None]] = set()
+        self._taken: asyncio.Task[None] | None = None
+        self._stoppable: set[Worker] = set()
+        self._proving = False
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self._moving())
+            group.create_task(self._resting())
+
+    def end(self) -> None:
+        """End both processes."""
+        self.quick.end()
+        self.final.end()
+
+    async def receive(self, text: str) -> None:
+        """Take one request; one that is none is refused in a sentence."""
+        try:
+            request = request_of(text)
+        except ValueError as error:
+            await self._send(refusal(error))
+            return
+        verb = request["do"]
+        if verb == "move":
+            self._move = request
+            self._moved.set()
+            if self._proving:
+                self.quick.stop()
+        elif verb == "rest":
+            self._rest, self._move = request, None
+            if self.final in self._stoppable:
+                self.final.stop()
+            self._rested.set()
+            self._begin(self._prove_once(request))
+        else:
+            self._begin(self._answer(request, self._do(verb, request)))
+
+    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._others.add(task)
+        task.add_done_callback(self._others.discard)
+
+    async def _moving(self) -> None:
+        while True:
+            await self._moved.wait()
+            self._moved.clear()
+            request, self._move = self._move, None
+            if request is None:
+                continue
+            await self._answer(request, self._follow(request))
+            try:
+                await asyncio.wait_for(self._moved.wait(), REST)
+            except TimeoutError:
+                await self._prove_once(request)
+
+    async def _follow(self, request: Request) -> None:
+        outline = await self.quick.ask("outline", request["document"])
+        if outline is not None:
+            await self._send(outline.numbered(int(request.get("seq", 0))))
+        message = await self.quick.ask("move", request["document"], str(request.get("scene", "")))
+        await self._picture(message, request)
+        self._seen = self._shot
+
+    async def _prove_once(self, request: Request) -> None:
+        """Prove what is seen, unless that was done, or it is a final picture, which has its verdicts."""
+        if self._seen == self._shot and self._proved != self._shot:
+            self._proved = self._shot
+            await self._answer(request, self._prove(self._shot))
+
+    async def _prove(self, shot: int) -> None:
+        self._proving = True
+        try:
+            message: Message = await self.quick.ask("prove")
+        finally:
+            self._proving = False
+        await self._send(Message({**message.head, "shot": shot}))
+
+    async def _resting(self) -> None:
+        while True:
+            await self._rested.wait()
+            self._rested.clear()
+            request, self._rest = self._rest, None
+            if request is not None:
+                await self._answer(request, self._solve(request))
+
+    async def _solve(self, request: Request) -> None:
+        message, kept = await self._stoppably(self.final, "solve", request["document"])
+        await self._picture(message, request)
+        if kept is not None and self._rest is None:
+            self._taken = asyncio.create_task(self._take(kept))
+
+    async def _stoppably(self, worker: Worker, verb: str, *arguments: Any) -> Any:
+        """Ask for what a newer state makes worthless."""
+        self._stoppable.add(worker)
+        try:
+            return await worker.ask(verb, *arguments)
+        finally:
+            self._stoppable.discard(worker)
+
+    async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
+        with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
+            await self.quick.ask("take", *kept)
+
+    async def _picture(self, message: Message, request: Request) -> None:
+        self._shot += 1
+        head = {**message.head, "shot": self._shot, "seq": request.get("seq", 0)}
+        await self._send(Message(head, message.arrays))
+
+    async def _answer(self, request: Request, work: Awaitable[None]) -> None:
+        """Do it; what is refused is said, what was stopped is not."""
+        try:
+            await work
+        except RefusedError as error:
+            await self._send(refusal(error).numbered(int(request.get("seq", 0))))
+        except StoppedError:
+            pass
+
+    async def _do(self, verb: str, request: Request) -> None:
+        if verb == "gallery":
+            await self._send(Message({"kind": "gallery", "documents": GALLERY}))
+        elif verb == "read":
+            name, text = str(request.get("name")), str(request.get("text"))
+            document = await self.final.ask("read", name, text)
+            if document["kind"] == "project":
+                await self.quick.ask("read", name, text)
+            await self._send(Message({"kind": "document", "document": document}))
+        elif verb == "repair":
+            document = await self._stoppably(self.final, "repair", request["document"])
+            await self._send(Message({"kind": "repaired", "document": document}))
+        elif verb == "export":
+            await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
+        elif verb == "combs":
+            message = await self.final.ask("combs", request["document"])
+            await self._send(message.numbered(int(request.get("seq", 0))))
+
+
+VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs"}
+WITH_DOCUMENT = VERBS - {"gallery", "read"}
+
+
+def request_of(text: str) -> Request:
+    """A request; raises `ValueError` with one sentence for what is none."""
+    try:
+        request = json.loads(text)
+    except (ValueError, RecursionError):
+        raise ValueError("a request must be JSON") from None
+    if not isinstance(request, dict) or request.get("do") not in VERBS:
+        raise ValueError(f"a request says what to do: one of {', '.join(sorted(VERBS))}")
+    if len(text) > (LONGEST_FILE if request["do"] == "read" else LONGEST_REQUEST):
+        raise ValueError("the request is too long")
+    if request["do"] in WITH_DOCUMENT and not isinstance(request.get("document"), dict):
+        raise ValueError("the request has no document")
+    seq = request.get("seq", 0)
+    if not isinstance(seq, int) or isinstance(seq, bool):
+        raise ValueError("seq must be a whole number")
+    return request

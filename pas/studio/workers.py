@@ -1,0 +1,116 @@
+"""Processes in which desks work, so that the page is answered at all times and what is not wanted any more is stopped.
+
+Processes are spawned, end with the server, whatever ends it (they watch it), and leave Ctrl-C to it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ctypes
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import traceback
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from pas.errors import LimitError, PasError
+
+SPAWN = multiprocessing.get_context("spawn")
+
+INSIDE = "something went wrong inside the program; the last picture stays"
+"""What the page is told of an error that is no user's."""
+
+
+class RefusedError(Exception):
+    """What a desk could not do, in one sentence."""
+
+
+class StoppedError(Exception):
+    """What a desk was told to stop."""
+
+
+class Worker:
+    """One process with one desk; one thing is done at a time."""
+
+    def __init__(self) -> None:
+        self._lock = asyncio.Lock()
+        self._start()
+
+    def _start(self) -> None:
+        self._stop: Any = SPAWN.RawValue(ctypes.c_bool, False)
+        self._pipe, other = SPAWN.Pipe()
+        self._process = SPAWN.Process(target=work, args=(other, self._stop), daemon=True)
+        self._process.start()
+        other.close()
+
+    async def ask(self, verb: str, *arguments: Any) -> Any:
+        """What the desk's method gives; raises `RefusedError`, and `StoppedError` after `stop`."""
+        async with self._lock:
+            self._stop.value = False
+            return await asyncio.to_thread(self._ask, verb, arguments)
+
+    def stop(self) -> None:
+        """End what is being done, at its next look."""
+        self._stop.value = True
+
+    def _ask(self, verb: str, arguments: tuple[Any, ...]) -> Any:
+        try:
+            self._pipe.send((verb, arguments))
+            outcome, value = self._pipe.recv()
+        except (EOFError, OSError):  # it was killed, perhaps for memory
+            if self._process.is_alive():
+                self._process.kill()
+            if not self._ended:
+                self._start()
+            raise RefusedError("the computing process ended unexpectedly; move something to try again") from None
+        if outcome == "stopped":
+            raise StoppedError
+        if outcome == "refused":
+            raise RefusedError(value)
+        return value
+
+    _ended = False
+
+    def end(self) -> None:
+        """End the process at once."""
+        self._ended = True
+        self._process.kill()
+        self._process.join(5)
+
+
+def work(pipe: Connection, stop: Any) -> None:
+    """What a process does: it answers until the other end is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
+    from pas.studio.desk import Desk
+
+    desk = Desk(lambda: bool(stop.value))
+    while True:
+        try:
+            verb, arguments = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(_answer(desk, verb, arguments, stop))
+
+
+def _answer(desk: Any, verb: str, arguments: tuple[Any, ...], stop: Any) -> tuple[str, Any]:
+    try:
+        return "done", getattr(desk, verb)(*arguments)
+    except LimitError as error:
+        return ("stopped", "") if stop.value else ("refused", str(error))
+    except (PasError, ValueError, TypeError, OSError) as error:
+        return "refused", str(error)
+    except Exception:  # the page is told, the terminal shows where
+        traceback.print_exc(file=sys.stderr)
+        return "refused", INSIDE
+
+
+def _leave_with_parent() -> None:
+    """End this process as soon as the server has ended, however that came."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(0)

@@ -1,0 +1,469 @@
+"""The studio without a browser: documents and their texts, what a desk does, and who may talk to the server."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import json
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import pas
+from pas.cli import WRONG, main
+from pas.errors import InputError
+from pas.studio import documents
+from pas.studio.code import program, toml
+from pas.studio.controls import controls
+from pas.studio.desk import Desk
+from pas.studio.documents import DOCUMENTS, TEAPOT, checked, plain_tables, problem_of
+from pas.studio.gallery import GALLERY
+from pas.studio.messages import Message
+from pas.studio.scene import coefficients, picture
+from pas.studio.server import PAGE, Studio, listening
+from pas.studio.session import Session, request_of
+from pas.studio.workers import StoppedError
+
+CORNER = {
+    "kind": "problem",
+    "problem": {
+        "name": "corner",
+        "order": 1,
+        "degree": 4,
+        "pipes": [
+            {"axis": [1, 0, 0], "radius": "1/3", "clip": 1},
+            {"axis": [0, 1, 0], "radius": "1/4", "clip": 1},
+            {"axis": [0, 0, 1], "radius": "2/5", "clip": 1},
+        ],
+    },
+}
+SHAPED = {"tension": "6.5", "points": {"near": [["0.3", "0.31", "1/3"]], "near_weight": "40"}}
+
+
+def changed(**problem):
+    return {**CORNER, "problem": {**CORNER["problem"], **problem}}
+
+
+@pytest.fixture(scope="module")
+def desk():
+    """A desk that has solved the corner."""
+    made = Desk()
+    message, kept = made.solve(CORNER)
+    made.take(*kept)
+    return made, message
+
+
+def run(text):
+    space = {}
+    exec(compile(text, "copied", "exec"), space)
+    return space["shape"]
+
+
+def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
+    document = changed(**SHAPED)
+    message, _ = Desk().solve(document)
+    (tmp_path / "copied.toml").write_text(message.head["toml"])
+    for again in (run(message.head["python"]), pas.read_problem(tmp_path / "copied.toml").solve()):
+        assert (coefficients(again.surface) == message.arrays["coefficients"]).all()
+    assert message.head["proved"] and message.head["facts"]["fairness"]["sharpness"] < 2
+    assert "pas.Pipe(axis=(1, 0, 0), radius='1/3', clip=1)" in message.head["python"]
+
+
+def test_what_no_call_says_is_copied_with_its_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    problem = GALLERY["Two quadrics"]["problem"]
+    shape = run(program(problem))
+    assert np.allclose(shape.mesh().points, problem_of(problem).solve().mesh().points, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_starting_points_are_documents_with_controls(name):
+    document = checked(json.loads(json.dumps(GALLERY[name])))
+    text = DOCUMENTS[document["kind"]].toml(document)
+    if text is not None:
+        assert problem_of(document["problem"]).name == document["problem"]["name"]
+        assert toml(document["problem"]) == text
+    found = controls(document)
+    assert found
+    for control in found:
+        assert control["kind"] in ("number", "vector", "choice", "points")
+        assert control["kind"] != "number" or control["low"] < control["high"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", GALLERY)
+def test_starting_points_are_solved_and_seen(name):
+    message, _ = Desk().solve(GALLERY[name])
+    assert not [v for v in message.head["verdicts"] if v["status"] in ("refuted", "fails, measured")]
+    assert len(message.packed()) < 4e6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").rglob("*.toml")), ids=lambda p: p.stem)
+def test_examples_come_back_from_their_documents(path):
+    document = Desk().read(path.name, path.read_text())
+    problem, again = pas.read_problem(path), problem_of(document["problem"])
+    for name, value in vars(problem).items():
+        if name not in ("name", "boundaries", "shape", "data"):
+            assert repr(getattr(again, name)) == repr(value)
+
+
+def test_decimals_keep_their_digits():
+    found = plain_tables({"a": [documents.Fraction("0.1"), documents.Fraction("-2.7589241763811208")]})
+    assert found == {"a": [0.1, -2.7589241763811208]}
+    assert (
+        plain_tables(documents.Fraction("0.1000000000000000000001")) == "1000000000000000000001/10000000000000000000000"
+    )
+
+
+def test_a_packed_message_is_what_the_page_reads():
+    data = Message({"kind": "x"}, {"a": np.arange(3.0), "b": np.arange(5, dtype=np.uint8)}).packed()
+    (length,) = struct.unpack("<I", data[:4])
+    assert (4 + length) % 8 == 0
+    head = json.loads(data[4 : 4 + length])
+    assert head["arrays"] == [["a", "float64", 3], ["b", "uint8", 5]]
+    assert np.frombuffer(data, "<f8", 3, 4 + length).tolist() == [0, 1, 2]
+    assert list(data[4 + length + 24 :][:5]) == [0, 1, 2, 3, 4]
+
+
+def test_a_moved_slider_sends_coefficients_alone(desk):
+    made, first = desk
+    one = made.move(changed(tension="5"), "")
+    two = made.move(changed(tension="5.5"), one.head["scene"])
+    assert (one.head["kind"], two.head["kind"]) == ("picture", "moved")
+    assert two.head["scene"] == one.head["scene"] == first.head["scene"]
+    assert len(two.packed()) < 3000
+    assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.1
+    verdicts = made.prove()
+    assert verdicts.head["proved"] and len(verdicts.head["verdicts"]) == len(first.head["verdicts"])
+
+
+def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(desk, tmp_path):
+    from pas.independent.checker import check_independently
+
+    made, _ = desk
+    for near in (["1/4", "1/4", "1/4"], ["0.5", "0.5", "0.45"]):
+        made.move(changed(points={"near": [near], "near_weight": "1000"}), "")
+        head = made.prove().head
+        made.seen.save(tmp_path / "moved.pas.json")
+        assert not head["proved"] or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
+
+
+def test_changed_contacts_are_outlined_at_once(desk):
+    made, _ = desk
+    pipes = [{**CORNER["problem"]["pipes"][0], "radius": "0.3"}, *CORNER["problem"]["pipes"][1:]]
+    outline = made.outline(changed(pipes=pipes))
+    assert outline.head["kind"] == "outline" and len(outline.head["beyond"]) == 3
+    assert made.outline(changed(tension="9")) is None
+
+
+WRONG_DOCUMENTS = [
+    ({}, "there is no kind of document None"),
+    ({"kind": "problem"}, "a problem must be a table"),
+    (changed(order=0), "order must be"),
+    (changed(order="2"), "order must be"),
+    (changed(pipes=[{"axis": [1, 0, 0], "radius": "1/0", "clip": 1}]), "pipe 1: radius divides by zero"),
+    (changed(pipes=[{"axis": [0, 0, 0], "radius": 1, "clip": 1}]), "pipe 1: axis must not be the zero vector"),
+    (changed(points={"near": [["1", "2"]]}), "near"),
+    (changed(tension="-1"), "tension"),
+    (changed(tension=None), "Invalid value"),
+    (changed(colour="red"), "unknown key 'colour'"),
+    ({"kind": "teapot", "values": {"spout": 1}}, "a teapot has the values"),
+    ({"kind": "project", "name": "../../etc/passwd"}, "is not open here"),
+]
+
+
+@pytest.mark.parametrize(("document", "sentence"), WRONG_DOCUMENTS, ids=lambda x: x if isinstance(x, str) else "")
+def test_what_is_wrong_with_a_document_is_one_sentence(document, sentence):
+    with pytest.raises((pas.PasError, ValueError, TypeError), match=re.escape(sentence)) as caught:
+        Desk().solve(document)
+    assert "\n" not in str(caught.value) and "problem.toml" not in str(caught.value)
+
+
+def test_files_are_read_by_their_text_alone(desk, tmp_path):
+    made, _ = desk
+    problem = ROOT / "examples/corners/three_pipes.toml"
+    document = made.read("../../three pipes.toml", problem.read_text())
+    assert document["problem"]["pipes"][0] == {"axis": [1, 0, 0], "radius": "1/3", "clip": 1}
+    made.seen.save(tmp_path / "kept.pas.json")
+    opened = made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text())
+    assert opened == {"kind": "project", "name": "kept.pas.json", "sliders": {}, "blend": True}
+    message, _ = made.solve(opened)
+    assert "pas.load('kept.pas.json')" in message.head["python"]
+    moved = made.solve({**opened, "sliders": {"tension": "8"}})[0]
+    assert "refit(steps=None, tension='8')" in moved.head["python"] and moved.head["proved"]
+    with pytest.raises(pas.ProjectFileError, match="its content does not match its checksum"):
+        made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text().replace('"degree"', '"grade"', 1))
+
+
+def test_exports_are_files_of_the_shape(desk):
+    made, _ = desk
+    head = made.export(CORNER, ".stl")
+    assert head.head["name"] == "corner.stl" and head.head["proved"]
+    assert head.arrays["content"].size == 84 + 50 * struct.unpack("<I", head.arrays["content"][80:84].tobytes())[0]
+    with pytest.raises(InputError, match=r"there is no format '.exe'"):
+        made.export(CORNER, ".exe")
+
+
+REFUTED = changed(
+    prove=False, guard=False, energy={"kind": "thin-plate"},
+    points={"near": [["0.8", "0.8", "0.8"]], "near_weight": "100000"},
+)  # fmt: skip
+
+
+def test_a_refuted_state_says_where_and_is_repaired():
+    made = Desk()
+    message, _ = made.solve(REFUTED)
+    failed = [v for v in message.head["verdicts"] if v["status"] == "refuted"]
+    assert failed and not message.head["proved"] and all(len(v["witness"]) == 3 for v in failed if v["witness"])
+    assert any(v["witness"] for v in failed)
+    again = made.repair(REFUTED)
+    assert again["problem"]["points"]["near"] == REFUTED["problem"]["points"]["near"]
+    assert made.solve(again)[0].head["proved"]
+    with pytest.raises(InputError, match="only blends can be repaired"):
+        made.repair({"kind": "teapot", "values": {}})
+
+
+LONG = json.dumps({"do": "move", "document": {"x": "y" * 300000}})
+BAD_REQUESTS = ["", "[]", "{}", '{"do": "rm"}', '{"do": "move"}', '{"do": "rest", "document": [1]}', "[" * 5000,
+                '{"do": "rest", "document": {}, "seq": "1"}', LONG]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BAD_REQUESTS, ids=range(len(BAD_REQUESTS)))
+def test_requests_that_are_none_are_refused_in_a_sentence(text):
+    with pytest.raises(ValueError, match=r"^(a request|the request|seq)"):
+        request_of(text)
+
+
+class Slow:
+    """A worker whose answers are given when the test says so."""
+
+    def __init__(self):
+        self.asked, self.gates = [], []
+
+    async def ask(self, verb, *arguments):
+        gate = asyncio.get_running_loop().create_future()
+        self.asked.append((verb, *arguments))
+        self.gates.append(gate)
+        return await gate
+
+    def stop(self):
+        if self.gates and not self.gates[-1].done():
+            self.gates[-1].set_exception(StoppedError())
+
+
+async def settle():
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
+    async def talk():
+        sent, quick, final = [], Slow(), Slow()
+
+        async def send(message):
+            sent.append(dict(message.head))
+
+        async def ask(verb, seq):
+            await session.receive(json.dumps({"do": verb, "seq": seq, "document": {"n": seq}}))
+            await settle()
+
+        session = Session(send, quick, final)
+        running = asyncio.create_task(session.run())
+        for seq in (1, 2, 3):
+            await ask("move", seq)
+        assert [a[:2] for a in quick.asked] == [("outline", {"n": 1})]
+        quick.gates[-1].set_result(None)
+        await settle()
+        quick.gates[-1].set_result(Message({"kind": "moved"}))
+        await settle()
+        assert quick.asked[-1] == ("outline", {"n": 3})  # 2 was never worked on
+        quick.gates[-1].set_result(None)
+        await settle()
+        quick.gates[-1].set_result(Message({"kind": "moved"}))
+        await ask("rest", 3)
+        assert quick.asked[-1] == ("prove",) and final.asked[-1] == ("solve", {"n": 3})
+        await ask("move", 4)  # ends the proof of 3
+        await ask("rest", 4)  # and its final shape
+        assert [m["seq"] for m in sent] == [1, 3] and not [m for m in sent if m["kind"] == "verdicts"]
+        assert final.asked[-1] == ("solve", {"n": 4})
+        final.gates[-1].set_result((Message({"kind": "picture", "final": True}), None))
+        await settle()
+        assert sent[-1] == {"kind": "picture", "final": True, "shot": 3, "seq": 4}
+        running.cancel()
+
+    asyncio.run(talk())
+
+
+# ---- the server
+
+STUDIO = (sys.executable, "-m", "pas", "studio")
+
+
+@pytest.fixture(scope="module")
+def server():
+    """A studio without a browser: its process, port and token."""
+    process = subprocess.Popen(
+        [*STUDIO, "--no-browser"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT, start_new_session=True,
+    )  # fmt: skip
+    line = process.stdout.readline()
+    found = re.fullmatch(r"the studio is at http://127\.0\.0\.1:(\d+)/#token=(\S+) \(Ctrl-C ends it\)\n", line)
+    assert found, line
+    for _ in range(200):  # until it answers
+        try:
+            ask(int(found[1]))
+            break
+        except OSError:
+            time.sleep(0.05)
+    yield process, int(found[1]), found[2]
+    if process.poll() is None:
+        process.kill()
+        process.wait()
+
+
+def ask(port, path="/", **headers):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    return answer.status, dict(answer.getheaders()), answer.read()
+
+
+def test_pages_are_served_to_itself_alone(server):
+    _, port, token = server
+    status, headers, body = ask(port)
+    assert status == 200 and token not in body.decode()
+    content = headers["content-security-policy"]
+    assert "default-src 'none'" in content and "unsafe" not in content and "frame-ancestors 'none'" in content
+    assert (headers["referrer-policy"], headers["x-content-type-options"]) == ("no-referrer", "nosniff")
+    for host in (
+        "example.org",
+        f"example.org:{port}",
+        "127.0.0.1",
+        f"127.0.0.1:{port + 1}",
+        f"127.0.0.1.nip.io:{port}",
+    ):
+        assert ask(port, Host=host)[0] == 403
+    for path in ("/../server.py", "/%2e%2e/server.py", "/page/cast.js", "/server.py", "/..%5cserver.py", "/~"):
+        assert ask(port, path)[0] in (403, 404)
+
+
+def test_the_whole_page_is_small_and_names_no_other_host():
+    files = [path for path in PAGE.iterdir() if path.is_file()]
+    assert sum(path.stat().st_size for path in files) < 80 * 1024
+    for path in files:
+        names = set(re.findall(r"(?:https?|wss?)://([^/\s`'\"]+)", path.read_text()))
+        assert names <= {"www.w3.org", "${location.host}"}, path  # the first names SVG, and is never asked
+
+
+def test_conversations_need_token_and_origin(server):
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+
+    _, port, token = server
+    good = f"http://127.0.0.1:{port}"
+    for origin, words in [(good, ["pas"]), (good, ["pas", "x" * len(token)]), (good, None), (None, ["pas", token]),
+                          ("http://example.org", ["pas", token]), (f"https://127.0.0.1:{port}", ["pas", token]),
+                          ("null", ["pas", token]), (f"http://127.0.0.1:{port + 1}", ["pas", token])]:  # fmt: skip
+        with pytest.raises(InvalidStatus, match="403"):
+            connect(f"ws://127.0.0.1:{port}/talk", origin=origin, subprotocols=words).close()
+    with connect(f"ws://127.0.0.1:{port}/talk", origin=good, subprotocols=["pas", token]) as talk:
+        first = talk.recv(timeout=20)
+        assert json.loads(first[4 : 4 + struct.unpack("<I", first[:4])[0]])["kind"] == "gallery"
+        talk.send('{"do": "format the disk"}')
+        said = talk.recv(timeout=20)
+        assert json.loads(said[4 : 4 + struct.unpack("<I", said[:4])[0]])["kind"] == "refused"
+
+
+def children(pid):
+    listed = [Path(f"/proc/{n}/stat") for n in os.listdir("/proc") if n.isdigit()]
+    found = []
+    for path in listed:
+        try:
+            fields = path.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid and fields[0] != "Z":
+            found.append(int(path.parent.name))
+    return found
+
+
+def alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked up in /proc")
+def test_it_ends_by_ctrl_c_and_leaves_no_process(server):
+    process, _, _ = server
+    helpers = children(process.pid)
+    assert len(helpers) >= 2
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 0 and out == "the studio has ended\n" and err == ""
+    assert_gone(helpers)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked up in /proc")
+@pytest.mark.parametrize("way", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_it_leaves_no_process_however_it_ends(way):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pas", "studio", "--no-browser"], stdout=subprocess.PIPE, cwd=ROOT
+    )
+    process.stdout.readline()
+    for _ in range(200):
+        helpers = children(process.pid)
+        if len(helpers) >= 2:
+            break
+        time.sleep(0.05)
+    process.send_signal(way)
+    process.wait(timeout=20)
+    assert_gone(helpers)
+
+
+def assert_gone(processes):
+    for _ in range(200):
+        if not any(map(alive, processes)):
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"processes are left: {[p for p in processes if alive(p)]}")
+
+
+def test_a_port_in_use_and_a_wrong_file_are_one_sentence(capsys, tmp_path):
+    with listening(0) as door:
+        assert main(["studio", "--no-browser", "--port", str(door.getsockname()[1])]) == WRONG
+    assert "is in use or not allowed" in capsys.readouterr().err
+    (tmp_path / "wrong.toml").write_text("order = 2\n[[pipes]]\nradius = 1\n")
+    for name, sentence in [
+        (tmp_path / "wrong.toml", "wrong.toml, line 2"),
+        ("no.toml", "no.toml"),
+        ("a.txt", "neither a problem"),
+    ]:
+        assert main(["studio", "--no-browser", str(name)]) == WRONG
+        error = capsys.readouterr().err
+        assert sentence in error and error.count("\n") == 1
+
+
+def test_tokens_differ_and_stand_in_the_fragment():
+    one, two = Studio(None, 8000), Studio(None, 8000)
+    assert one.token != two.token and one.address == f"http://127.0.0.1:8000/#token={one.token}"
+    assert len(one.token) >= 32
+
+
+def test_meshes_of_other_kinds_are_drawn_from_triangles():
+    message = picture(pas.solid.ball((0, 0, 0), 1))
+    assert message.head["how"] == "mesh" and message.head["triangles"] * 3 == message.arrays["triangles 0"].size
+    assert np.abs(np.linalg.norm(message.arrays["points 0"], axis=1) - 1).max() < 0.01
+    assert set(TEAPOT) == {c["path"][-1] for c in controls({"kind": "teapot", "values": {}})}

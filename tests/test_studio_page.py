@@ -1,0 +1,311 @@
+"""The studio in a browser: what is drawn, dragged, proved, undone, saved, and what happens when something goes wrong."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import pas
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
+SOFTWARE = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox"]
+"""The OpenGL of the system, which is software on machines without a graphics card."""
+
+pytestmark = pytest.mark.skipif(BROWSER is None, reason=f"there is no browser: none of {', '.join(BROWSERS)}")
+
+PROBLEM = """order = 1
+degree = 4
+
+[[pipes]]
+axis = [1, 0, 0]
+radius = "1/3"
+clip = 1
+
+[[pipes]]
+axis = [0, 1, 0]
+radius = "1/4"
+clip = 1
+
+[[pipes]]
+axis = [0, 0, 1]
+radius = "2/5"
+clip = 1
+"""
+
+FINAL = "studio.state.final?.seq === studio.state.seq"
+SEEN = "studio.state.shown === studio.state.seq"
+
+
+class Page:
+    """A page of the studio, polled: its content policy lets nothing be evaluated from texts later."""
+
+    def __init__(self, context, address):
+        self.page = context.new_page()
+        self.trouble, self.asked = [], []
+        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
+        self.page.on("console", lambda line: self.trouble.append(line.text) if line.type == "error" else None)
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.goto(address)
+
+    def until(self, text, seconds=20):
+        for _ in range(int(seconds / 0.03)):
+            if self.page.evaluate(f"!!(globalThis.studio && ({text}))"):
+                return
+            time.sleep(0.03)
+        raise AssertionError(f"not within {seconds} s: {text}; the page says {self.page.inner_text('.message')!r}")
+
+    def ask(self, text):
+        return self.page.evaluate(text)
+
+    @property
+    def problem(self):
+        return self.ask("studio.state.doc.problem")
+
+    @property
+    def proved(self):
+        return self.page.inner_text(".overall") == "✓ all proved"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=BROWSER, args=SOFTWARE)
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    """The file that is open, the address of the page, and the server's process."""
+    file = tmp_path_factory.mktemp("studio") / "pipes.toml"
+    file.write_text(PROBLEM)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pas", "studio", "--no-browser", str(file)], stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    address = re.search(r"http\S+", process.stdout.readline())[0]
+    yield file, address, process
+    process.kill()
+    process.wait()
+
+
+@pytest.fixture(scope="module")
+def context(browser):
+    made = browser.new_context(viewport={"width": 860, "height": 480}, accept_downloads=True)
+    made.grant_permissions(["clipboard-read", "clipboard-write"])
+    return made
+
+
+@pytest.fixture(scope="module")
+def page(context, studio):
+    made = Page(context, studio[1])
+    made.until(FINAL)
+    return made
+
+
+def test_the_page_shows_a_proved_surface_and_asks_nobody_else(page, studio):
+    assert page.proved and page.problem["name"] == "pipes"
+    own = studio[1].partition("#")[0]
+    assert all(url.startswith((own, "data:")) for url in page.asked) and "token" not in page.page.url
+    assert page.trouble == []
+    page.until("studio.view.smoothed")
+    picture = page.ask("""(() => { studio.view.now(); const c = studio.view.live, a = new Uint8Array(4 * c.width * c.height), g = studio.view.caster.gl;
+      g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a); let orange = 0, gray = 0;
+      for (let i = 0; i < a.length; i += 4) if (a[i + 3]) { if (a[i] > 2 * a[i + 2]) orange++; else gray++; }
+      return [orange / a.length * 4, gray / a.length * 4]; })()""")  # fmt: skip
+    assert 0.04 < picture[0] < 0.4 and 0.02 < picture[1] < 0.4
+
+
+VIEWS = ((0.62, -0.62, 0.48), (1, 0, 0.001), (1, 2, 0.05))
+PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view; v.camera.towards = towards.map((x) => x / n);
+  const a = new Uint8Array(v.caster.probe(v.camera, v.look, w, h).buffer); let s = "";
+  for (let i = 0; i < a.length; i += 32768) s += String.fromCharCode(...a.subarray(i, i + 32768));
+  return [btoa(s), v.camera.frame(w / h), studio.state.scene.origin, studio.state.scene.scale]; }"""
+
+
+def compared(page, surface, view, width, height):
+    """Holes, extras, and the errors of distances over the size and of curvatures over their range, of all pixels."""
+    text, frame, origin, scale = page.page.evaluate(PROBE, [list(view), width, height])
+    found = np.frombuffer(base64.b64decode(text), "<f4").reshape(-1, 4)
+    x = ((np.arange(width) + 0.5) / width * 2 - 1) * frame["across"]
+    y = ((np.arange(height) + 0.5) / height * 2 - 1) * frame["tan"]
+    ahead, side, up, eye = (np.array(frame[name]) for name in ("ahead", "side", "up", "eye"))
+    ways = (ahead + x[None, :, None] * side + y[:, None, None] * up).reshape(-1, 3)
+    exact = pas.Evaluator(surface).first(np.array(origin) + scale * eye, scale * ways)
+    hit, there = found[:, 3] >= 0, np.isfinite(exact)
+    hidden = (found[:, 3] < 0) & (found[:, 3] > -1e5) & (found[:, 0] < exact)
+    both = hit & there
+    far = np.abs(found[:, 0] - exact)[both] * np.linalg.norm(ways[both], axis=1)
+    true = surface.curvatures(np.array(origin) + scale * (eye + exact[both, None] * ways[both])) * [scale, scale**2]
+    bent = np.abs(true - found[both, 1:3]) / np.percentile(np.abs(true), 98, axis=0)
+    return int((there & ~hidden & ~hit).sum()), int((hit & ~there).sum()), far, bent
+
+
+def test_every_pixel_is_where_the_ray_meets_the_surface(page):
+    surface = pas.blend(
+        [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)], 1, 4
+    ).surface
+    for view in VIEWS:
+        holes, extras, far, bent = compared(page, surface, view, 240, 180)
+        assert (holes, extras) == (0, 0) and len(far) > 2000
+        assert np.median(far) < 1e-6 and far.max() < 1e-3
+        assert bent.max() < 1e-3
+
+
+def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
+    before = page.problem
+    slider = page.page.locator("#c-problem-tension-s")
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    page.page.mouse.move(box["x"] + box["width"] * 0.49, box["y"] + box["height"] / 2)
+    page.page.mouse.down()
+    for share in (0.55, 0.6, 0.62):
+        page.page.mouse.move(box["x"] + box["width"] * share, box["y"] + box["height"] / 2)
+    assert page.page.inner_text(".overall") == "checking" and page.page.locator(".lamps .proved").count() == 0
+    page.page.mouse.up()
+    page.until(FINAL)
+    moved = page.problem["tension"]
+    assert float(moved) > 6 and page.proved
+    assert page.page.input_value("#c-problem-tension") == moved
+    slider.focus()
+    page.page.keyboard.press("ArrowRight")
+    page.until(FINAL)
+    assert float(page.problem["tension"]) > float(moved)
+    page.page.keyboard.press("Control+z")
+    page.page.keyboard.press("Control+z")
+    page.until(FINAL)
+    assert page.problem == before and page.proved
+    page.page.click("text=Redo")
+    page.until(FINAL)
+    assert page.problem["tension"] == moved and json.dumps(moved) in page.page.inner_text("pre").replace("'", '"')
+    page.page.click("text=Undo")
+    page.until(FINAL)
+
+
+def test_fields_take_fractions_and_refuse_what_is_no_number(page):
+    before = page.problem
+    field = page.page.locator("#c-problem-pipes-0-radius")
+    field.fill("1/0")
+    field.press("Enter")
+    assert "1/0 is no number" in page.page.inner_text(".message") and field.get_attribute("aria-invalid") == "true"
+    assert page.problem == before and page.proved
+    field.fill("20")
+    field.press("Enter")
+    page.until("/^no surface for this state/.test(document.querySelector('.overall').textContent)")
+    assert "leave room" in page.page.inner_text(".message") and page.page.locator(".lamps li").count() == 0
+    page.page.click("text=Undo")
+    page.until(FINAL)
+    assert page.problem == before and page.proved
+    field.fill("3/10")
+    field.press("Enter")
+    page.until(FINAL)
+    assert page.problem["pipes"][0]["radius"] == "3/10" and page.proved
+    page.page.click("text=Undo")
+    page.until(FINAL)
+
+
+def test_a_point_is_added_dragged_in_the_picture_and_removed(page):
+    page.page.evaluate("studio.view.aim([0.62, -0.62, 0.48])")
+    page.page.click("text=Add point")
+    page.until(FINAL)
+    (first,) = page.problem["points"]["near"]
+    mark = page.page.locator(".mark.near circle").bounding_box()
+    x, y = mark["x"] + mark["width"] / 2, mark["y"] + mark["height"] / 2
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 8, y + 6, steps=3)
+    page.until(SEEN)
+    page.page.mouse.up()
+    page.until(FINAL)
+    (second,) = page.problem["points"]["near"]
+    assert first != second and np.abs(np.array(first, float) - np.array(second, float)).max() < 0.2
+    page.page.focus(".mark.near")
+    page.page.keyboard.press("ArrowUp")
+    page.until(f"studio.state.past.length && {FINAL} && !studio.state.before")
+    assert page.problem["points"]["near"] != [second]
+    page.page.click("[aria-label='remove the point near 1']")
+    page.until(FINAL)
+    assert page.problem["points"]["near"] == [] and page.page.locator(".mark").count() == 0
+
+
+def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
+    page.page.click("text=Copy as Python")
+    page.until("/copied as Python/.test(document.querySelector('.message').textContent)")
+    space = {}
+    exec(compile(page.ask("navigator.clipboard.readText()"), "copied", "exec"), space)
+    seen = np.array(page.ask("studio.state.scene.surface.map((p) => Array.from(p.values))"))
+    assert (seen == [patch.dense(4) for patch in space["shape"].surface.patches]).all()
+    with page.page.expect_download() as download:
+        page.page.click("text=Export")
+    assert download.value.suggested_filename == "pipes.pas.json"
+    download.value.save_as(tmp_path / "pipes.pas.json")
+    assert pas.load(tmp_path / "pipes.pas.json").surface.patches == space["shape"].surface.patches
+    with page.page.expect_download() as download:
+        page.page.click("text=PNG")
+    download.value.save_as(tmp_path / "pipes.png")
+    assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
+
+
+def test_a_refuted_surface_shows_where_and_is_repaired(page):
+    good = page.problem
+    page.page.evaluate("""(p) => studio.openDocument({ kind: "problem", problem: { ...p, prove: false, guard: false,
+      energy: { kind: "thin-plate" }, points: { near: [["0.8", "0.8", "0.8"]], near_weight: "100000" } } }, false)""", good)  # fmt: skip
+    page.until(FINAL)
+    assert page.page.inner_text(".overall") == "✗ refuted" and page.page.locator(".mark.witness").count() >= 1
+    page.page.click("text=Repair")
+    page.until(f"{FINAL} && studio.state.doc.problem.prove === undefined")
+    assert page.proved and page.page.locator(".mark.witness").count() == 0
+    page.page.click("text=Undo")
+    page.until(FINAL)
+    page.page.click("text=Back to the last proved")
+    page.until(FINAL)
+    assert page.proved
+    page.page.evaluate("(p) => studio.openDocument({ kind: 'problem', problem: p }, false)", good)
+    page.until(FINAL)
+
+
+@pytest.mark.slow
+def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio):
+    file, address, _ = studio
+    other = Page(context, address)
+    other.until(FINAL)
+    other.page.evaluate("studio.act.move(['problem', 'tension'], '7', true); studio.act.commit()")
+    other.until(FINAL)
+    assert "tension" not in page.problem and other.problem["tension"] == "7"
+    camera = other.ask("studio.view.turn(0.3, 0.1), studio.view.camera.towards")
+    file.write_text(PROBLEM.replace('"2/5"', '"1/3"'))
+    for window in (page, other):
+        window.until(f"studio.state.doc.problem.pipes[2].radius === '1/3' && {FINAL}")
+    assert other.ask("studio.view.camera.towards") == camera
+    other.page.reload()
+    other.until(FINAL)
+    assert other.problem["pipes"][2]["radius"] == "1/3" and other.trouble == []
+    other.page.close()
+    file.write_text(PROBLEM)
+    page.until(f"studio.state.doc.problem.pipes[2].radius === '2/5' && {FINAL}")
+
+
+def test_narrow_windows_and_dark_ones_have_all_controls(page):
+    page.page.set_viewport_size({"width": 420, "height": 800})
+    page.page.emulate_media(color_scheme="dark")
+    wide = page.ask("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide[0] <= wide[1]
+    for name in page.page.locator("button:visible, input:visible, select:visible").all():
+        box = name.bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 421
+    unnamed = page.ask("""[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file"
+      && !e.textContent.trim() && !e.getAttribute("aria-label") && !(e.id && document.querySelector(`label[for="${e.id}"]`))).length""")  # fmt: skip
+    assert unnamed == 0
+    page.page.emulate_media(color_scheme="light")
+    page.page.set_viewport_size({"width": 860, "height": 480})
