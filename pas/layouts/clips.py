@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from functools import lru_cache
 from math import ceil, log, radians
 from typing import Any
 
@@ -41,6 +42,19 @@ def with_clips(
     """
     if not any(map(is_free, items)):
         return list(items)
+    same = tuple(items)
+    if serves is None and all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in same):
+        return list(_kept(same, order, wanted))
+    return _with_clips(same, order, wanted, serves)
+
+
+@lru_cache(maxsize=256)
+def _kept(items: tuple[Any, ...], order: int, wanted: Layout | str | None) -> tuple[Any, ...]:
+    """The same, found once: looking for room takes longer than finding the blend of a node that is known."""
+    return tuple(_with_clips(items, order, wanted, None))
+
+
+def _with_clips(items: Sequence[Any], order: int, wanted: Layout | str | None, serves: Serves | None) -> list[Any]:
     arms, ends = arms_of(items, wanted.center if isinstance(wanted, Layout) else None)
     distances = nearest(arms)
 
