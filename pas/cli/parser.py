@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from pas.cli import commands, problems
+from pas.cli.bench import run_bench
 from pas.errors import meant
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def parser() -> argparse.ArgumentParser:
     _convert_parser(added)
     _teapot_parser(added)
     _studio_parser(added)
+    _bench_parser(added)
     return result
 
 
@@ -274,6 +276,21 @@ def _studio_parser(added: Commands) -> None:
     parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
     parser.set_defaults(command="studio", run=commands.run_studio)
+
+
+def _bench_parser(added: Commands) -> None:
+    parser = _command(
+        added,
+        "bench",
+        "measure speed, beside other programs where these are installed",
+        "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
+        "Suites: algebra, fit, eval, mesh, blend, node, parametric, solid; all of them take some minutes.",
+    )
+    parser.add_argument("--suite", action="append", default=[], metavar="NAME", help="this suite; may be repeated")
+    parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
+    parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
+    parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
+    parser.set_defaults(command="bench", run=run_bench)
 
 
 def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:

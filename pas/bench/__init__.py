@@ -1,0 +1,1 @@
+"""Speed, measured: what `pas bench` runs, beside other programs where these are installed."""

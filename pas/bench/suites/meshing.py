@@ -1,0 +1,67 @@
+"""Meshes of surfaces beside contours of grids, to the same largest error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from pas.bench.case import Case, Prepare, Suite, Work
+from pas.bench.contours import as_near, flying_edges, marching_cubes
+from pas.surface.piecewise import PiecewiseSurface
+
+TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
+TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
+
+
+@cache
+def corner() -> PiecewiseSurface:
+    """Three equal pipes, GC^2."""
+    from pas.pipeline.blend import blend
+    from pas.surface.contacts.pipe import Pipe
+
+    return blend([Pipe(axis, "1/3", 1) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))], 2).surface
+
+
+def _boxed(text: str, half: str) -> Callable[[], PiecewiseSurface]:
+    from pas.algebra.polynomial import Polynomial
+    from pas.surface.boxes import boxed
+
+    @cache
+    def made() -> PiecewiseSurface:
+        return boxed(Polynomial(text), (f"-{half}",) * 3, (half,) * 3)
+
+    return made
+
+
+def _mesh(surface: Callable[[], PiecewiseSurface], share: float) -> Prepare:
+    def prepare() -> Work:
+        shape = surface()
+        points = shape.partition.points
+        tolerance = share * float((points.max(axis=0) - points.min(axis=0)).max())
+        return lambda: shape.mesh(tolerance)
+
+    return prepare
+
+
+def cases() -> list[Case]:
+    """Those of this suite."""
+    shapes: dict[str, Callable[[], PiecewiseSurface]] = {
+        "GC^2 corner": corner,
+        "torus in a box": _boxed(TORUS, "2"),
+        "tangle in a box": _boxed(TANGLE, "3"),
+    }
+    return [
+        Case(
+            f"{name}, {share:g} of its size",
+            _mesh(surface, share),
+            {
+                "VTK flying edges": as_near(surface, share, flying_edges),
+                "scikit-image": as_near(surface, share, marching_cubes),
+            },
+        )
+        for name, surface in shapes.items()
+        for share in (1e-2, 1e-3, 1e-4)
+    ]
+
+
+MESHING = Suite("mesh", "meshes, and contours of grids that are as near", cases)
