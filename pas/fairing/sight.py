@@ -183,7 +183,7 @@ class Change:
     def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.
 
-        By the coefficients of each piece first: there are fewer of these products than there are residuals.
+        By the members, and not by the coefficients of each piece: these are large where a piece is narrow, and cancel.
         """
         basis = self.sight.basis
         gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
@@ -191,9 +191,9 @@ class Change:
             first, last = np.searchsorted(self.points, (here.start, here.stop))
             if first < last:
                 rows = self._by_coefficient(slopes, slice(first, last))
-                members = basis.coefficients[piece]
-                gram += members @ (rows.T @ rows) @ members.T
-                gradient += members @ (values[first:last].ravel() @ rows)
+                by_member = rows @ basis.coefficients[piece].T
+                gram += by_member.T @ by_member
+                gradient += values[first:last].ravel() @ by_member
         return (gram + gram.T) / 2, gradient
 
     def _by_coefficient(self, slopes: Floats, here: slice) -> Floats:
