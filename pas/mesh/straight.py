@@ -42,7 +42,8 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
     Edges on these faces that are off further than `limit` are flipped where that helps.
     """
     vertices, labels = mesh.topology.pairs.T
-    bent = ~field.lines(labels) | ~pair_normals(mesh, field).any(axis=1)  # or where lines meet, as in an apex
+    lines_meet = labels[~pair_normals(mesh, field).any(axis=1)]  # in an apex, about which triangles must stay short
+    bent = ~field.lines(labels) | np.isin(labels, lines_meet)
     if bent.all():
         return mesh
     allowed = allowed.copy()
