@@ -304,10 +304,12 @@ def flip(mesh: Labelled, field: FaceField, passes: int = 4, limit: float | None 
     triangles, changed = mesh.triangles.copy(), False
 
     def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
-        labels = mesh.labels[owners[:, :1]]
-        before, after = (sags(mesh.points, known, ends, mesh.topology.rows(ends, labels)) for ends in (edges, opposite))
-        matters = field.lines(labels[:, 0]) & (np.maximum(before, after) > (limit or 0.0))
-        return np.where(matters, before - after, 0.0)
+        result = np.zeros(len(edges))
+        at = np.flatnonzero(field.lines(mesh.labels[owners[:, 0]]))
+        rows = [mesh.topology.rows(ends[at], mesh.labels[owners[at, :1]]) for ends in (edges, opposite)]
+        before, after = (sags(mesh.points, known, e[at], r) for e, r in zip((edges, opposite), rows, strict=True))
+        result[at] = np.where(np.maximum(before, after) > (limit or 0.0), before - after, 0.0)
+        return result
 
     def about(first: Integers, second: Integers) -> Floats:
         return normals[first] + normals[second]
