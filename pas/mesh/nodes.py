@@ -74,7 +74,8 @@ def find_nodes(
 ) -> Nodes:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises `MeshError` where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises
+    `MeshError` where the solid touches itself in a node.
     """
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]

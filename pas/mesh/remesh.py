@@ -189,10 +189,7 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
 
 
 def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:
-    """Rows of labels (N, k), filled up with -1, by how many functions place such a vertex.
-
-    Of each number m the rows (n,) and, as labels, the functions (n, m).
-    """
+    """Rows (n,) of labels (N, k), filled up with -1, and the functions (n, m) that place such vertices, for each m."""
     found: dict[int, list[tuple[Integers, Integers]]] = {}
     for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
         placed = field.functions(tuple(int(v) for v in row if v >= 0))

@@ -15,15 +15,20 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
+from pas.mesh.field import FaceField
 from pas.mesh.remesh import grouped
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
+from pas.solid.separate import apart, cavities
 from pas.solid.tree import Function, Tree
 
 Integers = NDArray[np.intp]
 
 STEEP = 0.3
 """Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads."""
+
+ON = 1e-9
+"""A function's value at points that are on it."""
 
 TURNS = 4
 """How many directions are tried from which a boundary may be seen all at once."""
@@ -49,7 +54,26 @@ class SolidField:
         self.program = Program(tree, center, scale, tuple(extra))
         self.box = self.program.local(box)
         self.special_points = self.program.local(special_points)
+        self._made_of = tree, box, tuple(seams), special_points
         self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
+
+    def shells(self) -> list[SolidField]:
+        """The surfaces of the boundary that are proved to be apart, each as the boundary of a solid."""
+        tree, box, seams, special = self._made_of
+        for part, others in cavities(tree, box):
+            inner, outer = (SolidField(t, box, (), special) for t in (part, others))
+            if apart(inner.program, outer.program, self.box):
+                fields = [
+                    SolidField(t, box, seams, special[_on(f, special)]) for t, f in ((part, inner), (others, outer))
+                ]
+                return [shell for found in fields for shell in found.shells()]
+        return [self]
+
+    def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
+        """The labels here of labels (N,) of one of these."""
+        assert isinstance(shell, SolidField)
+        columns, turned = self.program.number(shell.program, labels // 2)
+        return 2 * columns + (labels % 2 ^ turned)
 
     @property
     def scale(self) -> float:
@@ -182,6 +206,12 @@ class SolidField:
                 if ideal.contains(q) and not ideal.is_whole_ring:
                     return kept, number
         return ()
+
+
+def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
+    """Which points (N, 3) in the user's coordinates are on some function of a field."""
+    values = np.abs(field.program.values(field.program.local(points)))
+    return np.asarray(values.min(axis=0, initial=np.inf) < ON)
 
 
 def _has_lines(function: Function) -> bool:

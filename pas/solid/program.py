@@ -170,6 +170,19 @@ class Program:
         functions = (c.function for c in self.columns[: self.used])
         return Bank([self._localised(f) for f in functions if isinstance(f, Polynomial)])
 
+    def polynomial(self, number: int) -> Polynomial | None:
+        """The polynomial of a column in local coordinates; None where it is none."""
+        if number in self._fields:
+            return None
+        return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
+
+    def number(self, other: Program, columns: Integers) -> tuple[Integers, Bools]:
+        """The columns that hold those of another program, and whether with the opposite sign."""
+        keys = {column: key for key, column in other._numbers.items()}
+        found = [self._numbers[keys[int(c)]] for c in columns]
+        turned = [self._signs[a] != other._signs[int(b)] for a, b in zip(found, columns, strict=True)]
+        return np.array(found, dtype=np.intp), np.array(turned, dtype=bool)
+
     @cached_property
     def _extra(self) -> Bank:
         """The extra columns in local coordinates."""
