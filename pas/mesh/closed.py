@@ -72,13 +72,13 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     """
     octree = first_lattice(field)
     shells = field.shells() if octree.open_share > THIN else []
-    mesh = mesh_apart(field, shells, tolerance, _triangulated) if len(shells) > 1 else None
-    mesh = _triangulated(field, tolerance, octree) if mesh is None else mesh
-    reached = float(max(edge_distances(field, mesh).max(), inner_distances(field, mesh).max()))
+    found = mesh_apart(field, shells, tolerance, _triangulated) if len(shells) > 1 else None
+    mesh, reached = _triangulated(field, tolerance, octree) if found is None else found
     return FaceMesh(mesh, pair_normals(mesh, field), reached)
 
 
-def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
+def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> tuple[Labelled, float]:
+    """The mesh and its measured distance."""
     mesh = _with_fine_curves(first_mesh(field, tolerance, octree), field, tolerance)
     aim = AIM * tolerance
     mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
@@ -91,7 +91,7 @@ def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = No
             reason, _ = unsound(mesh, field, tolerance)
             if reason:
                 raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-            return _finished(mesh, field, tolerance)
+            return _finished(mesh, field, tolerance, worst)
         edges = mesh.topology.edges
         distances[1][(distances[0][_edges_of(mesh)] > AIM * tolerance).any(axis=1)] = 0.0  # those are halved anyhow
         far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
@@ -106,11 +106,14 @@ def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = No
     raise not_reached(field, len(mesh.triangles), tolerance, worst, f": {why}")
 
 
-def _finished(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
-    """The mesh without what refining left on straight lines, where that is as near and as sound."""
+def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) -> tuple[Labelled, float]:
+    """The mesh without what refining left on straight lines, where that is as near and as sound; and how near."""
     longer = straightened(mesh, field, np.full(len(mesh.points), AIM * tolerance), AIM * tolerance)
+    if longer is mesh:
+        return mesh, worst
     far = float(max(edge_distances(field, longer).max(), inner_distances(field, longer).max()))
-    return longer if far <= tolerance and not unsound(longer, field, tolerance)[0] else mesh
+    good = far <= tolerance and not unsound(longer, field, tolerance)[0]
+    return (longer, far) if good else (mesh, worst)
 
 
 def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:

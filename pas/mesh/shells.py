@@ -30,21 +30,26 @@ across which it must change."""
 
 
 def mesh_apart(
-    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Labelled]
-) -> Labelled | None:
-    """The mesh of all of a boundary from those of its surfaces, by `mesh(shell, tolerance)`; None where there is no
-    room between them."""
+    field: FaceField,
+    shells: Sequence[FaceField],
+    tolerance: float,
+    mesh: Callable[[FaceField, float], tuple[Labelled, float]],
+) -> tuple[Labelled, float] | None:
+    """The mesh of all of a boundary, and how near it is, from those of its surfaces, by `mesh(shell, tolerance)`.
+
+    None where there is no room between them.
+    """
     for halving in range(HALVINGS):
         checkpoint("meshing surfaces one by one")
         aim = tolerance / 2**halving
-        meshes = [mesh(shell, aim) for shell in shells]
+        meshes, reached = zip(*(mesh(shell, aim) for shell in shells), strict=True)
         if all(
             not other.crossed(_points(one), ROOM * aim).any()
             for i, one in enumerate(meshes)
             for j, other in enumerate(shells)
             if i != j
         ):
-            return _together(field, shells, meshes)
+            return _together(field, shells, meshes), max(reached)
     return None
 
 

@@ -7,6 +7,8 @@ How near an edge is is known to second order from the normals at its ends, which
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -50,6 +52,7 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
     allowed[vertices[bent]] = -1.0
     tree = cKDTree(mesh.points)
 
+    @lru_cache(maxsize=1)
     def most(m: Labelled) -> Floats:
         return np.asarray(allowed[tree.query(m.points)[1]])
 

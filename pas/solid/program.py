@@ -224,17 +224,16 @@ class Program:
         if not splits or not len(open_):
             return true, false
         both = np.logical_and(*self.relevant(yes[:, open_], no[:, open_]))
-        first = np.where(both.any(axis=0), both.argmax(axis=0), -1)
-        for column in np.unique(first[first >= 0]):
-            rows = open_[first == column]
-            always, never = np.ones((2, len(rows)), dtype=bool)
-            for side in (True, False):
-                certain, excluded = yes[:, rows], no[:, rows]
-                certain[column], excluded[column] = side, not side
-                whole, nothing = self.decided(certain, excluded, splits - 1)
-                always &= whole
-                never &= nothing
-            true[rows], false[rows] = always, never
+        chosen = both.any(axis=0)
+        rows, columns, number = open_[chosen], both[:, chosen].argmax(axis=0), np.arange(chosen.sum())
+        always, never = np.ones((2, len(rows)), dtype=bool)
+        for side in (True, False):
+            certain, excluded = yes[:, rows], no[:, rows]
+            certain[columns, number], excluded[columns, number] = side, not side
+            whole, nothing = self.decided(certain, excluded, splits - 1)
+            always &= whole
+            never &= nothing
+        true[rows], false[rows] = always, never
         return true, false
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
