@@ -179,8 +179,9 @@ def test_collapses_keep_topology_and_sides():
 
 
 def test_what_is_too_thin_is_refused_soon():
+    bowl = BALL.cap("z") - solid.ball((0, 0, 0), "999/1000")
     with pytest.raises(MeshError, match="too thin for its size"):
-        (BALL - solid.ball((0, 0, 0), "999/1000")).mesh()
+        bowl.mesh()
 
 
 def test_all_of_many_holes_are_shown():

@@ -18,6 +18,7 @@ from pas.mesh.topology import is_closed_manifold
 
 AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
 RADIUS = 0.1
+NOTHING = np.empty(0, dtype=int)
 
 
 def bar(start, end, number=0, radius="1/10"):
@@ -133,7 +134,7 @@ def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
     crossings = Crossings(field, *Octree(field, 0.2).tetrahedra())
     points, triangles, source = crossings._merged()
     place = np.linalg.norm(points[triangles].mean(axis=1) - corner, axis=1).argmin()
-    nodes = find_nodes(field, points, triangles, crossings.crossed[1][source], np.array([place]))
+    nodes = find_nodes(field, points, triangles, crossings.crossed[1][source], np.array([place]), NOTHING)
     assert np.linalg.norm(nodes.points - corner, axis=1).min() < 1e-9
     everything = type(nodes)(corner[None], np.array([10.0]))
     refused = contracted(field, mesh.points, mesh.triangles, mesh.labels, everything)

@@ -18,14 +18,19 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import untangle
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.first import FOLD, first_mesh, unsound
+from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
 from pas.mesh.mesh import Mesh
+from pas.mesh.octree import Octree
 from pas.mesh.refine import AIM, far_edges, farthest_inside, inner_points, not_reached, require_room, split
 from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.shells import mesh_apart
 from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
 
 LATER_SMOOTHINGS, REFINEMENTS = 1, 40
+THIN = 0.3
+"""Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
+
 FEW = 0.01
 """Share of the edges that must be split for the mesh to be smoothed again."""
 
@@ -65,7 +70,16 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
-    mesh = _with_fine_curves(first_mesh(field, tolerance), field, tolerance)
+    octree = first_lattice(field)
+    shells = field.shells() if octree.open_share > THIN else []
+    found = mesh_apart(field, shells, tolerance, _triangulated) if len(shells) > 1 else None
+    mesh, reached = _triangulated(field, tolerance, octree) if found is None else found
+    return FaceMesh(mesh, pair_normals(mesh, field), reached)
+
+
+def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> tuple[Labelled, float]:
+    """The mesh and its measured distance."""
+    mesh = _with_fine_curves(first_mesh(field, tolerance, octree), field, tolerance)
     aim = AIM * tolerance
     mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
     for _ in range(REFINEMENTS):
@@ -92,13 +106,14 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
     raise not_reached(field, len(mesh.triangles), tolerance, worst, f": {why}")
 
 
-def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) -> FaceMesh:
-    """The mesh without what refining left on straight lines, where that is as near and as sound."""
+def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) -> tuple[Labelled, float]:
+    """The mesh without what refining left on straight lines, where that is as near and as sound; and how near."""
     longer = straightened(mesh, field, np.full(len(mesh.points), AIM * tolerance), AIM * tolerance)
+    if longer is mesh:
+        return mesh, worst
     far = float(max(edge_distances(field, longer).max(), inner_distances(field, longer).max()))
-    if far <= tolerance and not unsound(longer, field, tolerance)[0]:
-        mesh, worst = longer, far
-    return FaceMesh(mesh, pair_normals(mesh, field), worst)
+    good = far <= tolerance and not unsound(longer, field, tolerance)[0]
+    return (longer, far) if good else (mesh, worst)
 
 
 def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:

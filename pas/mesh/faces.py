@@ -107,7 +107,7 @@ class Crossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            nodes = find_nodes(self.field, points, triangles, labels, np.concatenate([unclear, flat]))
+            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
         centers = points[triangles[unclear]].mean(axis=1)
         centers = centers[~nodes.reaches(centers)]
         if len(centers):

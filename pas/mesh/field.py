@@ -181,6 +181,12 @@ class FaceField(Field, Protocol):
     def jets(self, points: Floats, label: int | Integers) -> Floats:
         """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
 
+    def shells(self) -> Sequence[FaceField]:
+        """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
+
+    def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
+        """The labels here of labels (N,) of one of these."""
+
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether faces of given labels (N,) have straight lines along which their normals do not turn (N,).
 

@@ -56,9 +56,12 @@ CORNER = 0.5
 """How far a corner may be off each of its faces, over the tolerance."""
 
 
-def first_mesh(field: FaceField, tolerance: float) -> Labelled:
-    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do."""
-    octree = _resolved(field)
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
+    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
+
+    The `octree` to begin with is that of `first_lattice`, if it is known.
+    """
+    octree = _resolved(field, first_lattice(field) if octree is None else octree)
     ahead, effort = [_Lattice(field, octree)], _Effort(field, TIMES * octree.count + ROOM)
     reason = ""
     for _ in range(HALVINGS):
@@ -91,9 +94,14 @@ def first_mesh(field: FaceField, tolerance: float) -> Labelled:
     raise _refusal(find_trouble(field, places, ahead[0].octree.spacing), ahead[-1].octree, reason)
 
 
-def _resolved(field: FaceField) -> Octree:
-    """The first lattice, refined until the boundary is clear in most of its cubes."""
-    octree = Octree(field, float(np.ptp(field.box, axis=0).max()) / FIRST_PARTS).until_seen()
+def first_lattice(field: FaceField) -> Octree:
+    """The lattice to begin with."""
+    return Octree(field, float(np.ptp(field.box, axis=0).max()) / FIRST_PARTS)
+
+
+def _resolved(field: FaceField, octree: Octree) -> Octree:
+    """A lattice, refined until the boundary is clear in most of its cubes."""
+    octree = octree.until_seen()
     while octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None

@@ -69,21 +69,29 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
-def find_nodes(field: FaceField, points: Floats, triangles: Integers, labels: Integers, places: Integers) -> Nodes:
+def find_nodes(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, places: Integers, flat: Integers
+) -> Nodes:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Raises `MeshError` where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises
+    `MeshError` where the solid touches itself in a node.
     """
-    corners = points[triangles[places]]
+    all_places = np.concatenate([places, flat])
+    corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
     size = 2 * np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1, initial=0.0)
-    starts, functions = _systems(cKDTree(points), centers, size, 2 * (labels // 2))
+    columns = 2 * (labels // 2)
+    starts, functions = _systems(cKDTree(points), centers[: len(places)], size[: len(places)], columns)
+    pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
+    starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
+    functions += [(int(pair[0]), int(pair[-1])) for pair in pairs]
     found, owners = _solved(field, centers[starts], functions, size[starts]), starts
     far = np.linalg.norm(found - centers[owners], axis=1) / size[owners]
     kept = np.flatnonzero(far < REACH)
     kept = kept[np.argsort(far[kept], kind="stable")]
     extent = float(np.ptp(field.box, axis=0).max())
-    nodes, reach, done = [], [], np.zeros(len(places), dtype=bool)
+    nodes, reach, done = [], [], np.zeros(len(all_places), dtype=bool)
     for row in kept:
         if done[owners[row]]:
             continue

@@ -189,10 +189,7 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
 
 
 def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:
-    """Rows of labels (N, k), filled up with -1, by how many functions place such a vertex.
-
-    Of each number m the rows (n,) and, as labels, the functions (n, m).
-    """
+    """Rows (n,) of labels (N, k), filled up with -1, and the functions (n, m) that place such vertices, for each m."""
     found: dict[int, list[tuple[Integers, Integers]]] = {}
     for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
         placed = field.functions(tuple(int(v) for v in row if v >= 0))
@@ -304,10 +301,12 @@ def flip(mesh: Labelled, field: FaceField, passes: int = 4, limit: float | None 
     triangles, changed = mesh.triangles.copy(), False
 
     def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
-        labels = mesh.labels[owners[:, :1]]
-        before, after = (sags(mesh.points, known, ends, mesh.topology.rows(ends, labels)) for ends in (edges, opposite))
-        matters = field.lines(labels[:, 0]) & (np.maximum(before, after) > (limit or 0.0))
-        return np.where(matters, before - after, 0.0)
+        result = np.zeros(len(edges))
+        at = np.flatnonzero(field.lines(mesh.labels[owners[:, 0]]))
+        rows = [mesh.topology.rows(ends[at], mesh.labels[owners[at, :1]]) for ends in (edges, opposite)]
+        before, after = (sags(mesh.points, known, e[at], r) for e, r in zip((edges, opposite), rows, strict=True))
+        result[at] = np.where(np.maximum(before, after) > (limit or 0.0), before - after, 0.0)
+        return result
 
     def about(first: Integers, second: Integers) -> Floats:
         return normals[first] + normals[second]

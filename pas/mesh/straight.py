@@ -7,6 +7,8 @@ How near an edge is is known to second order from the normals at its ends, which
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -42,13 +44,15 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
     Edges on these faces that are off further than `limit` are flipped where that helps.
     """
     vertices, labels = mesh.topology.pairs.T
-    bent = ~field.lines(labels) | ~pair_normals(mesh, field).any(axis=1)  # or where lines meet, as in an apex
+    lines_meet = labels[~pair_normals(mesh, field).any(axis=1)]  # in an apex, about which triangles must stay short
+    bent = ~field.lines(labels) | np.isin(labels, lines_meet)
     if bent.all():
         return mesh
     allowed = allowed.copy()
     allowed[vertices[bent]] = -1.0
     tree = cKDTree(mesh.points)
 
+    @lru_cache(maxsize=1)
     def most(m: Labelled) -> Floats:
         return np.asarray(allowed[tree.query(m.points)[1]])
 

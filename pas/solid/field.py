@@ -15,15 +15,22 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
-from pas.mesh.remesh import grouped
+from pas.mesh.field import FaceField
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
+from pas.solid.separate import apart, cavities
 from pas.solid.tree import Function, Tree
 
 Integers = NDArray[np.intp]
 
 STEEP = 0.3
 """Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads."""
+
+ON = 1e-9
+"""A function's value at points that are on it."""
+
+TOGETHER = 4096
+"""Cubes of which all gradients are kept at once."""
 
 TURNS = 4
 """How many directions are tried from which a boundary may be seen all at once."""
@@ -49,7 +56,26 @@ class SolidField:
         self.program = Program(tree, center, scale, tuple(extra))
         self.box = self.program.local(box)
         self.special_points = self.program.local(special_points)
+        self._made_of = tree, box, tuple(seams), special_points
         self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
+
+    def shells(self) -> list[SolidField]:
+        """The surfaces of the boundary that are proved to be apart, each as the boundary of a solid."""
+        tree, box, seams, special = self._made_of
+        for part, others in cavities(tree, box):
+            inner, outer = (SolidField(t, box, (), special) for t in (part, others))
+            if apart(inner.program, outer.program, self.box):
+                fields = [
+                    SolidField(t, box, seams, special[_on(f, special)]) for t, f in ((part, inner), (others, outer))
+                ]
+                return [shell for found in fields for shell in found.shells()]
+        return [self]
+
+    def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
+        """The labels here of labels (N,) of one of these."""
+        assert isinstance(shell, SolidField)
+        columns, turned = self.program.number(shell.program, labels // 2)
+        return 2 * columns + (labels % 2 ^ turned)
 
     @property
     def scale(self) -> float:
@@ -72,17 +98,28 @@ class SolidField:
         those below it.  A wall that matters from both sides only says which function holds where; the
         two faces are taken to meet on it.
         """
-        program, halves = self.program, np.full((1, 3), half)
-        below, above = program.relevant(*program.taylor(centers, halves))
+        parts = [slice(start, start + TOGETHER) for start in range(0, max(len(centers), 1), TOGETHER)]
+        return np.concatenate([self._turning(centers[part], np.full((1, 3), half)) for part in parts])
+
+    def _turning(self, centers: Floats, halves: Floats) -> Floats:
+        """The same for few cubes, all functions of each together."""
+        below, above = self.program.relevant(*self.program.taylor(centers, halves))
         switches = below & above & self._walls[:, None]
-        result = np.full(len(centers), np.inf)
-        for sides, rows in grouped(((below & ~switches) + 2 * (above & ~switches)).T, 5):
-            columns = np.flatnonzero(sides)
-            if len(columns) and (sides < 3).all():
-                gradients, changes = program.slopes(columns, centers[rows], halves)
-                rise = _rise(gradients * (3 - 2 * sides[columns])[:, None, None], changes)
-                turn = np.sqrt((changes**2).sum(axis=2) / np.maximum((gradients**2).sum(axis=2), 1e-300)).max(axis=0)
-                result[rows] = np.where(rise, turn, np.inf)
+        below, above = below & ~switches, above & ~switches
+        faces = below | above
+        faces[:, (below & above).any(axis=0)] = False
+        both = np.zeros((2, *faces.shape, 3))  # gradients, positive outside, and how much they change
+        for column in np.flatnonzero(faces.any(axis=1)):
+            rows = np.flatnonzero(faces[column])
+            gradients, changes = self.program.slopes(np.array([column]), centers[rows], halves)
+            both[:, column, rows] = gradients[0] * np.where(below[column, rows], 1.0, -1.0)[:, None], changes[0]
+        result, times = np.full(len(centers), np.inf), faces.sum(axis=0)
+        for number in np.unique(times[times > 0]):
+            rows = np.flatnonzero(times == number)
+            columns = np.nonzero(faces[:, rows].T)[1].reshape(-1, number).T
+            gradients, changes = both[:, columns, rows]
+            turn = np.sqrt((changes**2).sum(axis=2) / np.maximum((gradients**2).sum(axis=2), 1e-300)).max(axis=0)
+            result[rows] = np.where(_rise(gradients, changes), turn, np.inf)
         return result
 
     @cached_property
@@ -182,6 +219,12 @@ class SolidField:
                 if ideal.contains(q) and not ideal.is_whole_ring:
                     return kept, number
         return ()
+
+
+def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
+    """Which points (N, 3) in the user's coordinates are on some function of a field."""
+    values = np.abs(field.program.values(field.program.local(points)))
+    return np.asarray(values.min(axis=0, initial=np.inf) < ON)
 
 
 def _has_lines(function: Function) -> bool:

@@ -170,6 +170,19 @@ class Program:
         functions = (c.function for c in self.columns[: self.used])
         return Bank([self._localised(f) for f in functions if isinstance(f, Polynomial)])
 
+    def polynomial(self, number: int) -> Polynomial | None:
+        """The polynomial of a column in local coordinates; None where it is none."""
+        if number in self._fields:
+            return None
+        return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
+
+    def number(self, other: Program, columns: Integers) -> tuple[Integers, Bools]:
+        """The columns that hold those of another program, and whether with the opposite sign."""
+        keys = {column: key for key, column in other._numbers.items()}
+        found = [self._numbers[keys[int(c)]] for c in columns]
+        turned = [self._signs[a] != other._signs[int(b)] for a, b in zip(found, columns, strict=True)]
+        return np.array(found, dtype=np.intp), np.array(turned, dtype=bool)
+
     @cached_property
     def _extra(self) -> Bank:
         """The extra columns in local coordinates."""
@@ -211,17 +224,16 @@ class Program:
         if not splits or not len(open_):
             return true, false
         both = np.logical_and(*self.relevant(yes[:, open_], no[:, open_]))
-        first = np.where(both.any(axis=0), both.argmax(axis=0), -1)
-        for column in np.unique(first[first >= 0]):
-            rows = open_[first == column]
-            always, never = np.ones((2, len(rows)), dtype=bool)
-            for side in (True, False):
-                certain, excluded = yes[:, rows], no[:, rows]
-                certain[column], excluded[column] = side, not side
-                whole, nothing = self.decided(certain, excluded, splits - 1)
-                always &= whole
-                never &= nothing
-            true[rows], false[rows] = always, never
+        chosen = both.any(axis=0)
+        rows, columns, number = open_[chosen], both[:, chosen].argmax(axis=0), np.arange(chosen.sum())
+        always, never = np.ones((2, len(rows)), dtype=bool)
+        for side in (True, False):
+            certain, excluded = yes[:, rows], no[:, rows]
+            certain[columns, number], excluded[columns, number] = side, not side
+            whole, nothing = self.decided(certain, excluded, splits - 1)
+            always &= whole
+            never &= nothing
+        true[rows], false[rows] = always, never
         return true, false
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
