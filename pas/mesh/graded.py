@@ -42,6 +42,9 @@ LONG = 1.35
 
 ROUNDS, LAST, MENDINGS = 24, 4, 12
 
+STALLED = 2
+"""Mendings after which there must be fewer triangles to mend than there were."""
+
 THINNINGS, SMOOTHED = 40, 6
 """Passes of collapses at most, and how many of them there are between smoothings."""
 
@@ -241,6 +244,7 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 
 def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
+    counts: list[int] = []
     for step in range(MENDINGS + 1):
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
         edges = Edges(graph.triangles, len(graph.points))
@@ -251,7 +255,8 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
                 raise ArithmeticError("some triangles are folded")
             world, deviation = field.world(graph.points), reached * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
-        if step == MENDINGS:
+        counts.append(int((inside > tolerance).sum()))
+        if step == MENDINGS or (step >= STALLED and counts[-1] >= counts[-1 - STALLED]):
             break
         far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
         require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)

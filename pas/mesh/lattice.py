@@ -15,6 +15,7 @@ from math import factorial, prod
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.bernstein.subdivision import raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 
@@ -58,15 +59,21 @@ class Subdivision:
         kept = (self.forms.min(axis=1) <= ROUNDING) & (self.forms.max(axis=1) >= -ROUNDING)
         self._nodes, self.forms = self._nodes[kept], self.forms[kept]
 
-    @property
-    def bent(self) -> float:
-        """The share of the tetrahedra in which the function need not rise all along its mean gradient."""
-        if not len(self.forms):
-            return 0.0
-        points = self._nodes @ self.field.vertices
+    def bent(self) -> tuple[Floats, int]:
+        """The middles (B, 3) of tetrahedra in which the function need not rise all along its mean gradient.
+
+        Those first where that is smallest; also the number of those with values of one sign at their corners, in which
+        a component may hide.
+        """
+        points = self._nodes @ self.field.vertices / self.parts
         rises, mean = risings(self.forms, points, self.field.degree)
         along = np.einsum("tmx,tx->tm", rises, mean)
-        return float((along.min(axis=1) <= 0).mean())
+        bent = np.flatnonzero(along.min(axis=1) <= 0)
+        order = np.argsort((mean[bent] ** 2).sum(axis=1), kind="stable")
+        indices = homogeneous_exponents(self.field.degree, 4)
+        corners = self.forms[bent][:, [i for i, a in enumerate(indices) if max(a) == self.field.degree]]
+        hidden = int(((corners > 0).all(axis=1) | (corners < 0).all(axis=1)).sum())
+        return points[bent[order]].mean(axis=1), hidden
 
     @property
     def lattice(self) -> Lattice:
@@ -92,19 +99,11 @@ def _distinct(rows: Integers) -> tuple[Integers, Integers]:
 
 def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
     """B-coefficients (T, m, 3) of gradients on tetrahedra (T, 4, 3), and their means (T, 3), up to positive factors."""
-    up = raised(degree)
+    up = raised(degree, 4)
     slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])
     steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
     gradients = steps @ slopes.transpose(0, 2, 1)
     return gradients, gradients.mean(axis=1)
-
-
-@cache
-def raised(degree: int) -> Integers:
-    """For each multi-index of degree - 1 where those of `degree` with one more in each place stand, (m, 4)."""
-    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, 4))}
-    lower = homogeneous_exponents(degree - 1, 4)
-    return np.array([[where[tuple(v + (i == k) for i, v in enumerate(a))] for k in range(4)] for a in lower])
 
 
 @cache

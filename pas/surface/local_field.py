@@ -25,6 +25,9 @@ STEPS = 20
 SETTLED = 1e-15
 """Length of a step, in local units, that ends it."""
 
+INSIDE = 1e-11
+"""In barycentric coordinates: how far outside the region a point may be by rounding."""
+
 FARTHEST = 0.2
 """Length of a step at most, over the region's reach."""
 
@@ -66,6 +69,10 @@ class LocalField(PatchField):
             return np.empty(0, dtype=np.intp)
         nearest = np.argmin([_distances(points, face) for face in self.faces], axis=0)
         return np.asarray(self._wall_of[nearest])
+
+    def within(self, points: Floats) -> bool:
+        """Whether all points (N, 3) are in the region, but for rounding."""
+        return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
