@@ -118,14 +118,18 @@ class Wall:
         """Orthonormal directions (k, 3) that span the normals."""
         return np.linalg.qr(self.planes[:, :3].T)[0].T
 
+    @cached_property
+    def _back(self) -> Floats:
+        """From distances from the planes (N, k) to the shortest ways onto all of them."""
+        return np.linalg.pinv(self.planes[:, :3]).T
+
     def at(self, points: Floats) -> Floats:
         """Points of the curve (N, 3) near points near it."""
         points = self._onto(self.field.slid(self._onto(points), self._across))
         return self._onto(points)
 
     def _onto(self, points: Floats) -> Floats:
-        normals, offsets = self.planes[:, :3], self.planes[:, 3]
-        return np.asarray(points - (points @ normals.T - offsets) @ np.linalg.pinv(normals).T)
+        return np.asarray(points - (points @ self.planes[:, :3].T - self.planes[:, 3]) @ self._back)
 
     def distances(self, points: Floats) -> Floats:
         """Distances |f| / |grad f| (N,) of points in the plane, to first order."""

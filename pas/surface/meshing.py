@@ -35,7 +35,8 @@ def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) ->
         except ArithmeticError:
             pass
     lattice = LocalField(surface)
-    return triangulate(lattice, tolerance / lattice.scale, most)
+    with np.errstate(all="ignore"):  # what is not finite is folded, and refused
+        return triangulate(lattice, tolerance / lattice.scale, most)
 
 
 def _around_centre(surface: PiecewiseSurface) -> bool:
