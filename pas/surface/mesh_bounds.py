@@ -38,6 +38,20 @@ class Bounds:
     least: Floats
 
 
+class Boxes:
+    """Many boxes from `low` (N, 3) to `high` (N, 3)."""
+
+    def __init__(self, low: Floats, high: Floats) -> None:
+        self._low, self._high = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
+
+    def meeting(self, low: Floats, high: Floats) -> Integers:
+        """The numbers of those that meet the box from `low` (3,) to `high` (3,)."""
+        rows = np.flatnonzero((self._low[0] <= high[0]) & (self._high[0] >= low[0]))
+        for axis in (1, 2):
+            rows = rows[(self._low[axis, rows] <= high[axis]) & (self._high[axis, rows] >= low[axis])]
+        return rows
+
+
 def bounds(stage: Stage) -> Bounds:
     """The bounds on all triangles, each for all pieces that it may touch."""
     most, least = np.zeros(len(stage.triangles)), np.full(len(stage.triangles), np.inf)
@@ -109,12 +123,11 @@ def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
         return None
     low, high, bends = _bends(stage, float(bounds.most.max()))
     way = _way(bounds, bends.max(initial=0.0))
+    boxes = Boxes(low, high)
     corners = stage.points[stage.triangles]
     for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
         reach = 2 * bounds.most[row] / bounds.least[row]
-        near = (low <= corners[row].max(axis=0) + reach).all(axis=1) & (high >= corners[row].min(axis=0) - reach).all(
-            axis=1
-        )
+        near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
         way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
     return np.where(way <= (LARGER - 1) * stage.room, way, np.inf)
 

@@ -25,11 +25,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
-from pas.surface.mesh_bounds import Bounds, along_walls, bounds, farthest
+from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
 from pas.surface.mesh_stage import Stage
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import rests
@@ -183,15 +185,14 @@ def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats
     were."""
     size = float(np.abs(stage.cell_forms).max())
     box = stage.points[stage.triangles]
-    low, high = box.min(axis=1), box.max(axis=1)
+    boxes = Boxes(box.min(axis=1), box.max(axis=1))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray(least * size > most)
         near = np.flatnonzero(~result)
-        if len(near) * len(low) <= BOXES:
+        if len(near) * len(box) <= BOXES:
             for row in near.tolist():
-                apart = (low > simplices[row].max(axis=0)).any(axis=1) | (high < simplices[row].min(axis=0)).any(axis=1)
-                result[row] = apart.all()
+                result[row] = not len(boxes.meeting(simplices[row].min(axis=0), simplices[row].max(axis=0)))
         return result
 
     simplices: list[Floats] = []
@@ -206,38 +207,53 @@ def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats
     return simplices, signs, np.concatenate(left), examined
 
 
+def _grouped(simplices: list[Floats]) -> list[list[int]]:
+    """The numbers of simplices by connected unions: those with a common corner are in one, the largest first."""
+    owner = np.repeat(np.arange(len(simplices)), [len(s) for s in simplices])
+    _, corner = np.unique(np.concatenate(simplices), axis=0, return_inverse=True)
+    links = coo_array((np.ones(len(owner)), (owner, corner.ravel())), shape=(len(simplices), int(corner.max()) + 1))
+    links = links.tocsr()
+    parts = connected_components(links @ links.T, directed=False)[1]
+    order = np.argsort([-float(np.ptp(s, axis=0).sum()) for s in simplices], kind="stable")
+    groups: list[list[int]] = [[] for _ in range(int(parts.max()) + 1)]
+    for number in order.tolist():
+        groups[parts[number]].append(number)
+    return groups
+
+
 def _counted(
     stage: Stage, simplices: list[Floats], signs: list[float], examined: int
 ) -> tuple[Verdict, tuple[Point, ...]]:
-    """Whether the mesh is crossed as the surface is between all places of rest."""
-    times, ends, known = (
-        np.zeros(len(signs), dtype=np.intp),
-        np.zeros((len(signs), 3)),
-        np.zeros(len(signs), dtype=bool),
-    )
+    """Whether the mesh is crossed as the surface is between all places of rest.
+
+    None of them is on the mesh, so one of each group with common corners stands for all.
+    """
+    groups = _grouped(simplices)
+    times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
+    known, inside = np.zeros(len(groups), dtype=bool), np.array([signs[group[0]] < 0 for group in groups])
     assert stage.center is not None
     origin = stage.center + stage.room * np.array([0.213, 0.127, -0.171])
     for attempt in range(TRIES):
         rows = np.flatnonzero(~known)
         for row in rows.tolist():
-            weights = 1 + 0.618 * np.sin(2.4 * np.arange(1, len(simplices[row]) + 1) + attempt)
-            ends[row] = weights @ simplices[row] / weights.sum()
+            simplex = simplices[groups[row][attempt % len(groups[row])]]
+            weights = 1 + 0.618 * np.sin(2.4 * np.arange(1, len(simplex) + 1) + attempt)
+            ends[row] = weights @ simplex / weights.sum()
         times[rows], known[rows] = crossed(stage.points, stage.triangles, origin, ends[rows])
         if known.all():
             break
     if not known.all():
         places = tuple(_point(stage, place) for place in _spread(ends[~known]))
         return Verdict(Status.UNDECIDED, CLAIM, "crossings could not be counted for sure", places[0]), places
-    inside = np.asarray(signs) < 0
     excess = times + inside  # the same for all where the mesh is the surface
     usual = int(np.bincount(excess - excess.min()).argmax() + excess.min())
     wrong = np.flatnonzero(excess != usual)
     if len(wrong):
         places = tuple(_point(stage, place) for place in _spread(ends[wrong]))
-        reason = f"{len(wrong)} of {len(signs)} places are on the wrong side: a component is missing or extra"
+        reason = f"{len(wrong)} of {len(groups)} places are on the wrong side: a component is missing or too many"
         return Verdict(Status.REFUTED, CLAIM, reason, places[0], examined), places
     reason = (
-        f"f rises across all {len(stage.triangles)} triangles, and {len(signs)} parts that hold all its critical "
+        f"f rises across all {len(stage.triangles)} triangles, and {len(groups)} parts that hold all its critical "
         f"points are on the right side of the mesh; {examined} simplices"
     )
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
