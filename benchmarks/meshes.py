@@ -1,13 +1,13 @@
-"""Meshes of blends beside flying edges and marching cubes on a grid, to the same largest error.
+"""Meshes of blends and boxes beside flying edges and marching cubes on a grid, to the same largest error.
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/meshes.py [--tolerances 1e-2 1e-3 1e-4] [--repeat 3] [--old]
+    OPENBLAS_NUM_THREADS=1 python benchmarks/meshes.py [NAMES] [--tolerances 1e-2 1e-3 1e-4] [--repeat 3]
 
 The error is the largest |f| / |grad f| over vertices, middles of edges and centres of triangles; tolerances are over
 the longest side of the region's box.  The peers (Lorensen and Cline 1987; Schroeder, Maynard and Geveci 2015; both of
 VTK) get the coarsest grid that is as near, found by trying, and are cropped to the region; their time is that of the
 grid's values, by the same evaluator as ours, and of the contour, of which `alone` is that of the contour.  Milliseconds
-of one processor, the best of the runs; `angle` is that of 1% of the triangles and the smallest, in degrees.  `--old`
-adds the mesher that begins with a lattice.
+of one processor, the best of the runs; `angle` is that of 1% of the triangles and the smallest, in degrees; `proof` is
+the time of the mesh's certificate, what it says of the topology, and the largest distance proved over the tolerance.
 """
 
 from __future__ import annotations
@@ -22,12 +22,23 @@ import pyvista
 
 import pas
 from pas.mesh.radial import smallest_angles
-from pas.mesh.triangulate import triangulate
-from pas.surface.local_field import LocalField
+from pas.surface.mesh_proofs import certify_mesh
 from pas.surface.radial_field import RadialField
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 FINEST_GRID = 400
+
+BOXES = {
+    "torus": ("(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)", 2),
+    "tangle": ("x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5", 3),
+    "quadric through walls": ("x^2 + 2*y^2 - z^2 - 1/4 + x/7", 1),
+    "saddle through walls": ("x*y - z/3", 1),
+    "Chmutov 6": (
+        "32*(x^6 + y^6 + z^6) - 48*(x^4 + y^4 + z^4) + 18*(x^2 + y^2 + z^2) - 3 + 1/4",
+        "6/5",
+    ),
+}
+"""Polynomials and half the edge of a cube around 0."""
 
 
 def corner(order: int, *radii: str) -> pas.PiecewiseSurface:
@@ -41,6 +52,7 @@ CASES: dict[str, Callable[[], pas.PiecewiseSurface]] = {
     "corner GC^3": lambda: corner(3, "1/3", "1/3", "1/3"),
     "thin corner GC^1": lambda: corner(1, "1/25", "1/10", "1/20"),
     "T GC^2": lambda: pas.blend(pas.struts([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), 1)], 2), 2).surface,
+    **{n: lambda t=t, a=a: pas.Polynomial(t).surface([f"-{a}"] * 3, [a] * 3) for n, (t, a) in BOXES.items()},
     "six-way node GC^1": lambda: pas.blend(pas.struts([(a, 1) for v in AXES for a in (v, back(v))], 1), 1).surface,
 }
 
@@ -72,10 +84,15 @@ class Grid:
     """Values of a surface on a grid of the region's box, and contours of them."""
 
     def __init__(self, surface: pas.PiecewiseSurface) -> None:
-        self.surface, self.field = surface, RadialField(surface)
+        self.surface = surface
+        self.values_at = RadialField(surface).values if len(surface.patches) > 1 else self._of_one_piece
         ends = surface.local.points
         self.low, self.high = ends.min(axis=0), ends.max(axis=0)
         self.longest = float((self.high - self.low).max())
+
+    def _of_one_piece(self, points: np.ndarray) -> np.ndarray:
+        pieces = np.zeros(len(points), dtype=np.intp)
+        return self.surface.evaluator.local_derivatives(points, pieces, (0,))[:, 0]
 
     def values(self, number: int) -> pyvista.ImageData:
         """With so many points on the longest side."""
@@ -86,7 +103,7 @@ class Grid:
         plane = np.stack(np.meshgrid(y, x, indexing="ij")[::-1], axis=-1).reshape(-1, 2)
         for k, height in enumerate(z):
             with np.errstate(divide="ignore"):  # the ray through the centre has no end
-                result[k] = self.field.values(np.column_stack([plane, np.full(len(plane), height)]))
+                result[k] = self.values_at(np.column_stack([plane, np.full(len(plane), height)]))
         image = pyvista.ImageData(dimensions=counts, spacing=(step,) * 3, origin=self.low)
         image["f"] = result.ravel()
         return image
@@ -96,7 +113,7 @@ class Grid:
         found = image.contour([0.0], scalars="f", method=method, compute_normals=False)
         points, triangles = np.asarray(found.points, dtype=float), found.regular_faces
         kept = (self.surface.local.locate(points) >= 0)[triangles].all(axis=1)
-        return self.field.world(points), triangles[kept]
+        return self.surface.partition.frame.global_points(points), triangles[kept]
 
     def as_near(self, aim: float) -> int:
         """The points on the longest side of the coarsest grid tried whose flying edges are as near as that."""
@@ -120,22 +137,16 @@ def row(name: str, spent: float, points: np.ndarray, triangles: np.ndarray, reac
     )
 
 
-def compare(surface: pas.PiecewiseSurface, share: float, repeat: int, old: bool) -> None:
+def compare(surface: pas.PiecewiseSurface, share: float, repeat: int) -> None:
     """The lines of one surface and one tolerance."""
     tolerance = share * float(np.ptp(surface.partition.points, axis=0).max())
     spent, mesh = best(lambda: surface.mesh(tolerance), repeat)
     aim = error(surface, mesh.points, mesh.triangles)
-    row("pas", spent, mesh.points, mesh.triangles, aim / tolerance)
-    if old:
-        lattice = LocalField(surface)
-        spent, other = best(lambda: triangulate(lattice, tolerance / lattice.scale), 1)
-        row(
-            "pas, lattice",
-            spent,
-            other.points,
-            other.triangles,
-            error(surface, other.points, other.triangles) / tolerance,
-        )
+    proof, certificate = best(lambda: certify_mesh(surface, mesh.points, mesh.triangles), repeat)
+    said = next((v.status.value for v in certificate.verdicts if "topology" in v.claim), "nothing")
+    within = "?" if certificate.distance is None else f"{certificate.distance / tolerance:.2f}"
+    more = f"  proof {proof:.0f} ms, {said}, within {within}"
+    row("pas", spent, mesh.points, mesh.triangles, aim / tolerance, more)
     grid = Grid(surface)
     number = grid.as_near(aim)
     valued, image = best(lambda: grid.values(number), 1)
@@ -152,13 +163,12 @@ def main() -> None:
     parser.add_argument("names", nargs="*", help="some of the cases, by name")
     parser.add_argument("--tolerances", type=float, nargs="+", default=[1e-2, 1e-3, 1e-4])
     parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--old", action="store_true")
     options = parser.parse_args()
     for name in options.names or CASES:
         surface = CASES[name]()
         for tolerance in options.tolerances:
             print(f"{name}, degree {surface.degree}, tolerance {tolerance:g}")
-            compare(surface, tolerance, options.repeat, options.old)
+            compare(surface, tolerance, options.repeat)
 
 
 if __name__ == "__main__":

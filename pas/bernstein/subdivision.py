@@ -25,6 +25,17 @@ def edges(vertices: int) -> tuple[tuple[int, int], ...]:
 
 
 @cache
+def raised(degree: int, vertices: int) -> NDArray[np.intp]:
+    """For each multi-index of degree - 1 where those of `degree` with one more in each place stand, (m, vertices).
+
+    B-coefficients of the derivative along barycentric u, sum 0, are `degree` times the sums of u_k b at these places.
+    """
+    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, vertices))}
+    lower = homogeneous_exponents(degree - 1, vertices)
+    return np.array([[where[tuple(v + (i == k) for i, v in enumerate(a))] for k in range(vertices)] for a in lower])
+
+
+@cache
 def halving(degree: int, vertices: int, edge: int) -> tuple[Floats, Floats]:
     """Matrices from the B-coefficients on a simplex to those on its two halves.
 

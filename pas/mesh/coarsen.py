@@ -19,6 +19,10 @@ LONGER = 1.3
 """No edge is made longer than so many times as long as it should be."""
 
 
+ROUNDS = 4
+"""In which collapses are chosen that do not touch those chosen before."""
+
+
 def collapsed(
     points: Floats, triangles: Integers, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats
 ) -> tuple[Integers, Integers]:
@@ -33,21 +37,31 @@ def collapsed(
     ratio = _ratio(points, sizes, every[:, 0], every[:, 1])
     order = np.argsort(ratio, kind="stable")
     order = order[ratio[order] < SHORT]
-    removed, kept = _directed(every, order >= len(edges.inner), order, rim, fixed)
+    on_rim = order >= len(edges.inner)
+    removed, kept = _directed(every[order], on_rim, rim, fixed)
     may = removed >= 0
-    order, removed, kept = order[may], removed[may], kept[may]
-    good = _sound(points, triangles, normals, sizes, edges, order, removed, kept)
-    removed, kept = removed[good], kept[good]
-    alone = _apart(every, removed, kept, size)
-    target = np.arange(size)
-    target[removed[alone]] = kept[alone]
+    removed, kept, common = removed[may], kept[may], np.where(on_rim[may], 1, 2)
+    around = _Around(points, triangles, normals, sizes, every)
+    target, blocked = np.arange(size), np.zeros(size, dtype=bool)
+    for _ in range(ROUNDS):
+        alone = _apart(every, removed, kept, size)
+        good = np.flatnonzero(alone)
+        good = good[around.sound(removed[good], kept[good], common[good])]
+        target[removed[good]] = kept[good]
+        blocked[removed[good]] = blocked[kept[good]] = True
+        near = blocked.copy()
+        near[every[blocked[every[:, 0]], 1]] = near[every[blocked[every[:, 1]], 0]] = True
+        left = ~alone & ~near[removed] & ~near[kept]
+        removed, kept, common = removed[left], kept[left], common[left]
+        if not len(removed):
+            break
     triangles = target[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    left = np.unique(triangles)
+    used = np.unique(triangles)
     number = np.empty(size, dtype=np.intp)
-    number[left] = np.arange(len(left))
-    return left, number[triangles]
+    number[used] = np.arange(len(used))
+    return used, number[triangles]
 
 
 def _ratio(points: Floats, sizes: Floats, a: Integers, b: Integers) -> Floats:
@@ -55,51 +69,50 @@ def _ratio(points: Floats, sizes: Floats, a: Integers, b: Integers) -> Floats:
     return np.asarray(2 * np.sqrt(np.einsum("ni,ni->n", way, way)) / (sizes[a] + sizes[b]))
 
 
-def _directed(
-    edges: Integers, on_rim: np.ndarray, rows: Integers, rim: Integers, fixed: np.ndarray
-) -> tuple[Integers, Integers]:
-    """Which end of the edges in given rows goes and which stays (-1 where neither may go)."""
-    a, b = edges[rows].T
+def _directed(edges: Integers, on_rim: np.ndarray, rim: Integers, fixed: np.ndarray) -> tuple[Integers, Integers]:
+    """Which end of edges (E, 2) goes and which stays (-1 where neither may go)."""
+    a, b = edges.T
     free_a, free_b = ((rim[v] < 0) | (on_rim & ~fixed[v]) for v in (a, b))
     removed = np.where(free_b, b, np.where(free_a, a, -1))
     return removed, np.where(free_b, a, b)
 
 
-def _sound(
-    points: Floats,
-    triangles: Integers,
-    normals: Floats,
-    sizes: Floats,
-    edges: Edges,
-    rows: Integers,
-    removed: Integers,
-    kept: Integers,
-) -> np.ndarray:
-    """Which collapses (C,) keep the topology, the sides of triangles, and edges from being too long."""
-    size, every = len(points), edges.every
-    next_to = csr_array((np.ones(len(every), dtype=np.int8), (every[:, 0], every[:, 1])), shape=(size, size))
-    next_to = (next_to + next_to.T).tocsr()
-    common = np.asarray(next_to[removed].multiply(next_to[kept]).sum(axis=1)).ravel()
-    good = np.asarray(common == np.where(rows < len(edges.inner), 2, 1))
-    around = np.argsort(triangles.ravel(), kind="stable")
-    counts = np.bincount(triangles.ravel(), minlength=size)
-    ends = np.cumsum(counts)
-    row = np.repeat(np.arange(len(removed)), counts[removed])
-    first = np.cumsum(counts[removed]) - counts[removed]
-    slot = np.arange(len(row)) + np.repeat(ends[removed] - counts[removed] - first, counts[removed])
-    triangle = around[slot] // 3
-    old = triangles[triangle]
-    stays = ~(old == kept[row][:, None]).any(axis=1)
-    row, old = row[stays], old[stays]
-    goes = old == removed[row][:, None]
-    new = np.where(goes, kept[row][:, None], old)
-    least = np.minimum(upright(points, old, normals), TURNED)
-    good[row[upright(points, new, normals) < least]] = False
-    for i in range(3):
-        other = old[:, i]
-        long = ~goes[:, i] & (_ratio(points, sizes, other, kept[row]) > LONGER)
-        good[row[long]] = False
-    return good
+class _Around:
+    """The vertices and triangles around each vertex of a mesh."""
+
+    def __init__(self, points: Floats, triangles: Integers, normals: Floats, sizes: Floats, edges: Integers) -> None:
+        size = len(points)
+        self.points, self.triangles, self.normals, self.sizes = points, triangles, normals, sizes
+        next_to = csr_array((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(size, size))
+        self._next_to = (next_to + next_to.T).tocsr()
+        self._order = np.argsort(triangles.ravel(), kind="stable")
+        self._counts = np.bincount(triangles.ravel(), minlength=size)
+        self._starts = np.cumsum(self._counts) - self._counts
+
+    def sound(self, removed: Integers, kept: Integers, common: Integers) -> np.ndarray:
+        """Which collapses (C,) keep the topology, the sides of triangles, and edges from being too long.
+
+        `common` (C,) is the number of vertices that the two ends of the edge may have next to both.
+        """
+        if not len(removed):
+            return np.zeros(0, dtype=bool)
+        shared = self._next_to[removed].multiply(self._next_to[kept]).sum(axis=1)
+        counts = self._counts[removed]
+        last = (counts == 2 * common - 1) & (self._counts[kept] == counts)  # a tetrahedron, or a triangle, by itself
+        good = np.asarray(np.asarray(shared).ravel() == common) & ~last
+        row = np.repeat(np.arange(len(removed)), counts)
+        slot = np.arange(len(row)) + np.repeat(self._starts[removed] - (np.cumsum(counts) - counts), counts)
+        old = self.triangles[self._order[slot] // 3]
+        stays = ~(old == kept[row][:, None]).any(axis=1)
+        row, old = row[stays], old[stays]
+        goes = old == removed[row][:, None]
+        new = np.where(goes, kept[row][:, None], old)
+        least = np.minimum(upright(self.points, old, self.normals), TURNED)
+        good[row[upright(self.points, new, self.normals) < least]] = False
+        for i in range(3):
+            long = _ratio(self.points, self.sizes, old[:, i], kept[row]) > LONGER
+            good[row[long & ~goes[:, i]]] = False
+        return good
 
 
 def _apart(edges: Integers, removed: Integers, kept: Integers, size: int) -> np.ndarray:

@@ -12,25 +12,8 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
-from pas.mesh.lattice import Lattice
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
-
-
-def march(lattice: Lattice, snap: float) -> tuple[Floats, Integers]:
-    """Points and triangles of the zero set of the lattice's linear interpolant.
-
-    Crossings within the share `snap` of an edge from a node are merged into one for that node
-    (no merging for 0).  Triangles are oriented with their normals to the positive side.
-    """
-    negative = lattice.values < 0
-    edges, triangles = crossings(negative, lattice.tetrahedra)
-    a, b = edges[:, 0], edges[:, 1]
-    t = lattice.values[a] / (lattice.values[a] - lattice.values[b])
-    points = lattice.points[a] + t[:, None] * (lattice.points[b] - lattice.points[a])
-    triangles = oriented(lattice.points, negative, edges, points, triangles)
-    points, triangles, _ = snapped(points, triangles, edges, t, snap, np.zeros(len(lattice.points), dtype=bool))
-    return points, triangles
 
 
 def snapped(

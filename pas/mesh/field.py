@@ -133,6 +133,9 @@ class CellField(SheetField, Protocol):
         """The numbers of the walls nearest to points (N, 3) on the boundary: of the faces, not of their planes, which
         may pass through curves on other walls."""
 
+    def within(self, points: Floats) -> bool:
+        """Whether all points (N, 3) are in the region, but for rounding."""
+
     @property
     def feature_size(self) -> float:
         """The radius of the smallest feature that a mesh must show."""

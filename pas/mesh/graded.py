@@ -42,6 +42,9 @@ LONG = 1.35
 
 ROUNDS, LAST, MENDINGS = 24, 4, 12
 
+STALLED = 2
+"""Mendings after which there must be fewer triangles to mend than there were."""
+
 THINNINGS, SMOOTHED = 40, 6
 """Passes of collapses at most, and how many of them there are between smoothings."""
 
@@ -109,7 +112,7 @@ def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
 
 
 def _farthest(inside: Floats, along: Floats) -> float:
-    return float(max(inside.max(), along.max()))
+    return float(max(inside.max(initial=0.0), along.max(initial=0.0)))
 
 
 def looked_at(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
@@ -189,7 +192,7 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
         long = _longest(graph.triangles, every, ratio, len(graph.points))
         if not len(long):
             break
-        graph = _relaxed(field, _split(field, graph, long), tolerance)
+        graph = _relaxed(field, _split(field, graph, long)[0], tolerance)
     for _ in range(LAST):
         graph = _relaxed(field, graph, tolerance)
     return graph
@@ -205,22 +208,25 @@ def _longest(triangles: Integers, edges: Integers, ratio: Floats, size: int) -> 
     return edges[np.unique(worst[ratio[worst] > LONG])]
 
 
-def _split(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
+def _split(field: SheetField, graph: Graph, chosen: Integers) -> tuple[Graph, Integers]:
+    """The mesh with points on the surface in the middle of chosen edges; and the triangle that each was part of."""
     size = len(graph.points)
-    points, triangles, _ = split(graph.points, graph.triangles, chosen)
+    points, triangles, parents = split(graph.points, graph.triangles, chosen)
     rim = np.concatenate([graph.rim, np.full(len(points) - size, -1)])
-    border = Edges(triangles, len(points)).rim
-    new, old = (border.max(axis=1) >= size), border.min(axis=1) < size
-    halves = border[new & old]  # each new point between two old ones: two halves
-    if len(halves):
-        middle, end = halves.max(axis=1), halves.min(axis=1)
-        order = np.argsort(middle, kind="stable").reshape(-1, 2)
-        pairs = np.stack([end[order[:, 0]], end[order[:, 1]]], axis=1)
-        rim[middle[order[:, 0]]] = rims_of_edges(field, points, rim, pairs)
+    pairs = chosen[np.argsort(chosen.min(axis=1) * size + chosen.max(axis=1))]  # in the order of the new points
+    on_rim = np.flatnonzero((graph.rim[pairs] >= 0).all(axis=1))
+    if len(on_rim):
+        border = Edges(graph.triangles, size).rim
+        keys = np.sort(border.min(axis=1) * size + border.max(axis=1))
+        ends = pairs[on_rim].min(axis=1) * size + pairs[on_rim].max(axis=1)
+        there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
+        rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
     fresh = points[size:].copy()
     _put(field, fresh, rim[size:])
     points[size:] = fresh
-    return looked_at(field, points, triangles, rim)
+    new = looked_at(field, fresh, triangles, rim[size:])
+    normals, bends = np.concatenate([graph.normals, new.normals]), np.concatenate([graph.bends, new.bends])
+    return Graph(points, triangles, rim, normals, bends), parents
 
 
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
@@ -241,39 +247,63 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 
 def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
-    for step in range(MENDINGS + 1):
+    counts: list[int] = []
+    edges = Edges(graph.triangles, len(graph.points))
+    inside, along = distances(field, graph, edges)
+    nearest = _farthest(inside[inside <= tolerance], along[along <= tolerance])
+    while True:
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
-        edges = Edges(graph.triangles, len(graph.points))
-        inside, along = distances(field, graph, edges)
         reached = _farthest(inside, along)
         if reached <= tolerance:
             if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
-            world, deviation = field.world(graph.points), reached * field.scale
+            world, deviation = field.world(graph.points), max(reached, nearest) * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
-        if step == MENDINGS:
-            break
+        counts.append(int((inside > tolerance).sum() + (along > tolerance).sum()))
+        if len(counts) > MENDINGS or (len(counts) > STALLED and counts[-1] >= counts[-1 - STALLED]):
+            raise ArithmeticError("the tolerance was not reached")
         far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
         require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
-        graph = _split(field, graph, far)
-        graph = replace(graph, triangles=flipped(graph.points, graph.triangles, graph.normals, 3))
-    raise ArithmeticError("the tolerance was not reached")
+        graph, changed = _halved(field, graph, far)
+        edges = Edges(graph.triangles, len(graph.points))
+        inside, along = distances(field, graph, edges, changed)
+        nearest = max(nearest, _farthest(inside[inside <= tolerance], along[along <= tolerance]))
 
 
-def distances(field: SheetField, graph: Graph, edges: Edges) -> tuple[Floats, Floats]:
-    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane."""
-    centres = graph.points[graph.triangles].mean(axis=1)
-    middles = graph.points[edges.every].mean(axis=1)
-    inner = len(edges.inner)
-    found = field.distances(np.concatenate([centres, middles[:inner]]))
-    along = np.empty(len(middles))
-    along[:inner] = found[len(centres) :]
+def _halved(field: SheetField, graph: Graph, far: Integers) -> tuple[Graph, np.ndarray]:
+    """The mesh with edges (E, 2) halved and others around them flipped; which triangles (T,) are new."""
+    graph, parents = _split(field, graph, far)
+    near = np.zeros(len(graph.points), dtype=bool)
+    near[far] = True
+    near[-len(far) :] = True
+    around = np.flatnonzero(near[graph.triangles].any(axis=1))
+    triangles = graph.triangles.copy()
+    triangles[around] = flipped(graph.points, triangles[around], graph.normals, 3)
+    changed = np.bincount(parents, minlength=int(parents.max()) + 1)[parents] > 1
+    changed[around] |= (triangles[around] != graph.triangles[around]).any(axis=1)
+    return replace(graph, triangles=triangles), changed
+
+
+def distances(
+    field: SheetField, graph: Graph, edges: Edges, changed: np.ndarray | None = None
+) -> tuple[Floats, Floats]:
+    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane.
+
+    Where it is given which triangles (T,) are `changed`, they are 0 for others.
+    """
+    triangles = np.arange(len(graph.triangles)) if changed is None else np.flatnonzero(changed)
+    inner = np.arange(len(edges.inner)) if changed is None else np.flatnonzero(changed[edges.owners].any(axis=1))
+    a, b, c = (graph.points[graph.triangles[triangles, i]] for i in range(3))
+    p, q = (graph.points[edges.inner[inner, i]] for i in range(2))
+    found = field.distances(np.concatenate([(a + b + c) / 3, (p + q) / 2]))
+    inside, along = np.zeros(len(graph.triangles)), np.zeros(len(edges.every))
+    inside[triangles], along[inner] = found[: len(triangles)], found[len(triangles) :]
     rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)
     for number, curve in enumerate(field.rims):
-        here = inner + np.flatnonzero(rims == number)
+        here = np.flatnonzero(rims == number)
         if len(here):
-            along[here] = curve.distances(middles[here])
-    return found[: len(centres)], along
+            along[len(edges.inner) + here] = curve.distances(graph.points[edges.rim[here]].mean(axis=1))
+    return inside, along
 
 
 def _fixed(field: SheetField, rim: Integers) -> np.ndarray:

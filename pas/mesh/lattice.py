@@ -13,8 +13,10 @@ from itertools import permutations
 from math import factorial, prod
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.bernstein.subdivision import raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 
@@ -23,6 +25,10 @@ TINY = 1e-300
 
 ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
+
+
+LOOKS, LOOKED_AT = 5, 2000
+"""Halvings of tetrahedra that may hide a component, and how many are looked at together."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +64,54 @@ class Subdivision:
         kept = (self.forms.min(axis=1) <= ROUNDING) & (self.forms.max(axis=1) >= -ROUNDING)
         self._nodes, self.forms = self._nodes[kept], self.forms[kept]
 
+    def bent(self) -> tuple[Floats, bool]:
+        """The middles (B, 3) of tetrahedra in which the function need not rise all along its mean gradient.
+
+        Those first where that is smallest; and whether one away from all sign changes at nodes has another sign inside,
+        so that a component hides there.
+        """
+        points = self._nodes @ self.field.vertices / self.parts
+        bent, mean = self._turning(self.forms, points)
+        rows = np.flatnonzero(bent)
+        order = rows[np.argsort((mean[rows] ** 2).sum(axis=1), kind="stable")]
+        ends = self.forms[:, self._ends]
+        one = (ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1)
+        numbers = _distinct(self._nodes.reshape(-1, self._nodes.shape[2]))[1].reshape(-1, 4)
+        crossed = np.zeros(int(numbers.max(initial=0)) + 1, dtype=bool)
+        crossed[numbers[~one]] = True
+        alone = rows[one[rows] & ~crossed[numbers[rows]].any(axis=1)]
+        return points[order].mean(axis=1), self._hides(self.forms[alone], points[alone])
+
     @property
-    def bent(self) -> float:
-        """The share of the tetrahedra in which the function need not rise all along its mean gradient."""
-        if not len(self.forms):
-            return 0.0
-        points = self._nodes @ self.field.vertices
-        rises, mean = risings(self.forms, points, self.field.degree)
-        along = np.einsum("tmx,tx->tm", rises, mean)
-        return float((along.min(axis=1) <= 0).mean())
+    def _ends(self) -> list[int]:
+        """Where the values at corners stand among B-coefficients."""
+        degree = self.field.degree
+        return [i for i, a in enumerate(homogeneous_exponents(degree, 4)) if max(a) == degree]
+
+    def _turning(self, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
+        """In which tetrahedra (T, 4, 3) the function need not rise along its mean gradient, and that (T, 3)."""
+        rises, mean = risings(forms, points, self.field.degree)
+        return np.einsum("tmx,tx->tm", rises, mean).min(axis=1) <= 0, mean
+
+    def _hides(self, forms: Floats, points: Floats) -> bool:
+        """Whether a tetrahedron with values of one sign at its corners has another sign on a finer lattice.
+
+        Parts in which the function rises along one direction are not looked into: they hold no component.
+        """
+        cut, matrices = eighths(self.field.degree)
+        forms = forms * np.where((forms[:, self._ends] >= -ROUNDING).all(axis=1), 1.0, -1.0)[:, None]
+        for _ in range(LOOKS):
+            if not len(forms) or len(forms) > LOOKED_AT:
+                break
+            forms = np.matmul(forms, matrices).transpose(1, 0, 2).reshape(-1, forms.shape[1])
+            points = np.einsum("ekj,tjx->tekx", cut / 2, points).reshape(-1, 4, 3)
+            if (forms[:, self._ends] < -ROUNDING).any():
+                return True
+            kept = forms.min(axis=1) <= ROUNDING
+            forms, points = forms[kept], points[kept]
+            bent = self._turning(forms, points)[0]
+            forms, points = forms[bent], points[bent]
+        return False
 
     @property
     def lattice(self) -> Lattice:
@@ -92,19 +137,11 @@ def _distinct(rows: Integers) -> tuple[Integers, Integers]:
 
 def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
     """B-coefficients (T, m, 3) of gradients on tetrahedra (T, 4, 3), and their means (T, 3), up to positive factors."""
-    up = raised(degree)
+    up = raised(degree, 4)
     slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])
     steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
     gradients = steps @ slopes.transpose(0, 2, 1)
     return gradients, gradients.mean(axis=1)
-
-
-@cache
-def raised(degree: int) -> Integers:
-    """For each multi-index of degree - 1 where those of `degree` with one more in each place stand, (m, 4)."""
-    where = {a: i for i, a in enumerate(homogeneous_exponents(degree, 4))}
-    lower = homogeneous_exponents(degree - 1, 4)
-    return np.array([[where[tuple(v + (i == k) for i, v in enumerate(a))] for k in range(4)] for a in lower])
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,10 +62,11 @@ class Mesh(Shape):
         parameters: Floats | None = None,
         deviation: float | None = None,
         proved: bool = False,
-    ) -> Mesh:
+    ) -> Any:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
         faces = np.zeros(len(triangles), dtype=np.intp)
-        mesh = SmoothMesh(points, triangles, faces, (name,), normals, parameters, deviation, proved)
+        kind = cls if issubclass(cls, SmoothMesh) else SmoothMesh
+        mesh = kind(points, triangles, faces, (name,), normals, parameters, deviation, proved)
         del vars(mesh)["normals"]  # these are those of points
         vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
         vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp

@@ -14,14 +14,14 @@ from scipy.spatial import cKDTree
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
-from pas.mesh.contour import march
-from pas.mesh.field import CellField, Floats, Integers
+from pas.mesh.contour import crossings, oriented, snapped
+from pas.mesh.field import VISIBLE, CellField, Floats, Integers
 from pas.mesh.graded import AIM, Graph, coarsened, fineness, finished, looked_at, remeshed
 from pas.mesh.improve import folded
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.radial import Edges
-from pas.mesh.topology import is_manifold
+from pas.mesh.topology import edge_table, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
@@ -29,7 +29,13 @@ LEAST, FINEST = 2, 8
 BENT = 0.02
 """Share of the tetrahedra in which the function may turn for a lattice that is tried."""
 
-MANY = 400_000
+ATTEMPTS = 3
+"""Lattices, each twice as fine as the one before, that are tried in vain."""
+
+SEARCHED = 20_000
+"""Tetrahedra among which each that may hide a component is cut further; with more, some may be missed."""
+
+MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
 SNAPS = (0.42, 0.2, 0.0)
@@ -46,19 +52,32 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None) -> 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
     than `most` triangles.
     """
-    cells, why = Subdivision(field), "there is no surface in the region: the function does not change sign"
+    cells, failed = Subdivision(field), 0
+    why = "there is no surface in the region: the function does not change sign"
     while len(cells.forms):
-        if cells.parts >= 1 << LEAST and (cells.bent <= BENT or _finest(cells)):
-            grid = cells.lattice
-            if len(grid.tetrahedra):
+        if cells.parts >= 1 << LEAST:
+            bent, hidden = cells.bent()
+            plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > SEARCHED)
+            if plain or _finest(cells):
+                grid = cells.lattice
                 try:
-                    return _from(field, grid, tolerance, most)
+                    if len(grid.tetrahedra):
+                        return _from(field, grid, tolerance, most)
                 except ArithmeticError as error:
-                    why = f"no good mesh was found: {error}; the surface may have a singular point"
-        if _finest(cells):
+                    failed += 1
+                    why = f"no good mesh was found: {error}{_singular(field, bent)}"
+        if failed == ATTEMPTS or _finest(cells):
             break
         cells.halve()
     raise MeshError(why)
+
+
+def _singular(field: CellField, bent: Floats) -> str:
+    """Where the trouble may come from."""
+    if not len(bent):
+        return ""
+    x, y, z = (0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(bent[0]).tolist())
+    return f"; the surface may be singular, or very thin, near ({x:.4g}, {y:.4g}, {z:.4g})"
 
 
 def _finest(cells: Subdivision) -> bool:
@@ -69,14 +88,24 @@ def _from(field: CellField, grid: Lattice, tolerance: float, most: int | None) -
     """The mesh that begins with a lattice; raises `ArithmeticError` where that is no good."""
     graph = _first(field, grid)
     coarse = AIM * tolerance * fineness(field, tolerance) ** 2
-    return finished(field, remeshed(field, coarsened(field, graph, coarse), coarse), tolerance, most)
+    graph = remeshed(field, coarsened(field, graph, coarse), coarse)
+    if not field.within(graph.points):
+        raise ArithmeticError("the mesh leaves the region")
+    return finished(field, graph, tolerance, most)
 
 
 def _first(field: CellField, grid: Lattice) -> Graph:
+    negative = grid.values < 0
+    ends, triangles = crossings(negative, grid.tetrahedra)
+    a, b = ends.T
+    share = grid.values[a] / (grid.values[a] - grid.values[b])
+    crossed = grid.points[a] + share[:, None] * (grid.points[b] - grid.points[a])
+    plain = oriented(grid.points, negative, ends, crossed, triangles)
+    wanted = _topology(plain)
     for snap in SNAPS:
         checkpoint("contouring")
-        points, triangles = march(grid, snap)
-        if not len(triangles) or not is_manifold(triangles):
+        points, triangles, _ = snapped(crossed, plain, ends, share, snap, np.zeros(len(negative), dtype=bool))
+        if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:
             continue
         rim = _rims(field, points, triangles)
         for number, curve in enumerate(field.rims):
@@ -85,10 +114,17 @@ def _first(field: CellField, grid: Lattice) -> Graph:
                 points[here] = curve.at(points[here])
         inner = rim < 0
         points[inner] = field.near(points[inner])
+        if not field.within(points):
+            continue
         graph = looked_at(field, points, triangles, rim)
         if folded(points, triangles, graph.normals).mean() <= FOLDS and _shows_curves(field, graph):
             return graph
-    raise ArithmeticError("triangles are folded, or a curve on which the surface ends is not seen")
+    raise ArithmeticError("triangles are folded, or where the surface ends is not seen")
+
+
+def _topology(triangles: Integers) -> tuple[int, int]:
+    """The number of components, and Euler's characteristic."""
+    return piece_count(triangles), len(np.unique(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
 
 
 def _rims(field: CellField, points: Floats, triangles: Integers) -> Integers:

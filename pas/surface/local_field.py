@@ -25,6 +25,9 @@ STEPS = 20
 SETTLED = 1e-15
 """Length of a step, in local units, that ends it."""
 
+INSIDE = 1e-11
+"""In barycentric coordinates: how far outside the region a point may be by rounding."""
+
 FARTHEST = 0.2
 """Length of a step at most, over the region's reach."""
 
@@ -66,6 +69,10 @@ class LocalField(PatchField):
             return np.empty(0, dtype=np.intp)
         nearest = np.argmin([_distances(points, face) for face in self.faces], axis=0)
         return np.asarray(self._wall_of[nearest])
+
+    def within(self, points: Floats) -> bool:
+        """Whether all points (N, 3) are in the region, but for rounding."""
+        return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
@@ -111,14 +118,18 @@ class Wall:
         """Orthonormal directions (k, 3) that span the normals."""
         return np.linalg.qr(self.planes[:, :3].T)[0].T
 
+    @cached_property
+    def _back(self) -> Floats:
+        """From distances from the planes (N, k) to the shortest ways onto all of them."""
+        return np.linalg.pinv(self.planes[:, :3]).T
+
     def at(self, points: Floats) -> Floats:
         """Points of the curve (N, 3) near points near it."""
         points = self._onto(self.field.slid(self._onto(points), self._across))
         return self._onto(points)
 
     def _onto(self, points: Floats) -> Floats:
-        normals, offsets = self.planes[:, :3], self.planes[:, 3]
-        return np.asarray(points - (points @ normals.T - offsets) @ np.linalg.pinv(normals).T)
+        return np.asarray(points - (points @ self.planes[:, :3].T - self.planes[:, 3]) @ self._back)
 
     def distances(self, points: Floats) -> Floats:
         """Distances |f| / |grad f| (N,) of points in the plane, to first order."""

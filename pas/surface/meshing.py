@@ -11,17 +11,22 @@ from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
+from pas.surface.surface_mesh import SurfaceMesh
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
 
-def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
+def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> SurfaceMesh:
     """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
 
     What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall, a
     contact curve that is none around its middle) is meshed from a lattice.
     """
+    return SurfaceMesh.of_surface(_triangles(surface, tolerance, most), surface)
+
+
+def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
     if _around_centre(surface):
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
@@ -30,7 +35,8 @@ def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mes
         except ArithmeticError:
             pass
     lattice = LocalField(surface)
-    return triangulate(lattice, tolerance / lattice.scale, most)
+    with np.errstate(all="ignore"):  # what is not finite is folded, and refused
+        return triangulate(lattice, tolerance / lattice.scale, most)
 
 
 def _around_centre(surface: PiecewiseSurface) -> bool:

@@ -1,0 +1,273 @@
+"""The proof that a mesh is a surface: the same topology, and how far it is from it at most, however it was made.
+
+Let f be C^1 in the region, and v a continuous field with v . grad f > 0 but where v = 0: grad f inside, its part along
+the walls on these, along the edges between walls on those, and 0 at their ends; between them, in collars as thin as one
+likes, mixtures.  Let M be an oriented mesh whose boundary is on the walls, and w the number that drops by 1 where one
+leaves through a triangle and is, as the region is star-shaped, well defined off M.  If
+
+  - v crosses every triangle from its back to its front (on all of it along grad f, on its corners and sides in walls
+    and edges along the parts of grad f there), and
+  - at every zero of v f is not 0, M is elsewhere, and w = 1 where f < 0, w = 0 where f > 0,
+
+then M meets each curve of the flow that crosses the zeros of f once, and no other: along a curve f rises from one zero
+of v to another, and w falls by 1 at each crossing with M.  So the flow maps M one to one onto the zeros of f; it is the
+same surface up to an isotopy along the curves, and neither has a component that the other has not.
+
+The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (`pas.surface.rests`),
+the triangles are bounded by Bernstein forms (`pas.surface.mesh_bounds`), w is counted along segments from the centre
+(`pas.surface.windings`).  All count their rounding.  Points of the boundary may be off the walls by rounding, and are
+then taken to be on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from pas.algebra.monomials import Floats
+from pas.mesh.field import Integers
+from pas.mesh.radial import Edges
+from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
+from pas.surface.mesh_stage import Stage
+from pas.surface.proofs import face_verdict
+from pas.surface.rests import rests
+from pas.surface.windings import crossed
+from pas.verdicts import Findings, Point, Status, Verdict
+
+if TYPE_CHECKING:
+    from pas.surface.piecewise import PiecewiseSurface
+
+CLAIM = "the topology of the surface"
+
+OFF = 1e-9
+"""Over the region's size: how far vertices may be from the surface."""
+
+BOXES = 4_000_000
+"""Pairs of simplices and triangles whose boxes are compared on one level at most."""
+
+TRIES = 6
+"""Points of a simplex that are tried for one from which crossings can be counted for sure."""
+
+
+@dataclass(frozen=True)
+class MeshCertificate(Findings):
+    """What is proved of a mesh of a surface.
+
+    `distance` is the largest of the mesh's points from the zeros, proved, in the model's units, None where it is not
+    known; `places` are points (x, y, z) where it could not be decided that the topology is that of the surface.
+    """
+
+    distance: float | None = None
+    places: tuple[Point, ...] = field(default=())
+
+
+def certify_mesh(surface: PiecewiseSurface, points: Floats, triangles: Integers) -> MeshCertificate:
+    """The verdicts on a mesh (N, 3), (T, 3) of a surface: whether it is its boundary on walls, topology, distance."""
+    edges = Edges(triangles, int(triangles.max(initial=0)) + 1)
+    if not len(triangles) or not edges.manifold:
+        verdict = Verdict(Status.REFUTED, "a manifold", "there are no triangles, or some edge does not have one or two")
+        return MeshCertificate((verdict,), partly_measured=True)
+    stage = Stage(surface, points, triangles)
+    found = bounds(stage)
+    chain, rims = _border(stage, edges)
+    if chain.proved:
+        topology, places = _topology(stage, found, rims)
+    else:
+        topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
+        places = () if chain.witness is None else (chain.witness,)
+    near, distance = _distance(stage, found, closed=not len(edges.rim))
+    verdicts = (chain, _vertices(stage), topology, near)
+    return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
+
+
+def _point(stage: Stage, place: Floats) -> Point:
+    x, y, z = stage.world(place).tolist()
+    return x, y, z
+
+
+def _vertices(stage: Stage) -> Verdict:
+    """How near the vertices are, to first order: what a vertex that was moved fails."""
+    claim = "vertices on the surface"
+    jets = stage.surface.evaluator.jets(stage.world(stage.points))
+    with np.errstate(all="ignore"):
+        off = np.abs(jets[:, 0]) / np.sqrt((jets[:, 1:] ** 2).sum(axis=1)) / stage.scale
+    worst = int(np.nanargmax(off)) if not np.isnan(off).all() else 0
+    if off[worst] <= OFF:
+        reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
+        return Verdict(Status.HOLDS_MEASURED, claim, reason)
+    reason = f"|f| / |grad f| is {off[worst] * stage.scale:.2g} at one"
+    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(stage, stage.points[worst]))
+
+
+def _border(stage: Stage, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+    """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
+    claim, points = "a manifold that ends on the walls", stage.points
+    inside = np.zeros(len(points), dtype=bool)
+    for cell in range(len(stage.corners)):
+        inside |= stage.barycentric(points, np.array([cell]))[0].min(axis=0) >= -1e-11
+    used = np.unique(stage.triangles)
+    if not inside[used].all():
+        place = points[used[~inside[used]][0]]
+        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
+    middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
+    touches = np.zeros(len(points), dtype=bool)
+    for face, number in enumerate(stage.wall_of.tolist()):
+        on = stage.on_face(face, points)
+        touches |= on
+        wall[stage.on_face(face, middles)] = number
+    if (wall < 0).any():
+        place = middles[wall < 0][0]
+        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", _point(stage, place)), []
+    touches[edges.rim] = False
+    if touches[used].any():
+        place = points[used[touches[used]][0]]
+        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", _point(stage, place)), []
+    how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
+    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(stage, edges, wall)
+
+
+def _rims(stage: Stage, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+    """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
+    on = {}
+    for number in np.unique(wall).tolist():
+        on[number] = np.zeros(len(stage.points), dtype=bool)
+        on[number][edges.rim[wall == number]] = True
+    normal = {n: stage.walls[stage.wall_of == n][0, :3] for n in on}
+    result = [(normal[n][None], vertices) for n, vertices in on.items()]
+    for i in on:
+        for j in on:
+            if i < j and (on[i] & on[j]).any():
+                across = np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T
+                result.append((across, on[i] & on[j]))
+    return result
+
+
+def _topology(stage: Stage, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
+    def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
+        at = tuple(_point(stage, place) for place in _spread(places))
+        return Verdict(Status.UNDECIDED, CLAIM, reason, at[0] if at else None), at
+
+    if stage.center is None:
+        return undecided("the region has no centre from which to count", np.empty((0, 3)))
+    faces = range(len(stage.partition.interior_faces))
+    if faces and (stage.surface.order < 1 or not all(face_verdict(stage.surface, i).proved for i in faces)):
+        return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
+    middles = stage.points[stage.triangles].mean(axis=1)
+    flat = ~(found.least > 0)
+    if flat.any():
+        return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", middles[flat])
+    steep, numbers = along_walls(stage, rims)
+    if not (steep > 0).all():
+        return undecided("the surface may be tangential to a wall", middles[numbers[~(steep > 0)]])
+    simplices, signs, left, examined = _rests(stage, float(found.most.max()))
+    if len(left):
+        return undecided("the surface may be singular, or closer to itself than to the mesh", left)
+    return _counted(stage, simplices, signs, examined)
+
+
+def _spread(places: Floats, most: int = 8) -> Floats:
+    """Some of many places, far from one another, the first first."""
+    chosen: list[Floats] = []
+    far = np.full(len(places), np.inf)
+    while len(chosen) < most and len(places) and (not chosen or far.max() > 1e-2):
+        here = int(far.argmax())
+        chosen.append(places[here])
+        far = np.minimum(far, np.sqrt(((places - places[here]) ** 2).sum(axis=1)))
+    return np.array(chosen).reshape(-1, 3)
+
+
+def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats, int]:
+    """All simplices, of whatever dimension, in which the flow may rest, their signs; those left open; how many there
+    were."""
+    size = float(np.abs(stage.cell_forms).max())
+    box = stage.points[stage.triangles]
+    boxes = Boxes(box.min(axis=1), box.max(axis=1))
+
+    def free(least: Floats, simplices: Floats) -> np.ndarray:
+        result = np.asarray(least * size > most)
+        near = np.flatnonzero(~result)
+        if len(near) * len(box) <= BOXES:
+            for row in near.tolist():
+                result[row] = not len(boxes.meeting(simplices[row].min(axis=0), simplices[row].max(axis=0)))
+        return result
+
+    simplices: list[Floats] = []
+    signs: list[float] = []
+    left, examined = [np.empty((0, 3))], 0
+    for forms, corners in stage.strata:
+        found = rests(forms / size, corners, stage.degree, free)
+        simplices += list(found.simplices)
+        signs += found.signs.tolist()
+        left.append(found.open)
+        examined += found.examined
+    return simplices, signs, np.concatenate(left), examined
+
+
+def _grouped(simplices: list[Floats]) -> list[list[int]]:
+    """The numbers of simplices by connected unions: those with a common corner are in one, the largest first."""
+    owner = np.repeat(np.arange(len(simplices)), [len(s) for s in simplices])
+    _, corner = np.unique(np.concatenate(simplices), axis=0, return_inverse=True)
+    links = coo_array((np.ones(len(owner)), (owner, corner.ravel())), shape=(len(simplices), int(corner.max()) + 1))
+    links = links.tocsr()
+    parts = connected_components(links @ links.T, directed=False)[1]
+    order = np.argsort([-float(np.ptp(s, axis=0).sum()) for s in simplices], kind="stable")
+    groups: list[list[int]] = [[] for _ in range(int(parts.max()) + 1)]
+    for number in order.tolist():
+        groups[parts[number]].append(number)
+    return groups
+
+
+def _counted(
+    stage: Stage, simplices: list[Floats], signs: list[float], examined: int
+) -> tuple[Verdict, tuple[Point, ...]]:
+    """Whether the mesh is crossed as the surface is between all places of rest.
+
+    None of them is on the mesh, so one of each group with common corners stands for all.
+    """
+    groups = _grouped(simplices)
+    times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
+    known, inside = np.zeros(len(groups), dtype=bool), np.array([signs[group[0]] < 0 for group in groups])
+    assert stage.center is not None
+    origin = stage.center + stage.room * np.array([0.213, 0.127, -0.171])
+    for attempt in range(TRIES):
+        rows = np.flatnonzero(~known)
+        for row in rows.tolist():
+            simplex = simplices[groups[row][attempt % len(groups[row])]]
+            weights = 1 + 0.618 * np.sin(2.4 * np.arange(1, len(simplex) + 1) + attempt)
+            ends[row] = weights @ simplex / weights.sum()
+        times[rows], known[rows] = crossed(stage.points, stage.triangles, origin, ends[rows])
+        if known.all():
+            break
+    if not known.all():
+        places = tuple(_point(stage, place) for place in _spread(ends[~known]))
+        return Verdict(Status.UNDECIDED, CLAIM, "crossings could not be counted for sure", places[0]), places
+    excess = times + inside  # the same for all where the mesh is the surface
+    usual = int(np.bincount(excess - excess.min()).argmax() + excess.min())
+    wrong = np.flatnonzero(excess != usual)
+    if len(wrong):
+        places = tuple(_point(stage, place) for place in _spread(ends[wrong]))
+        reason = f"{len(wrong)} of {len(groups)} places are on the wrong side: a component is missing or too many"
+        return Verdict(Status.REFUTED, CLAIM, reason, places[0], examined), places
+    reason = (
+        f"f rises across all {len(stage.triangles)} triangles, and {len(groups)} parts that hold all its critical "
+        f"points are on the right side of the mesh; {examined} simplices"
+    )
+    return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
+
+
+def _distance(stage: Stage, found: Bounds, closed: bool) -> tuple[Verdict, float | None]:
+    """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
+    way = farthest(stage, found)
+    if way is None or not np.isfinite(way).all():
+        middles = stage.points[stage.triangles].mean(axis=1)
+        place = None if way is None else _point(stage, middles[~np.isfinite(way)][0])
+        reason = "the gradient may vanish too near to a triangle"
+        return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
+    most = float(way.max()) * stage.scale
+    beyond = "" if closed else ", which go on beyond the walls"
+    reason = f"|f| on triangles over the least slope of f across them, to the zeros{beyond}"
+    return Verdict(Status.PROVED, f"within {most:.3g} of the surface", reason), most

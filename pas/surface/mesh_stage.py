@@ -1,0 +1,159 @@
+"""A surface and a mesh of it in coordinates in which both are known exactly, for proofs.
+
+The origin is a point of doubles, so that differences from it are rounded once; polynomials, cells and their B-forms are
+worked out exactly there before they are rounded.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
+from pas.bernstein.forms import b_form, on_simplex
+from pas.mesh.field import Integers
+from pas.partition.frame import Frame
+
+if TYPE_CHECKING:
+    from pas.surface.piecewise import PiecewiseSurface
+
+ON_WALL = 1e-12
+"""In local units: how far points of the boundary may be off a wall, by rounding."""
+
+BESIDE = 1e-9
+"""In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
+
+
+class Stage:
+    """The mesh's points (N, 3), triangles (T, 3), and the surface's patches, all in local coordinates."""
+
+    def __init__(self, surface: PiecewiseSurface, points: Floats, triangles: Integers) -> None:
+        self.surface, self.partition = surface, surface.partition
+        frame = self.partition.frame
+        origin = to_floats(frame.origin)
+        self.frame = Frame(exact_vector(list(origin)), frame.scale)
+        same = self.frame.origin == frame.origin
+        patches = surface.patches if same else [self.frame.localise(p) for p in surface.polynomials]
+        self.patches: tuple[Polynomial, ...] = tuple(patches)
+        self.degree, self.scale = max(surface.degree, 1), to_float(frame.scale)
+        self.points = (points - np.array(origin)) / self.scale
+        self.triangles = triangles
+        self.reach = float(max(np.abs(self.points).max(initial=0.0), np.abs(self.corners).max()))
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
+        return self.frame.global_points(points)
+
+    @cached_property
+    def exact(self) -> list[tuple[Vector, ...]]:
+        """The corners of the cells, exact."""
+        return [tuple(self.frame.local_point(v) for v in self.partition.corners(cell)) for cell in self.partition.cells]
+
+    @cached_property
+    def corners(self) -> Floats:
+        """The corners of the cells (C, 4, 3)."""
+        return np.array([[to_floats(v) for v in cell] for cell in self.exact])
+
+    @cached_property
+    def center(self) -> Floats | None:
+        """The centre of the region (3,), from which all of it is seen; None where it has none."""
+        center = self.partition.center
+        return None if center is None else np.array(to_floats(self.frame.local_point(center)))
+
+    def forms(self, cells: list[tuple[Vector, ...]]) -> Floats:
+        """The B-coefficients (C, m) of each cell's polynomial on tetrahedra given in the same order."""
+        piece_of = self.partition.piece_of
+        return np.array(
+            [
+                [to_float(c) for c in b_form(on_simplex(self.patches[piece].raw, cell), self.degree, 3)]
+                for piece, cell in zip(piece_of.tolist(), cells, strict=True)
+            ]
+        )
+
+    @cached_property
+    def cell_forms(self) -> Floats:
+        """Those on the cells themselves."""
+        return self.forms(self.exact)
+
+    def barycentric(self, points: Floats, cells: Integers) -> Floats:
+        """Coordinates (c, 4, N) of points (N, 3) in some cells."""
+        whole = np.concatenate([self.corners[cells], np.ones((len(cells), 4, 1))], axis=2)
+        maps = np.linalg.inv(whole.transpose(0, 2, 1))
+        return np.asarray(maps[:, :, :3] @ points.T + maps[:, :, 3:])
+
+    @cached_property
+    def walls(self) -> Floats:
+        """The planes (W, 4) of the outer faces, unit normals outwards and offsets."""
+        planes = []
+        for face in self.partition.outer_faces:
+            a, b, c = (np.array(to_floats(self.frame.local_point(v))) for v in self.partition.corners(face.vertices))
+            normal = np.cross(b - a, c - a)
+            normal /= np.sqrt(normal @ normal)
+            inside = self.corners[face.cell].mean(axis=0)
+            normal = normal if normal @ (a - inside) > 0 else -normal
+            planes.append([*normal, normal @ a])
+        return np.array(planes)
+
+    @cached_property
+    def wall_of(self) -> Integers:
+        """The number of each outer face's plane (W,): faces in one plane have one number."""
+        numbers: dict[Polynomial, int] = {}
+        faces = self.partition.outer_faces
+        return np.array([numbers.setdefault(face.plane, len(numbers)) for face in faces], dtype=np.intp)
+
+    @cached_property
+    def room(self) -> float:
+        """The radius of a ball around the centre that no plane of an outer face cuts."""
+        assert self.center is not None
+        return float((self.walls[:, 3] - self.walls[:, :3] @ self.center).min())
+
+    def on_face(self, face: int, points: Floats) -> np.ndarray:
+        """Which points (N, 3) are on an outer face."""
+        plane = self.walls[face]
+        near = np.abs(points @ plane[:3] - plane[3]) <= ON_WALL
+        cell = np.array([self.partition.outer_faces[face].cell])
+        rows = np.flatnonzero(near)
+        near[rows] = self.barycentric(points[rows], cell)[0].min(axis=0) >= -BESIDE
+        return near
+
+    def touching(self, piece: int) -> np.ndarray:
+        """Which triangles (T,) may have a point in a piece."""
+        found = np.zeros(len(self.triangles), dtype=bool)
+        if len(self.patches) == 1:
+            return ~found
+        for cell in self.partition.pieces[piece]:
+            depth = self.barycentric(self.points, np.array([cell]))[0][:, self.triangles]
+            found |= ~(depth < -BESIDE).all(axis=2).any(axis=0)
+        return found
+
+    @cached_property
+    def strata(self) -> list[tuple[Floats, Floats]]:
+        """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
+        cells = self.partition.cells
+        faces = self.partition.outer_faces
+        result = [(self.cell_forms, self.corners)]
+        parts: list[set[tuple[int, tuple[int, ...]]]] = [set(), set(), set()]
+        parts[0] = {(face.cell, tuple(face.vertices)) for face in faces}
+        for i, j in combinations(range(len(faces)), 2):
+            common = tuple(sorted(set(faces[i].vertices) & set(faces[j].vertices)))
+            if len(common) == 2 and self.wall_of[i] != self.wall_of[j]:
+                parts[1].add((faces[i].cell, common))
+        ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
+        parts[2] = {(cell, (v,)) for v, cell in ends.items()}
+        indices = homogeneous_exponents(self.degree, 4)
+        for part in parts:
+            forms, corners = [], []
+            for cell, vertices in sorted(part):
+                at = [k for k, v in enumerate(cells[cell]) if v in vertices]
+                others = [k for k in range(4) if k not in at]
+                rows = [i for i, a in enumerate(indices) if not any(a[k] for k in others)]
+                forms.append(self.cell_forms[cell][rows])
+                corners.append(self.corners[cell][at])
+            if forms:
+                result.append((np.array(forms), np.array(corners)))
+        return result

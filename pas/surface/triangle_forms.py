@@ -1,0 +1,125 @@
+"""Bernstein forms of a polynomial and its gradient on many triangles, with a bound on their rounding.
+
+Values at the lattice points of each triangle, times the inverse of the Bernstein polynomials' values there, which is
+exact before it is rounded.  With |x| <= r in each coordinate, the points err by 4 u r, values by Horner's rule by
+2 (n + 3) u sum |c| r^|a| (see `pas.algebra.kernels`), the product with m columns by (m + 2) u times the sizes, and so
+does the one that raises the degree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from math import comb, factorial, prod
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.kernels import horner
+from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
+from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.limits import checkpoint
+from pas.mesh.field import Integers
+
+BLOCK = 2048
+"""Triangles worked on at once: what is needed of them stays in the caches."""
+
+SAFETY = 2.0
+"""By which bounds on rounding are multiplied, for products of roundings that are left out."""
+
+
+ELEVATED = 3
+"""Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""
+
+
+@dataclass(frozen=True)
+class Forms:
+    """B-coefficients of f (m, T), of a higher degree, and of its gradient (3, k, T) on triangles.
+
+    Each is off by at most so much.
+    """
+
+    values: Floats
+    gradients: Floats
+    value_error: float
+    gradient_error: float
+
+
+class TriangleForms:
+    """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`."""
+
+    def __init__(self, polynomial: Polynomial, degree: int, reach: float) -> None:
+        self.degree = degree
+        self._value = polynomial.dense(degree)[None]
+        self._gradient = np.array([polynomial.diff(axis).dense(degree - 1) for axis in range(3)])
+        self._value_error = _rounding(self._value, degree, reach)
+        self._gradient_error = _rounding(self._gradient, degree - 1, reach)
+
+    def blocks(self, corners: Floats) -> Iterator[tuple[slice, Forms]]:
+        """The forms on triangles (T, 3, 3), block by block."""
+        for start in range(0, len(corners), BLOCK):
+            checkpoint(f"bounding the function on triangles ({start} of {len(corners)})")
+            here = slice(start, start + BLOCK)
+            yield here, self.on(corners[here])
+
+    def on(self, corners: Floats) -> Forms:
+        """The forms on triangles (T, 3, 3)."""
+        values = elevation(self.degree, ELEVATED * self.degree) @ _forms(self._value, self.degree, corners)[0]
+        gradients = _forms(self._gradient, self.degree - 1, corners)
+        return Forms(values, gradients, self._value_error, self._gradient_error)
+
+
+def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
+    """B-coefficients (r, m, T) of polynomials."""
+    places, inverse, _ = lattice(degree)
+    points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
+    values = np.empty((len(tables), points[0].size))
+    horner(tables, degree, points.reshape(3, -1), values)
+    return np.asarray(np.matmul(inverse, values.reshape(len(tables), len(places), -1)))
+
+
+def _rounding(tables: Floats, degree: int, reach: float) -> float:
+    """How much the coefficients of `_forms` may be off."""
+    powers = np.array([sum(e) for e in exponents(degree)])
+    size = float((np.abs(tables) * reach**powers).sum(axis=1).max())
+    slope = float((np.abs(tables) * powers * reach ** np.maximum(powers - 1, 0)).sum(axis=1).max())
+    places, _, norm = lattice(degree)
+    each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 4 * reach * slope
+    return SAFETY * norm * UNIT_ROUNDOFF * each
+
+
+@cache
+def lattice(degree: int) -> tuple[Floats, Floats, float]:
+    """The lattice points' barycentric coordinates (m, 3), the matrix (m, m) from values there to B-coefficients in the
+    order of `homogeneous_exponents(degree, 3)`, and its largest row sum of sizes."""
+    indices = homogeneous_exponents(degree, 3)
+    if degree == 0:
+        return np.full((1, 3), 1 / 3), np.ones((1, 1)), 1.0
+    weights = [factorial(degree) // prod(map(factorial, a)) for a in indices]
+    entries = [
+        fmpq(w * prod(p**e for p, e in zip(point, a, strict=True)), degree**degree)
+        for point in indices
+        for a, w in zip(indices, weights, strict=True)
+    ]
+    inverse = fmpq_mat(len(indices), len(indices), entries).inv()
+    matrix = np.array([[to_float(v) for v in row] for row in inverse.tolist()])
+    return np.array(indices) / degree, matrix, float(np.abs(matrix).sum(axis=1).max())
+
+
+@cache
+def elevation(degree: int, higher: int) -> Floats:
+    """The matrix from B-coefficients on triangles to those of a higher degree; rows are weights of sum 1."""
+    source, target = homogeneous_exponents(degree, 3), homogeneous_exponents(higher, 3)
+    whole = comb(higher, degree)
+    rows = [[prod(comb(e, s) for e, s in zip(high, low, strict=True)) / whole for low in source] for high in target]
+    return np.array(rows)
+
+
+@cache
+def on_corners(degree: int, corners: tuple[bool, bool, bool]) -> Integers:
+    """Which B-coefficients are those on the side or at the corner of a triangle that the marked corners span."""
+    indices = homogeneous_exponents(degree, 3)
+    return np.array([i for i, a in enumerate(indices) if all(on or not e for e, on in zip(a, corners, strict=True))])

@@ -1,0 +1,229 @@
+"""Certificates of meshes: proved where a mesh is the surface, never where it is not, and where it cannot be known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import EQUAL, UNEQUAL, solved
+
+import pas
+from pas.surface.triangle_forms import TriangleForms, elevation, lattice
+from pas.surface.windings import crossed
+from pas.verdicts import Status
+
+TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"
+BALLS = "((x - {0})^2 + y^2 + z^2 - 1/4)*((x + {0})^2 + y^2 + z^2 - 1/4)"
+
+
+def boxed(text, size=1.0, tolerance=1e-2):
+    """The mesh of a polynomial's zeros in a box around 0 that has no symmetry."""
+    lower, upper = (-1.25, -1.375, -1.4375), (1, 1.0625, 1.125)
+    return pas.Polynomial(text).surface([size * v for v in lower], [size * v for v in upper]).mesh(tolerance)
+
+
+@cache
+def torus():
+    """A mesh of a torus."""
+    return boxed(TORUS, 2, 2e-2)
+
+
+def topology(certificate):
+    """The verdict on it."""
+    return next(v for v in certificate.verdicts if v.claim == "the topology of the surface")
+
+
+@pytest.mark.parametrize(
+    ("text", "size", "euler", "components"),
+    [
+        (TORUS, 2, 0, 1),
+        (BALLS.format("3/5"), 2, 4, 2),
+        ("x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5", 3, -8, 1),
+        ("x^2 + 2*y^2 - z^2 - 1/4 + x/7", 1, 0, 1),
+        ("x^2 - y^2 - z/3", 1, 1, 1),
+        ("x + y/2 + z/3 - 1/7", 1, 1, 1),
+        ("x^2 + y^2 - 1/4", 1, 0, 1),
+        ("1e-12*(x^2 + y^2 + z^2 - 1/2)", 1, 2, 1),
+        ("1e12*(x^2 + y^2 + z^2 - 1/2)", 1, 2, 1),
+        ("z*(x^2 + y^2 + z^2 - 9/4) + 1/10", 2, None, 2),
+    ],
+)
+def test_meshes_in_boxes_are_proved(text, size, euler, components):
+    mesh = boxed(text, size, 2e-3 * size)
+    certificate = mesh.certificate
+    assert topology(certificate).proved, str(certificate)
+    assert certificate.holds
+    assert certificate.places == ()
+    assert mesh.components == components
+    assert euler is None or mesh.euler_characteristic == euler
+    assert mesh.deviation * 0.99 <= certificate.distance <= 3 * 2e-3 * size
+    assert "rises across all" in str(certificate)
+
+
+@pytest.mark.parametrize("radii", [EQUAL, UNEQUAL])
+def test_meshes_of_several_pieces_are_proved(radii):
+    mesh = solved(radii, 2).surface.mesh(2e-3)
+    assert topology(mesh.certificate).proved, str(mesh.certificate)
+    assert mesh.certificate.distance < 6e-3
+
+
+def test_the_distance_is_not_below_what_is_measured():
+    mesh = torus()
+    rng = np.random.default_rng(1)
+    weights = rng.dirichlet(np.ones(3), len(mesh.triangles))
+    points = np.einsum("tk,tkx->tx", weights, mesh.points[mesh.triangles])
+    ring = np.hypot(points[:, 0], points[:, 1]) - 1
+    assert np.abs(np.hypot(ring, points[:, 2]) - 1 / 3).max() <= mesh.certificate.distance
+
+
+def without_one(mesh):
+    """A triangle removed."""
+    return replace(mesh, triangles=mesh.triangles[1:])
+
+
+def moved_off(mesh):
+    """A vertex moved off the surface."""
+    points = mesh.points.copy()
+    points[7] += 0.01 * mesh.point_normals[7]
+    return replace(mesh, points=points)
+
+
+def moved_across(mesh):
+    """A vertex moved over its neighbours."""
+    points = mesh.points.copy()
+    points[mesh.triangles[0, 0]] = 2 * points[mesh.triangles[0, 1]] - points[mesh.triangles[0, 0]]
+    return replace(mesh, points=points)
+
+
+def doubled(mesh):
+    """The same sheet twice."""
+    size = len(mesh.points)
+    return replace(
+        mesh, points=np.tile(mesh.points, (2, 1)), triangles=np.concatenate([mesh.triangles, mesh.triangles + size])
+    )
+
+
+def turned(mesh):
+    """Inside out."""
+    return replace(mesh, triangles=mesh.triangles[:, ::-1])
+
+
+@pytest.mark.parametrize("mutate", [without_one, moved_off, moved_across, doubled, turned])
+def test_mutated_meshes_get_no_certificate(mutate):
+    assert torus().certificate.holds
+    wrong = mutate(torus()).certificate
+    assert not wrong.holds or not topology(wrong).proved
+    assert not (topology(wrong).proved and wrong.distance is not None and wrong.distance < 2e-2 * 1.5)
+
+
+def test_a_component_that_is_missing_is_found():
+    mesh = boxed(BALLS.format("3/5"), 2, 1e-2)
+    left = (mesh.points[mesh.triangles][:, :, 0] < 0).all(axis=1)
+    found = topology(replace(mesh, triangles=mesh.triangles[left]).certificate)
+    assert found.status is Status.REFUTED
+    assert found.witness is not None
+    assert found.witness[0] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        (BALLS.format("2000001/4000000"), (0, 0, 0)),  # 1e-6 apart
+        ("(x^2 + y^2 + z^2 - 1/4)*((x - 3/4)^2 + (y - 1/7)^2 + z^2 - 1/10^8)", (3 / 4, 1 / 7, 0)),  # a bubble
+        ("x^3 - y^2 - z^2", (0, 0, 0)),
+        ("x^2 + y^2 - z^2", (0, 0, 0)),
+        ("x^2 + y^2 - z^2 - 1/10^8", (0, 0, 0)),  # a thin neck
+        ("x^2 + y^2 - z^2 + 1/10^8", (0, 0, 0)),  # two caps
+        ("(z + 1)^2 - x^2 - y^2 - 1/9", (0, 0, -2 / 3)),
+        ("(x - 1/2)^2 + y^2 + z^2 - 1/4", (1, 0, 0)),  # touches the wall
+        ("x*y", None),
+        ("x^2", None),
+        ("(x + y/3)^2*(x^2 + y^2 + z^2 - 1/2)", None),
+    ],
+)
+def test_what_is_singular_or_unseen_is_named_or_right(text, place):
+    try:
+        mesh = boxed(text)
+    except pas.MeshError as error:
+        assert "no good mesh" in str(error) or "does not change sign" in str(error)
+        return
+    found = topology(mesh.certificate)
+    if place is None:
+        assert not found.proved
+        return
+    if found.proved:
+        return
+    assert mesh.certificate.places
+    off = np.linalg.norm(np.array(mesh.certificate.places) - place, axis=1)
+    assert off.min() < 5e-2
+
+
+def sums_of_balls(seed):
+    """Products of spheres, and their number of components where none touch."""
+    rng = np.random.default_rng(seed)
+    centers = rng.integers(-12, 13, size=(int(rng.integers(1, 4)), 3)) / 16
+    radii = rng.integers(1, 8, size=len(centers)) / 16
+    text = "*".join(
+        f"((x - {a})^2 + (y - {b})^2 + (z - {c})^2 - {r * r})".replace("- -", "+ ")
+        for (a, b, c), r in zip(centers.tolist(), radii.tolist(), strict=True)
+    )
+    apart = all(
+        not abs(radii[i] - radii[j]) - 1e-9 <= np.linalg.norm(centers[i] - centers[j]) <= radii[i] + radii[j] + 1e-9
+        for i in range(len(centers))
+        for j in range(i)
+    )
+    inside = bool((np.abs(centers) + radii[:, None] < 1).all())
+    return text, len(centers) if apart and inside else None
+
+
+def judge(seed):
+    """Whether the mesh of a case was proved; a proof that is wrong fails."""
+    text, components = sums_of_balls(seed)
+    try:
+        mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(1e-2)
+    except pas.MeshError:
+        return False
+    if not topology(mesh.certificate).proved:
+        assert mesh.certificate.places
+        return False
+    if components is not None:
+        assert (mesh.components, mesh.euler_characteristic) == (components, 2 * components), text
+    return True
+
+
+def test_generated_cases_are_right_or_undecided():
+    assert sum(judge(seed) for seed in range(8)) >= 3
+
+
+@pytest.mark.slow
+def test_many_generated_cases_are_right_or_undecided():
+    assert sum(judge(seed) for seed in range(1000)) >= 400
+
+
+@pytest.mark.parametrize("degree", range(1, 9))
+def test_forms_on_triangles(degree):
+    rng = np.random.default_rng(degree)
+    f = pas.Polynomial("(x/3 + y/2 - z)*(x + 1/7)^2*(y*z - 2/5)^2*(x - y/9)")
+    terms = {e: c for e, c in f.coefficients().items() if sum(e) <= degree} | {(1, 0, 0): 1}
+    p = pas.Polynomial(terms)
+    corners = rng.uniform(-1, 1, size=(5, 3, 3))
+    forms = TriangleForms(p, degree, 1.0).on(corners)
+    inner = np.einsum("ak,tkx->atx", rng.dirichlet(np.ones(3), 40), corners)
+    assert forms.value_error < 1e-9
+    assert (p(inner) <= forms.values.max(axis=0) + 1e-12).all()
+    assert (p(inner) >= forms.values.min(axis=0) - 1e-12).all()
+    assert forms.values[0] == pytest.approx(p(corners[:, 0]), abs=1e-12)
+    assert lattice(degree)[0].sum(axis=1) == pytest.approx(1)
+    assert elevation(degree, degree + 2).sum(axis=1) == pytest.approx(1)
+
+
+def test_crossings_are_counted_with_sign():
+    mesh = torus()
+    ends = np.array([[1.01, 0.02, 0.03], [0.01, 0.02, 0.03], [1.9, 0.1, 0.2], [-1.9, 0.1, 0.2]])
+    times, known = crossed(mesh.points, mesh.triangles, np.array([0.013, 0.017, 0.5]), ends)
+    assert known.all()
+    assert times.tolist() == [-1, 0, 0, 0]
+    on_the_mesh = mesh.points[mesh.triangles[3]].mean(axis=0)
+    assert not crossed(mesh.points, mesh.triangles, np.array([0.013, 0.017, 0.5]), on_the_mesh[None])[1][0]
