@@ -75,7 +75,7 @@ def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     for again in (run(message.head["python"]), pas.read_problem(tmp_path / "copied.toml").solve()):
         assert (coefficients(again.surface) == message.arrays["coefficients"]).all()
     assert message.head["proved"] and message.head["facts"]["fairness"]["sharpness"] < 2
-    assert "pas.Pipe(axis=(1, 0, 0), radius='1/3', clip=1)" in message.head["python"]
+    assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
 def test_what_no_call_says_is_copied_with_its_file(tmp_path, monkeypatch, capsys):
@@ -198,9 +198,9 @@ def test_files_are_read_by_their_text_alone(desk, tmp_path):
     opened = made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text())
     assert opened == {"kind": "project", "name": "kept.pas.json", "sliders": {}, "blend": True}
     message, _ = made.solve(opened)
-    assert "pas.load('kept.pas.json')" in message.head["python"]
+    assert 'pas.load("kept.pas.json")' in message.head["python"]
     moved = made.solve({**opened, "sliders": {"tension": "8"}})[0]
-    assert "refit(steps=None, tension='8')" in moved.head["python"] and moved.head["proved"]
+    assert 'refit(steps=None, tension="8")' in moved.head["python"] and moved.head["proved"]
     with pytest.raises(pas.ProjectFileError, match="its content does not match its checksum"):
         made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text().replace('"degree"', '"grade"', 1))
 

@@ -1,4 +1,4 @@
-"""The studio in a browser: what is drawn, dragged, proved, undone, saved, and what happens when something goes wrong."""
+"""The studio in a browser: what is drawn, dragged, proved, undone and saved, and what happens where something fails."""
 
 from __future__ import annotations
 
@@ -114,21 +114,27 @@ def page(context, studio):
     return made
 
 
+COLORED = """(() => { studio.view.now(); const c = studio.view.live, g = studio.view.caster.gl;
+  const a = new Uint8Array(4 * c.width * c.height); let orange = 0, gray = 0;
+  g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+  for (let i = 0; i < a.length; i += 4) if (a[i + 3]) { if (a[i] > 2 * a[i + 2]) orange++; else gray++; }
+  return [orange / a.length * 4, gray / a.length * 4]; })()"""
+"""The shares of the picture that the surface and its neighbours take."""
+
+
 def test_the_page_shows_a_proved_surface_and_asks_nobody_else(page, studio):
     assert page.proved and page.problem["name"] == "pipes"
     own = studio[1].partition("#")[0]
     assert all(url.startswith((own, "data:")) for url in page.asked) and "token" not in page.page.url
     assert page.trouble == []
     page.until("studio.view.smoothed")
-    picture = page.ask("""(() => { studio.view.now(); const c = studio.view.live, a = new Uint8Array(4 * c.width * c.height), g = studio.view.caster.gl;
-      g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a); let orange = 0, gray = 0;
-      for (let i = 0; i < a.length; i += 4) if (a[i + 3]) { if (a[i] > 2 * a[i + 2]) orange++; else gray++; }
-      return [orange / a.length * 4, gray / a.length * 4]; })()""")  # fmt: skip
+    picture = page.ask(COLORED)
     assert 0.04 < picture[0] < 0.4 and 0.02 < picture[1] < 0.4
 
 
 VIEWS = ((0.62, -0.62, 0.48), (1, 0, 0.001), (1, 2, 0.05))
-PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view; v.camera.towards = towards.map((x) => x / n);
+PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view;
+  v.camera.towards = towards.map((x) => x / n);
   const a = new Uint8Array(v.caster.probe(v.camera, v.look, w, h).buffer); let s = "";
   for (let i = 0; i < a.length; i += 32768) s += String.fromCharCode(...a.subarray(i, i + 32768));
   return [btoa(s), v.camera.frame(w / h), studio.state.scene.origin, studio.state.scene.scale]; }"""
@@ -178,6 +184,11 @@ def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     moved = page.problem["tension"]
     assert float(moved) > 6 and page.proved
     assert page.page.input_value("#c-problem-tension") == moved
+    for value in ("9", moved):
+        page.ask(f"studio.act.move(['problem', 'tension'], '{value}')")
+    page.ask("studio.act.commit()")  # back where it began: no step to undo, but final again
+    page.until(FINAL)
+    assert page.proved
     slider.focus()
     page.page.keyboard.press("ArrowRight")
     page.until(FINAL)
@@ -188,7 +199,7 @@ def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     assert page.problem == before and page.proved
     page.page.click("text=Redo")
     page.until(FINAL)
-    assert page.problem["tension"] == moved and json.dumps(moved) in page.page.inner_text("pre").replace("'", '"')
+    assert page.problem["tension"] == moved and json.dumps(moved) in page.page.inner_text("pre")
     page.page.click("text=Undo")
     page.until(FINAL)
 
@@ -257,10 +268,18 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
     assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
 
 
+OPEN = "(problem) => studio.openDocument({ kind: 'problem', problem }, false)"
+UNGUARDED = {
+    "prove": False,
+    "guard": False,
+    "energy": {"kind": "thin-plate"},
+    "points": {"near": [["0.8", "0.8", "0.8"]], "near_weight": "100000"},
+}
+
+
 def test_a_refuted_surface_shows_where_and_is_repaired(page):
     good = page.problem
-    page.page.evaluate("""(p) => studio.openDocument({ kind: "problem", problem: { ...p, prove: false, guard: false,
-      energy: { kind: "thin-plate" }, points: { near: [["0.8", "0.8", "0.8"]], near_weight: "100000" } } }, false)""", good)  # fmt: skip
+    page.page.evaluate(OPEN, good | UNGUARDED)
     page.until(FINAL)
     assert page.page.inner_text(".overall") == "✗ refuted" and page.page.locator(".mark.witness").count() >= 1
     page.page.click("text=Repair")
@@ -271,7 +290,7 @@ def test_a_refuted_surface_shows_where_and_is_repaired(page):
     page.page.click("text=Back to the last proved")
     page.until(FINAL)
     assert page.proved
-    page.page.evaluate("(p) => studio.openDocument({ kind: 'problem', problem: p }, false)", good)
+    page.page.evaluate(OPEN, good)
     page.until(FINAL)
 
 
@@ -296,6 +315,10 @@ def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio)
     page.until(f"studio.state.doc.problem.pipes[2].radius === '2/5' && {FINAL}")
 
 
+UNNAMED = """[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file" &&
+  !e.textContent.trim() && !e.getAttribute("aria-label") && !document.querySelector(`label[for="${e.id}"]`)).length"""
+
+
 def test_narrow_windows_and_dark_ones_have_all_controls(page):
     page.page.set_viewport_size({"width": 420, "height": 800})
     page.page.emulate_media(color_scheme="dark")
@@ -304,8 +327,7 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     for name in page.page.locator("button:visible, input:visible, select:visible").all():
         box = name.bounding_box()
         assert box["x"] >= 0 and box["x"] + box["width"] <= 421
-    unnamed = page.ask("""[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file"
-      && !e.textContent.trim() && !e.getAttribute("aria-label") && !(e.id && document.querySelector(`label[for="${e.id}"]`))).length""")  # fmt: skip
+    unnamed = page.ask(UNNAMED)
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
     page.page.set_viewport_size({"width": 860, "height": 480})

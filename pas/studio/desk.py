@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -71,7 +72,7 @@ class Desk:
                 problem = documents.plain_tables(read_toml(path)[2])
                 return {"kind": "problem", "problem": {"name": path.stem, **problem}}
             shape = self.opened[path.name] = load(path)
-            return {"kind": "project", "name": path.name, "sliders": {}, "blend": _can_follow(shape)}
+            return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
 
     def solve(self, document: Data) -> tuple[Message, tuple[str, dict[str, Any]] | None]:
         """The final picture of a document with its verdicts, and what another desk needs to follow from there."""
@@ -81,7 +82,7 @@ class Desk:
             head = {**message.head, **_judged(shape), **_texts(document), "controls": controls(document),
                     "final": True, "scene": scene_of(message), "name": name_of(document)}  # fmt: skip
         self.solved = (_key(document), shape)
-        kept = (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if _can_follow(shape) else None
+        kept = (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
         return Message(head, message.arrays), kept
 
     def shape_of(self, document: Data) -> Shape:
@@ -105,11 +106,16 @@ class Desk:
 
     def move(self, document: Data, scene: str = "") -> Message:
         """A picture of a shape near that of the document; `scene` is what the page has already."""
+        began = time.perf_counter()
+        message = self._moved(document, scene)
+        return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
+
+    def _moved(self, document: Data, scene: str) -> Message:
         with limit(PATIENCE, stopped=self.stopped):
             documents.checked(document)
             shape = self._followed(document)
             self.seen, self.key = shape, _key(documents.base_of(document))
-            if not _can_follow(shape):
+            if not can_follow(shape):
                 return quick(shape)
             surface = shape.surface  # type: ignore[attr-defined]  # of blends
             if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
@@ -143,7 +149,7 @@ class Desk:
         if document["kind"] != "problem":
             raise InputError(only)
         shape = self.shape_of(document)
-        if not _can_follow(shape):
+        if not can_follow(shape):
             raise InputError(only)
         with limit(PATIENCE, stopped=self.stopped):
             for other in remedies(document, shape):
@@ -178,7 +184,7 @@ class Desk:
     def _followed(self, document: Data) -> Shape:
         key = _key(documents.base_of(document))
         before = self.seen if self.key == key else self.bases.get(key)
-        if _can_follow(before):
+        if can_follow(before):
             return before.refit(**_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
@@ -261,7 +267,7 @@ def _judged(shape: Shape) -> dict[str, Any]:
     }
 
 
-def _can_follow(shape: Any) -> bool:
+def can_follow(shape: Any) -> bool:
     """Whether other sliders can be followed from it."""
     return getattr(shape, "kind", "") == "blend"
 

@@ -22,7 +22,7 @@ export function hairLines(scene, counts, { points, tips, curvatures }) {
   for (const n of counts) {
     for (let i = first; i < first + n; i++) {
       const c = curvatures[i] < 0 ? CONCAVE : CONVEX, p = at(points, i), q = at(tips, i);
-      data.push(...p, ...c, ...q, ...c);
+      if ((i - first) % 4 === 0) data.push(...p, ...c.slice(0, 3), 0.6, ...q, ...c.slice(0, 3), 0.6);
       if (i > first) data.push(...at(tips, i - 1), ...c, ...q, ...c, ...at(points, i - 1), 0.13, 0.19, 0.24, 1, ...p, 0.13, 0.19, 0.24, 1);
     }
     first += n;

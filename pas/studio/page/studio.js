@@ -13,7 +13,7 @@ const GHOST = 300; // milliseconds after which an old picture is shown as a ghos
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
-const short = (x) => (x === null || x === undefined ? "none" : Number(x).toPrecision(3).replace(/\.?0+$/, ""));
+const short = (x) => (x === null || x === undefined ? "none" : String(Math.abs(x) < 5e-4 ? 0 : Number(Number(x).toPrecision(3))));
 
 export function render({ channel, el, start = null, keep = () => {} }) {
   const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, scene: null, name: "", mode: "shaded", section: null, picked: null, combs: null, repairing: false };
@@ -60,7 +60,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     document: () => s.doc,
     wrong: (text) => say(text, true),
     move(path, value, settled = false) { if (!s.before) s.before = s.doc; change(put(s.doc, path, value), settled); },
-    commit() { const before = s.before; s.before = null; if (before && !same(before, s.doc)) { remember(before); rest(); } },
+    commit() { const before = s.before; s.before = null; if (before) { if (!same(before, s.doc)) remember(before); rest(); } },
     room: () => { const r = s.scene ? s.scene.reach * s.scene.scale : 2; return { low: -r, high: r }; },
     addPoint(kind) {
       const path = pointsPath(), held = get(s.doc, [...path, kind]) || [], p = s.picked ? s.scene.world(s.picked.point) : someSurfacePoint();
@@ -86,12 +86,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   // ---- lamps
   function stale() {
     $.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true;
-    for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.textContent = `${SIGNS.checking} checking`; }
+    for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.replaceChildren(SIGNS.checking, make("span", { class: "unseen" }, " checking ")); }
   }
   function judge(head) {
     s.judged = head;
     $.lamps.replaceChildren(...head.verdicts.map((v) => {
-      const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, `${SIGNS[v.status] || "?"} ${v.status}`), make("span", {}, v.claim));
+      const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, SIGNS[v.status] || "?", make("span", { class: v.status === "proved" ? "unseen" : "" }, ` ${v.status} `)), make("span", {}, v.claim));
       if (v.witness) l.append(make("button", { type: "button", class: "small", onclick: () => { const p = s.scene.local(v.witness); view.aim(p.some((x) => Math.abs(x) > 1e-9) ? p : [1, -1, 1]); say(`${v.claim}: ${v.reason}`); } }, "Show"));
       return l;
     }));
@@ -106,7 +106,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     $.measured.hidden = !f; if (!f) return;
     $.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
       const value = f[key], most = limits[key], high = value !== null && most !== undefined && value > most;
-      return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` of ${short(most)}`}${high ? " ▲" : ""}`)];
+      return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
     }));
   }
 
@@ -137,7 +137,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   }
   function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
   function arrived(head) {
-    s.shot = head.shot; s.shown = head.seq; s.latency = performance.now() - s.began;
+    s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
     if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
   }
   function judged(head) { if (head.shot === s.shot && s.shown === s.seq) judge(head); }
