@@ -331,3 +331,52 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
     page.page.set_viewport_size({"width": 860, "height": 480})
+
+
+def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser):
+    pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1)]
+    widget = pas.blend(pipes, 1, 4).studio()
+    frame = browser.new_page(viewport={"width": 860, "height": 640})
+    trouble = []
+    frame.on("pageerror", lambda error: trouble.append(str(error)))
+
+    def told(content, parts=()):
+        frame.evaluate(HEAR, [content, [base64.b64encode(part).decode() for part in parts]])
+
+    asked = []
+    widget.send = told
+    frame.expose_function("ask", lambda request: asked.append(request))  # noqa: PLW0108
+    frame.expose_function("keep", lambda document: setattr(widget, "document", document))
+    frame.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+
+    def answered(text):
+        for _ in range(400):
+            while asked:
+                widget.answer(asked.pop(0))
+            if frame.evaluate(text):
+                return
+            frame.wait_for_timeout(30)
+        raise AssertionError(f"{text}; {frame.inner_text('.message')!r}; {trouble}")
+
+    answered("/all proved/.test(document.querySelector('.overall')?.textContent)")
+    before = widget.blend
+    field = frame.locator("#c-sliders-tension")
+    field.fill("9")
+    field.press("Enter")
+    answered("/tension=\"9\"/.test(document.querySelector('pre').textContent)")
+    assert widget.document["sliders"] == {"tension": "9"} and trouble == []
+    assert widget.blend.surface.patches != before.surface.patches and widget.blend.standing == "proved"
+    frame.close()
+
+
+MODEL = """async ([esm, css, start]) => {
+  const listeners = {}, held = { document: start };
+  globalThis.model = { get: (k) => held[k], set: (k, v) => { held[k] = v; globalThis.keep(v); }, save_changes() {},
+    send: (request) => globalThis.ask(request), on: (name, f) => { listeners[name] = f; }, off() {}, listeners };
+  const url = (text, type) => URL.createObjectURL(new Blob([text], { type }));
+  const link = document.createElement("style"); link.textContent = css; document.head.append(link);
+  const module = await import(url(esm, "text/javascript"));
+  module.default.render({ model, el: document.body });
+}"""
+HEAR = """([content, parts]) => model.listeners["msg:custom"](content,
+  parts.map((p) => new DataView(Uint8Array.from(atob(p), (c) => c.charCodeAt(0)).buffer)))"""

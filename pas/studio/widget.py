@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from pas.errors import MissingLibraryError, PasError
@@ -26,6 +27,8 @@ from pas.studio.server import PAGE
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
 
+NOTEBOOK = Path(__file__).parent / "notebook"
+
 ORDER = ("algebra", "shaders", "cast", "scene", "controls", "curvature", "view", "studio", "widget")
 """Modules of the page, each after those that it imports."""
 
@@ -38,7 +41,8 @@ def module() -> str:
     """All modules of the page in one, as notebooks want it: each in a function that gives what it exports."""
     parts = []
     for name in ORDER:
-        text = (PAGE / f"{name}.js").read_text(encoding="utf-8")
+        folder = PAGE if (PAGE / f"{name}.js").exists() else NOTEBOOK
+        text = (folder / f"{name}.js").read_text(encoding="utf-8")
         text = IMPORT.sub(lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", text)
         names = ", ".join(found["name"] for found in EXPORT.finditer(text))
         text = EXPORT.sub("", text).replace("export default", "const widget =")
@@ -62,7 +66,7 @@ def widget_class() -> type[Any]:
     except ImportError:
         raise MissingLibraryError('the studio in a notebook needs anywidget: pip install "pas[notebook]"') from None
 
-    class StudioWidget(anywidget.AnyWidget):  # type: ignore[misc]
+    class StudioWidget(anywidget.AnyWidget):
         """A shape that is dragged in a notebook."""
 
         _esm = module()
