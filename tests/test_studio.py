@@ -205,6 +205,16 @@ def test_files_are_read_by_their_text_alone(desk, tmp_path):
         made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text().replace('"degree"', '"grade"', 1))
 
 
+def test_the_largest_safe_lengths_are_told():
+    document = GALLERY["Two quadrics"]
+    limits = Desk().safe(document).head["limits"]
+    assert 3 < limits["l1"] < 6 and set(limits) <= {"l1", "l2"}
+    assert [c["path"][-1] for c in controls(document) if c.get("safe")] == ["l1", "l2"]
+    made = Desk()
+    moved = made.move({**document, "problem": {**document["problem"], "shape": {"l1": "3", "l2": "1"}}})
+    assert moved.head["kind"] == "moved" and moved.arrays["points 0"].shape[1] == 3
+
+
 def test_exports_are_files_of_the_shape(desk):
     made, _ = desk
     head = made.export(CORNER, ".stl")
@@ -454,6 +464,27 @@ def test_a_port_in_use_and_a_wrong_file_are_one_sentence(capsys, tmp_path):
         assert main(["studio", "--no-browser", str(name)]) == WRONG
         error = capsys.readouterr().err
         assert sentence in error and error.count("\n") == 1
+
+
+def test_shapes_are_animated_from_one_camera(tmp_path):
+    from PIL import Image
+
+    balls = [pas.solid.ball((0, 0, 0), r) for r in ("1/2", 1)]
+    path = pas.animate(lambda n: balls[n], (0, 1), tmp_path / "grow.gif", size=(80, 60), pause=0.1)
+    moving = Image.open(path)
+    assert (moving.n_frames, moving.size, moving.info["duration"]) == (2, (80, 60), 100)
+    wide = []
+    for number in range(2):
+        moving.seek(number)
+        row = np.asarray(moving.convert("RGB"), dtype=int)[30]
+        wide.append(int((row.max(axis=1) - row.min(axis=1) > 60).sum()))  # orange
+    assert wide[0] * 1.7 < wide[1] < wide[0] * 2.3
+    folder = pas.animate(lambda _: balls[0], range(2), tmp_path / "frames", size=(80, 60), turn=90)
+    assert sorted(p.name for p in folder.iterdir()) == ["0000.png", "0001.png"]
+    with pytest.raises(ValueError, match="values must hold at least one"):
+        pas.animate(lambda n: balls[n], (), tmp_path / "none.gif")
+    with pytest.raises(ValueError, match="pause must be a positive number"):
+        pas.animate(lambda n: balls[n], (0,), tmp_path / "none.gif", pause=0)
 
 
 def test_tokens_differ_and_stand_in_the_fragment():

@@ -345,7 +345,7 @@ def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser):
 
     asked = []
     widget.send = told
-    frame.expose_function("ask", lambda request: asked.append(request))  # noqa: PLW0108
+    frame.expose_function("ask", lambda request: asked.append(request))
     frame.expose_function("keep", lambda document: setattr(widget, "document", document))
     frame.evaluate(MODEL, [widget._esm, widget._css, widget.document])
 

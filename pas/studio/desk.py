@@ -13,6 +13,7 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -31,7 +32,7 @@ from pas.limits import limit
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
-from pas.studio.controls import TENSION, controls
+from pas.studio.controls import LENGTHS, TENSION, controls
 from pas.studio.documents import Data
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, outline, picture, quick
@@ -42,6 +43,9 @@ PATIENCE = 120.0
 
 KEPT = 4
 """Blends that are kept to begin with, when their document comes back."""
+
+SAMPLED = (48, 12)
+"""Of a blend by a generatrix, where its largest safe lengths are looked for: about a second each."""
 
 UNSAVED = re.compile(r"[^\w.-]+")
 """What names of files are cleared of."""
@@ -175,6 +179,13 @@ class Desk:
             content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
         proved = shape.certificate.proved
         return Message({"kind": "file", "name": name, "proved": proved}, {"content": content})
+
+    def safe(self, document: Data) -> Message:
+        """The largest lengths up to which a blend by a generatrix is sound, each for itself; see `largest_safe`."""
+        blend: Any = self.shape_of(document)
+        with limit(PATIENCE, stopped=self.stopped):
+            found = {name: blend.largest_safe(number, SAMPLED) for number, name in enumerate(LENGTHS)}
+        return Message({"kind": "safe", "limits": {name: most for name, most in found.items() if most < inf}})
 
     def combs(self, document: Data) -> Message:
         """The curvature combs of a document's shape."""

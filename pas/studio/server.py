@@ -164,6 +164,7 @@ def application(studio: Studio) -> Any:
     from starlette.applications import Starlette
     from starlette.middleware import Middleware
     from starlette.middleware.base import BaseHTTPMiddleware
+    from starlette.middleware.gzip import GZipMiddleware
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
 
@@ -193,7 +194,7 @@ def application(studio: Studio) -> Any:
 
     return Starlette(
         routes=[Route("/", page), Route("/{name}", page), WebSocketRoute("/talk", studio.talk)],
-        middleware=[Middleware(BaseHTTPMiddleware, dispatch=guarded)],
+        middleware=[Middleware(GZipMiddleware), Middleware(BaseHTTPMiddleware, dispatch=guarded)],
         lifespan=lifespan,
     )
 

@@ -106,8 +106,8 @@ def widget_class() -> type[Any]:
                 return [message]
             if verb == "export":
                 return [self.desk.export(document, str(request.get("format")))]
-            if verb == "combs":
-                return [self.desk.combs(document)]
+            if verb in ("combs", "safe"):
+                return [getattr(self.desk, verb)(document)]
             if verb == "repair":
                 return [Message({"kind": "repaired", "document": self.desk.repair(document)})]
             if verb == "read":

@@ -1,11 +1,10 @@
 // The legend of colours by curvature, hairs of combs, and the diagram of curvature along a curve.
-import { make } from "./controls.js";
+import { make, svg } from "./controls.js";
 
-const SVG = "http://www.w3.org/2000/svg", STOPS = 24;
+const STOPS = 24;
 const CONVEX = [0.7, 0.09, 0.17, 0.9], CONCAVE = [0.13, 0.4, 0.67, 0.9];
 const mix = (a, b, t) => a.map((x, i) => x + (b[i] - x) * t), MIDDLE = [0.93, 0.93, 0.92];
 const color = (x) => `rgb(${(x < 0 ? mix(MIDDLE, CONCAVE, Math.pow(-x, 0.8)) : mix(MIDDLE, CONVEX, Math.pow(x, 0.8))).slice(0, 3).map((v) => Math.round(255 * v)).join()})`;
-const svg = (tag, a, text) => { const e = document.createElementNS(SVG, tag); for (const [k, v] of Object.entries(a)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
 
 export function legend(place, mode, range, named) {
   place.hidden = mode !== "mean" && mode !== "gauss";

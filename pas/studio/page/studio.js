@@ -1,6 +1,6 @@
 // The studio: one document, seen, dragged and proved.  `render({ channel, el })` needs of a channel `send(request)`,
 // `receive(listener of head and arrays)` and, where connections come and go, `onstate(listener)`.
-import { number, Panel, get, make, put, KINDS } from "./controls.js";
+import { number, Panel, get, make, put, svg, KINDS } from "./controls.js";
 import { Scene } from "./scene.js";
 import { View, VIEWS } from "./view.js";
 import { diagram, hairLines, legend } from "./curvature.js";
@@ -28,7 +28,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
         make("div", { class: "group" }, button("cut", "Section", () => toggle("cut"), { "aria-pressed": "false" }), button("wire", "Cells", () => toggle("wire"), { "aria-pressed": "false" }), button("combs", "Combs", () => toggle("combs"), { "aria-pressed": "false" })),
       )),
       ($.place = make("div", { class: "place" })),
-      ($.marks = document.createElementNS("http://www.w3.org/2000/svg", "svg")),
+      ($.marks = svg("svg", { class: "marks" })),
       ($.legend = make("div", { class: "legend", hidden: true })),
       ($.cutting = make("div", { class: "cutting", hidden: true },
         ($.cutAxis = make("select", { "aria-label": "Section plane across", onchange: () => cutNow() }, ...["x", "y", "z"].map((a) => make("option", {}, a)))),
@@ -48,7 +48,6 @@ export function render({ channel, el, start = null, keep = () => {} }) {
       make("section", {}, make("h2", {}, "Save"), make("div", { class: "row" }, ($.format = make("select", { "aria-label": "Format" }, ...EXPORTS.map((f) => make("option", {}, f)))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"].map((p) => make("option", {}, p)))))),
     )),
   );
-  $.marks.setAttribute("class", "marks");
 
   const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
   let view;
@@ -112,7 +111,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
   // ---- what comes from the other side
   function receive(head, arrays) {
-    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired }[head.kind] || (() => {}))(head, arrays);
+    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
   }
   function picture(head, arrays) {
     if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
@@ -127,6 +126,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
         say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
       }
       buttons(); if (pressed("combs")) askCombs();
+      if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
     }
   }
   function moved(head, arrays) {
@@ -194,7 +194,6 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
 
   // ---- marks in the picture: points that can be dragged, and witnesses
-  const svg = (tag, a) => { const e = document.createElementNS("http://www.w3.org/2000/svg", tag); for (const [k, v] of Object.entries(a)) e.setAttribute(k, v); return e; };
   const marks = new Map();
   function overlay() {
     if (!s.scene || !s.doc) return;
