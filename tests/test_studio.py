@@ -158,6 +158,28 @@ def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(desk, tm
         assert not head["proved"] or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
 
 
+@pytest.mark.slow
+def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_prove(desk, tmp_path):
+    from pas.independent.checker import check_independently
+
+    made, _ = desk
+    random, counts = np.random.default_rng(17), {True: 0, False: 0}
+    for _ in range(60):
+        near = [repr(round(c, 3)) for c in random.uniform(-0.9, 0.9, 3).tolist()]
+        tension, weight = random.uniform(0, 30), 10 ** random.uniform(1, 5)
+        shape = {"points": {"near": [near], "near_weight": repr(weight)}, "tension": repr(tension)}
+        try:
+            made.move(changed(**shape), "")
+        except (pas.PasError, ValueError):  # a point outside, or a step that is lost from sight
+            made.take(*Desk().solve(CORNER)[1])
+            continue
+        proved = made.prove().head["proved"]
+        counts[proved] += 1
+        made.seen.save(tmp_path / "moved.pas.json")
+        assert not proved or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
+    assert counts[True] > 10 and counts[False] > 3
+
+
 def test_changed_contacts_are_outlined_at_once(desk):
     made, _ = desk
     pipes = [{**CORNER["problem"]["pipes"][0], "radius": "0.3"}, *CORNER["problem"]["pipes"][1:]]

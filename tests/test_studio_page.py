@@ -295,6 +295,54 @@ def test_a_refuted_surface_shows_where_and_is_repaired(page):
 
 
 @pytest.mark.slow
+def test_a_lost_connection_is_taken_up_again(browser, studio):
+    sockets = []
+
+    def through(route):
+        sockets.append((route, route.connect_to_server()))
+
+    context = browser.new_context(viewport={"width": 860, "height": 480})
+    context.route_web_socket(re.compile("/talk$"), through)
+    page = Page(context, studio[1])
+    page.until(FINAL)
+    page.ask("studio.act.move(['problem', 'tension'], '8', true); studio.act.commit()")
+    page.until(FINAL)
+    sockets[0][1].close()
+    sockets[0][0].close()
+    page.until("/connection is lost/.test(document.querySelector('.message').textContent)")
+    page.until("studio.state.seq > 2")
+    page.until(FINAL)
+    assert len(sockets) == 2 and page.problem["tension"] == "8" and page.proved
+    context.close()
+
+
+@pytest.mark.slow
+def test_a_minute_of_random_dragging_lights_no_lamp_too_early_and_keeps_its_memory(page):
+    sizes = page.ask(RANDOM)
+    page.ask("studio.act.commit()")
+    page.until(FINAL)
+    assert sizes["early"] == 0 and sizes["moves"] > 200
+    assert sizes["after"] < 1.6 * sizes["before"] + 8e6
+    page.ask("studio.act.move(['problem', 'tension'], undefined, true); studio.act.commit()")
+    page.until(FINAL)
+
+
+RANDOM = """async () => { let seed = 1, early = 0, moves = 0;
+  const rand = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+  const heap = () => performance.memory.usedJSHeapSize, wait = (t) => new Promise((r) => setTimeout(r, t));
+  const lit = () => document.querySelectorAll(".lamps .proved").length > 0;
+  const ends = performance.now() + 60000;
+  for (let i = 0; i < 40; i++) { studio.act.move(["problem", "tension"], (20 * rand()).toFixed(3)); await wait(25); }
+  const before = heap();
+  while (performance.now() < ends) {
+    studio.act.move(["problem", "tension"], (20 * rand()).toFixed(3)); moves++;
+    if (lit()) early++;
+    studio.view.turn(rand() - 0.5, rand() - 0.5); await wait(rand() < 0.05 ? 400 : 25);
+    if (lit() && studio.state.shown !== studio.state.seq) early++; }
+  return { early, moves, before, after: heap() }; }"""
+
+
+@pytest.mark.slow
 def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio):
     file, address, _ = studio
     other = Page(context, address)
@@ -307,9 +355,11 @@ def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio)
     for window in (page, other):
         window.until(f"studio.state.doc.problem.pipes[2].radius === '1/3' && {FINAL}")
     assert other.ask("studio.view.camera.towards") == camera
+    other.page.evaluate("studio.act.move(['problem', 'tension'], '7', true); studio.act.commit()")
+    other.until(FINAL)
     other.page.reload()
     other.until(FINAL)
-    assert other.problem["pipes"][2]["radius"] == "1/3" and other.trouble == []
+    assert other.problem["pipes"][2]["radius"] == "1/3" and other.problem["tension"] == "7" and other.trouble == []
     other.page.close()
     file.write_text(PROBLEM)
     page.until(f"studio.state.doc.problem.pipes[2].radius === '2/5' && {FINAL}")

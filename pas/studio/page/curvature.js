@@ -29,6 +29,13 @@ export function hairLines(scene, counts, { points, tips, curvatures }) {
   return data;
 }
 
+// The curve whose curvature changes most.
+export function liveliest({ counts, curvatures }) {
+  let first = 0;
+  const spread = counts.map((n) => { const k = curvatures.subarray(first, (first += n)); return Math.max(...k) - Math.min(...k); });
+  return spread.indexOf(Math.max(...spread));
+}
+
 // |k| over the length of one curve; concave parts are drawn in the colour of hollows.
 export function diagram({ counts, points, curvatures }, which) {
   const first = counts.slice(0, which).reduce((a, b) => a + b, 0), n = counts[which], x = [0], k = Array.from(curvatures.subarray(first, first + n));

@@ -3,7 +3,7 @@
 import { number, Panel, get, make, put, svg, KINDS } from "./controls.js";
 import { Scene } from "./scene.js";
 import { View, VIEWS } from "./view.js";
-import { diagram, hairLines, legend } from "./curvature.js";
+import { diagram, hairLines, legend, liveliest } from "./curvature.js";
 
 const MODES = { shaded: "Shaded", zebra: "Zebra", mean: "Mean curvature", gauss: "Gauss curvature" };
 const EXPORTS = [".pas.json", ".stl", ".glb", ".obj", ".ply", ".vtp", ".3mf", ".step"];
@@ -89,7 +89,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   }
   function judge(head) {
     s.judged = head;
-    $.lamps.replaceChildren(...head.verdicts.map((v) => {
+    $.lamps.replaceChildren(...[...head.verdicts].sort((a, b) => (a.status === "proved") - (b.status === "proved")).map((v) => {
       const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, SIGNS[v.status] || "?", make("span", { class: v.status === "proved" ? "unseen" : "" }, ` ${v.status} `)), make("span", {}, v.claim));
       if (v.witness) l.append(make("button", { type: "button", class: "small", onclick: () => { const p = s.scene.local(v.witness); view.aim(p.some((x) => Math.abs(x) > 1e-9) ? p : [1, -1, 1]); say(`${v.claim}: ${v.reason}`); } }, "Show"));
       return l;
@@ -145,7 +145,10 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     say(head.text, true); s.repairing = false; $.repair.disabled = false;
     if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
   }
-  function opened(head) { $.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`); }
+  function opened(head) {
+    if (head.kept && s.doc) { go(s.doc); return; }
+    $.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`);
+  }
   function gallery(head) {
     s.starts = head.documents; $.gallery.hidden = false;
     $.gallery.replaceChildren(...Object.keys(head.documents).map((name) => make("option", {}, name)));
@@ -189,7 +192,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   function combed(head, arrays) {
     if (head.seq !== s.seq || !pressed("combs")) return;
     s.combs = { counts: head.counts, ...arrays }; view.setLines("combs", hairLines(s.scene, head.counts, arrays), 1e-4);
-    $.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); drawDiagram();
+    $.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); $.curves.value = liveliest(s.combs); drawDiagram();
   }
   function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
 
@@ -238,7 +241,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   el.addEventListener("dragover", (e) => e.preventDefault());
   el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
   channel.receive(receive);
-  channel.onstate?.((text, again) => { say(text, !again); if (again && s.doc) go(s.doc); });
+  channel.onstate?.((text, again) => { say(text, !again); });
   buttons();
   return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }
