@@ -137,6 +137,7 @@ from .pipeline.repeated import keep_blends as keep_blends
 from .pipeline.result import Blend as Blend
 from .pipeline.space import SolutionSpace as SolutionSpace
 from .pipeline.space import solutions as solutions
+from .render.animate import animate as animate
 from .render.picture import draw as draw
 from .render.scene import Picture as Picture
 from .render.scene import Style as Style

@@ -22,6 +22,7 @@ VERBS = {
     "draw": "pas.render.picture:draw",
     "show": "pas.render.window:show",
     "html": "pas.render.notebook:html",
+    "studio": "pas.studio.widget:studio",
 }
 """Where the work of the verbs is done that all shapes have, in rooms above."""
 
@@ -66,6 +67,13 @@ class Shape(ABC):
     def show(self, **options: Any) -> None:
         """Show it in a window.  See `pas.show`."""
         loaded(VERBS["show"])(self, **options)
+
+    def studio(self) -> Any:
+        """A widget for notebooks in which it is dragged and proved; needs `pas[notebook]`.
+
+        `.shape` of the widget is what is seen at rest.  Raises `MissingLibraryError` without the library.
+        """
+        return loaded(VERBS["studio"])(self)
 
     def _repr_html_(self) -> str:
         """A table and a picture, for notebooks."""

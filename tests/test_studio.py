@@ -75,7 +75,7 @@ def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     for again in (run(message.head["python"]), pas.read_problem(tmp_path / "copied.toml").solve()):
         assert (coefficients(again.surface) == message.arrays["coefficients"]).all()
     assert message.head["proved"] and message.head["facts"]["fairness"]["sharpness"] < 2
-    assert "pas.Pipe(axis=(1, 0, 0), radius='1/3', clip=1)" in message.head["python"]
+    assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
 def test_what_no_call_says_is_copied_with_its_file(tmp_path, monkeypatch, capsys):
@@ -158,6 +158,28 @@ def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(desk, tm
         assert not head["proved"] or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
 
 
+@pytest.mark.slow
+def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_prove(desk, tmp_path):
+    from pas.independent.checker import check_independently
+
+    made, _ = desk
+    random, counts = np.random.default_rng(17), {True: 0, False: 0}
+    for _ in range(60):
+        near = [repr(round(c, 3)) for c in random.uniform(-0.9, 0.9, 3).tolist()]
+        tension, weight = random.uniform(0, 30), 10 ** random.uniform(1, 5)
+        shape = {"points": {"near": [near], "near_weight": repr(weight)}, "tension": repr(tension)}
+        try:
+            made.move(changed(**shape), "")
+        except (pas.PasError, ValueError):  # a point outside, or a step that is lost from sight
+            made.take(*Desk().solve(CORNER)[1])
+            continue
+        proved = made.prove().head["proved"]
+        counts[proved] += 1
+        made.seen.save(tmp_path / "moved.pas.json")
+        assert not proved or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
+    assert counts[True] > 10 and counts[False] > 3
+
+
 def test_changed_contacts_are_outlined_at_once(desk):
     made, _ = desk
     pipes = [{**CORNER["problem"]["pipes"][0], "radius": "0.3"}, *CORNER["problem"]["pipes"][1:]]
@@ -198,11 +220,21 @@ def test_files_are_read_by_their_text_alone(desk, tmp_path):
     opened = made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text())
     assert opened == {"kind": "project", "name": "kept.pas.json", "sliders": {}, "blend": True}
     message, _ = made.solve(opened)
-    assert "pas.load('kept.pas.json')" in message.head["python"]
+    assert 'pas.load("kept.pas.json")' in message.head["python"]
     moved = made.solve({**opened, "sliders": {"tension": "8"}})[0]
-    assert "refit(steps=None, tension='8')" in moved.head["python"] and moved.head["proved"]
+    assert 'refit(steps=None, tension="8")' in moved.head["python"] and moved.head["proved"]
     with pytest.raises(pas.ProjectFileError, match="its content does not match its checksum"):
         made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text().replace('"degree"', '"grade"', 1))
+
+
+def test_the_largest_safe_lengths_are_told():
+    document = GALLERY["Two quadrics"]
+    limits = Desk().safe(document).head["limits"]
+    assert 3 < limits["l1"] < 6 and set(limits) <= {"l1", "l2"}
+    assert [c["path"][-1] for c in controls(document) if c.get("safe")] == ["l1", "l2"]
+    made = Desk()
+    moved = made.move({**document, "problem": {**document["problem"], "shape": {"l1": "3", "l2": "1"}}})
+    assert moved.head["kind"] == "moved" and moved.arrays["points 0"].shape[1] == 3
 
 
 def test_exports_are_files_of_the_shape(desk):
@@ -454,6 +486,27 @@ def test_a_port_in_use_and_a_wrong_file_are_one_sentence(capsys, tmp_path):
         assert main(["studio", "--no-browser", str(name)]) == WRONG
         error = capsys.readouterr().err
         assert sentence in error and error.count("\n") == 1
+
+
+def test_shapes_are_animated_from_one_camera(tmp_path):
+    from PIL import Image
+
+    balls = [pas.solid.ball((0, 0, 0), r) for r in ("1/2", 1)]
+    path = pas.animate(lambda n: balls[n], (0, 1), tmp_path / "grow.gif", size=(80, 60), pause=0.1)
+    moving = Image.open(path)
+    assert (moving.n_frames, moving.size, moving.info["duration"]) == (2, (80, 60), 100)
+    wide = []
+    for number in range(2):
+        moving.seek(number)
+        row = np.asarray(moving.convert("RGB"), dtype=int)[30]
+        wide.append(int((row.max(axis=1) - row.min(axis=1) > 60).sum()))  # orange
+    assert wide[0] * 1.7 < wide[1] < wide[0] * 2.3
+    folder = pas.animate(lambda _: balls[0], range(2), tmp_path / "frames", size=(80, 60), turn=90)
+    assert sorted(p.name for p in folder.iterdir()) == ["0000.png", "0001.png"]
+    with pytest.raises(ValueError, match="values must hold at least one"):
+        pas.animate(lambda n: balls[n], (), tmp_path / "none.gif")
+    with pytest.raises(ValueError, match="pause must be a positive number"):
+        pas.animate(lambda n: balls[n], (0,), tmp_path / "none.gif", pause=0)
 
 
 def test_tokens_differ_and_stand_in_the_fragment():

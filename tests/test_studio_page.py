@@ -1,4 +1,4 @@
-"""The studio in a browser: what is drawn, dragged, proved, undone, saved, and what happens when something goes wrong."""
+"""The studio in a browser: what is drawn, dragged, proved, undone and saved, and what happens where something fails."""
 
 from __future__ import annotations
 
@@ -114,21 +114,27 @@ def page(context, studio):
     return made
 
 
+COLORED = """(() => { studio.view.now(); const c = studio.view.live, g = studio.view.caster.gl;
+  const a = new Uint8Array(4 * c.width * c.height); let orange = 0, gray = 0;
+  g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+  for (let i = 0; i < a.length; i += 4) if (a[i + 3]) { if (a[i] > 2 * a[i + 2]) orange++; else gray++; }
+  return [orange / a.length * 4, gray / a.length * 4]; })()"""
+"""The shares of the picture that the surface and its neighbours take."""
+
+
 def test_the_page_shows_a_proved_surface_and_asks_nobody_else(page, studio):
     assert page.proved and page.problem["name"] == "pipes"
     own = studio[1].partition("#")[0]
     assert all(url.startswith((own, "data:")) for url in page.asked) and "token" not in page.page.url
     assert page.trouble == []
     page.until("studio.view.smoothed")
-    picture = page.ask("""(() => { studio.view.now(); const c = studio.view.live, a = new Uint8Array(4 * c.width * c.height), g = studio.view.caster.gl;
-      g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a); let orange = 0, gray = 0;
-      for (let i = 0; i < a.length; i += 4) if (a[i + 3]) { if (a[i] > 2 * a[i + 2]) orange++; else gray++; }
-      return [orange / a.length * 4, gray / a.length * 4]; })()""")  # fmt: skip
+    picture = page.ask(COLORED)
     assert 0.04 < picture[0] < 0.4 and 0.02 < picture[1] < 0.4
 
 
 VIEWS = ((0.62, -0.62, 0.48), (1, 0, 0.001), (1, 2, 0.05))
-PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view; v.camera.towards = towards.map((x) => x / n);
+PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view;
+  v.camera.towards = towards.map((x) => x / n);
   const a = new Uint8Array(v.caster.probe(v.camera, v.look, w, h).buffer); let s = "";
   for (let i = 0; i < a.length; i += 32768) s += String.fromCharCode(...a.subarray(i, i + 32768));
   return [btoa(s), v.camera.frame(w / h), studio.state.scene.origin, studio.state.scene.scale]; }"""
@@ -178,6 +184,11 @@ def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     moved = page.problem["tension"]
     assert float(moved) > 6 and page.proved
     assert page.page.input_value("#c-problem-tension") == moved
+    for value in ("9", moved):
+        page.ask(f"studio.act.move(['problem', 'tension'], '{value}')")
+    page.ask("studio.act.commit()")  # back where it began: no step to undo, but final again
+    page.until(FINAL)
+    assert page.proved
     slider.focus()
     page.page.keyboard.press("ArrowRight")
     page.until(FINAL)
@@ -188,7 +199,7 @@ def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     assert page.problem == before and page.proved
     page.page.click("text=Redo")
     page.until(FINAL)
-    assert page.problem["tension"] == moved and json.dumps(moved) in page.page.inner_text("pre").replace("'", '"')
+    assert page.problem["tension"] == moved and json.dumps(moved) in page.page.inner_text("pre")
     page.page.click("text=Undo")
     page.until(FINAL)
 
@@ -257,10 +268,18 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
     assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
 
 
+OPEN = "(problem) => studio.openDocument({ kind: 'problem', problem }, false)"
+UNGUARDED = {
+    "prove": False,
+    "guard": False,
+    "energy": {"kind": "thin-plate"},
+    "points": {"near": [["0.8", "0.8", "0.8"]], "near_weight": "100000"},
+}
+
+
 def test_a_refuted_surface_shows_where_and_is_repaired(page):
     good = page.problem
-    page.page.evaluate("""(p) => studio.openDocument({ kind: "problem", problem: { ...p, prove: false, guard: false,
-      energy: { kind: "thin-plate" }, points: { near: [["0.8", "0.8", "0.8"]], near_weight: "100000" } } }, false)""", good)  # fmt: skip
+    page.page.evaluate(OPEN, good | UNGUARDED)
     page.until(FINAL)
     assert page.page.inner_text(".overall") == "✗ refuted" and page.page.locator(".mark.witness").count() >= 1
     page.page.click("text=Repair")
@@ -271,8 +290,56 @@ def test_a_refuted_surface_shows_where_and_is_repaired(page):
     page.page.click("text=Back to the last proved")
     page.until(FINAL)
     assert page.proved
-    page.page.evaluate("(p) => studio.openDocument({ kind: 'problem', problem: p }, false)", good)
+    page.page.evaluate(OPEN, good)
     page.until(FINAL)
+
+
+@pytest.mark.slow
+def test_a_lost_connection_is_taken_up_again(browser, studio):
+    sockets = []
+
+    def through(route):
+        sockets.append((route, route.connect_to_server()))
+
+    context = browser.new_context(viewport={"width": 860, "height": 480})
+    context.route_web_socket(re.compile("/talk$"), through)
+    page = Page(context, studio[1])
+    page.until(FINAL)
+    page.ask("studio.act.move(['problem', 'tension'], '8', true); studio.act.commit()")
+    page.until(FINAL)
+    sockets[0][1].close()
+    sockets[0][0].close()
+    page.until("/connection is lost/.test(document.querySelector('.message').textContent)")
+    page.until("studio.state.seq > 2")
+    page.until(FINAL)
+    assert len(sockets) == 2 and page.problem["tension"] == "8" and page.proved
+    context.close()
+
+
+@pytest.mark.slow
+def test_a_minute_of_random_dragging_lights_no_lamp_too_early_and_keeps_its_memory(page):
+    sizes = page.ask(RANDOM)
+    page.ask("studio.act.commit()")
+    page.until(FINAL)
+    assert sizes["early"] == 0 and sizes["moves"] > 200
+    assert sizes["after"] < 1.6 * sizes["before"] + 8e6
+    page.ask("studio.act.move(['problem', 'tension'], undefined, true); studio.act.commit()")
+    page.until(FINAL)
+
+
+RANDOM = """async () => { let seed = 1, early = 0, moves = 0;
+  const rand = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+  const heap = () => performance.memory.usedJSHeapSize, wait = (t) => new Promise((r) => setTimeout(r, t));
+  const lit = () => document.querySelectorAll(".lamps .proved").length > 0;
+  const ends = performance.now() + 60000;
+  for (let i = 0; i < 40; i++) { studio.act.move(["problem", "tension"], (20 * rand()).toFixed(3)); await wait(25); }
+  const before = heap();
+  while (performance.now() < ends) {
+    studio.act.move(["problem", "tension"], (20 * rand()).toFixed(3)); moves++;
+    if (lit()) early++;
+    studio.view.turn(rand() - 0.5, rand() - 0.5); await wait(rand() < 0.05 ? 400 : 25);
+    if (lit() && studio.state.shown !== studio.state.seq) early++; }
+  return { early, moves, before, after: heap() }; }"""
 
 
 @pytest.mark.slow
@@ -288,12 +355,18 @@ def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio)
     for window in (page, other):
         window.until(f"studio.state.doc.problem.pipes[2].radius === '1/3' && {FINAL}")
     assert other.ask("studio.view.camera.towards") == camera
+    other.page.evaluate("studio.act.move(['problem', 'tension'], '7', true); studio.act.commit()")
+    other.until(FINAL)
     other.page.reload()
     other.until(FINAL)
-    assert other.problem["pipes"][2]["radius"] == "1/3" and other.trouble == []
+    assert other.problem["pipes"][2]["radius"] == "1/3" and other.problem["tension"] == "7" and other.trouble == []
     other.page.close()
     file.write_text(PROBLEM)
     page.until(f"studio.state.doc.problem.pipes[2].radius === '2/5' && {FINAL}")
+
+
+UNNAMED = """[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file" &&
+  !e.textContent.trim() && !e.getAttribute("aria-label") && !document.querySelector(`label[for="${e.id}"]`)).length"""
 
 
 def test_narrow_windows_and_dark_ones_have_all_controls(page):
@@ -304,8 +377,56 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     for name in page.page.locator("button:visible, input:visible, select:visible").all():
         box = name.bounding_box()
         assert box["x"] >= 0 and box["x"] + box["width"] <= 421
-    unnamed = page.ask("""[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file"
-      && !e.textContent.trim() && !e.getAttribute("aria-label") && !(e.id && document.querySelector(`label[for="${e.id}"]`))).length""")  # fmt: skip
+    unnamed = page.ask(UNNAMED)
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
     page.page.set_viewport_size({"width": 860, "height": 480})
+
+
+def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser):
+    pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1)]
+    widget = pas.blend(pipes, 1, 4).studio()
+    frame = browser.new_page(viewport={"width": 860, "height": 640})
+    trouble = []
+    frame.on("pageerror", lambda error: trouble.append(str(error)))
+
+    def told(content, parts=()):
+        frame.evaluate(HEAR, [content, [base64.b64encode(part).decode() for part in parts]])
+
+    asked = []
+    widget.send = told
+    frame.expose_function("ask", lambda request: asked.append(request))
+    frame.expose_function("keep", lambda document: setattr(widget, "document", document))
+    frame.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+
+    def answered(text):
+        for _ in range(400):
+            while asked:
+                widget.answer(asked.pop(0))
+            if frame.evaluate(text):
+                return
+            frame.wait_for_timeout(30)
+        raise AssertionError(f"{text}; {frame.inner_text('.message')!r}; {trouble}")
+
+    answered("/all proved/.test(document.querySelector('.overall')?.textContent)")
+    before = widget.blend
+    field = frame.locator("#c-sliders-tension")
+    field.fill("9")
+    field.press("Enter")
+    answered("/tension=\"9\"/.test(document.querySelector('pre').textContent)")
+    assert widget.document["sliders"] == {"tension": "9"} and trouble == []
+    assert widget.blend.surface.patches != before.surface.patches and widget.blend.standing == "proved"
+    frame.close()
+
+
+MODEL = """async ([esm, css, start]) => {
+  const listeners = {}, held = { document: start };
+  globalThis.model = { get: (k) => held[k], set: (k, v) => { held[k] = v; globalThis.keep(v); }, save_changes() {},
+    send: (request) => globalThis.ask(request), on: (name, f) => { listeners[name] = f; }, off() {}, listeners };
+  const url = (text, type) => URL.createObjectURL(new Blob([text], { type }));
+  const link = document.createElement("style"); link.textContent = css; document.head.append(link);
+  const module = await import(url(esm, "text/javascript"));
+  module.default.render({ model, el: document.body });
+}"""
+HEAR = """([content, parts]) => model.listeners["msg:custom"](content,
+  parts.map((p) => new DataView(Uint8Array.from(atob(p), (c) => c.charCodeAt(0)).buffer)))"""

@@ -78,8 +78,8 @@ def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
     return Path(path)
 
 
-def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool) -> Any:
-    """A `pyvista.Plotter` with everything in its place."""
+def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, around: Floats | None = None) -> Any:
+    """A `pyvista.Plotter` with everything in its place; the camera has room for points `around` (n, 3), if given."""
     grid = (2, 2) if picture.four_views else (1, 1)
     width, height = picture.size
     plotter = pyvista.Plotter(off_screen=off_screen, window_size=[width, height], shape=grid, border=False)
@@ -89,7 +89,9 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool) -
     hair = hair_length(scene.layers)
     drawn = [np.concatenate([layer.mesh.points, tips(layer, hair)]) for layer in scene.layers]
     points = np.concatenate([part + shift for part, shift in zip(drawn, shifts, strict=True)])
-    view = scene.view if picture.view is None else picture.view
+    if around is not None:
+        points = around
+    view = scene.view if picture.view is None or around is not None else picture.view
     views = FOUR_VIEWS if picture.four_views else (widest_view(meshes) if view is None else view,)
     low, high = picture.coloring.backdrop
     size = (width // grid[1], height // grid[0])

@@ -62,7 +62,7 @@ def program(problem: Mapping[str, Any]) -> str:
     contacts = [f"    {_made(table, entry)}," for table in CONTACTS for entry in problem.get(table, [])]
     options = [f"order={problem['order']}"]
     options += [f"{name}={literal(problem[name])}" for name in ("degree", "tension") if name in problem]
-    options += [] if layout is None else [f"partition={layout['kind']!r}"]
+    options += [] if layout is None else [f"partition={literal(layout['kind'])}"]
     options += [f"{name}={literal(value)}" for name, value in problem.get("points", {}).items() if value != []]
     lines = ["import pas", "", "contacts = [", *contacts, "]", f"shape = pas.blend(contacts, {', '.join(options)})"]
     return "\n".join([*lines, "print(shape)"]) + "\n"
@@ -79,7 +79,7 @@ def literal(value: Any) -> str:
         inner = ", ".join(map(literal, value))
         points = bool(value) and isinstance(value[0], list)
         return f"[{inner}]" if points else f"({inner},)" if len(value) == 1 else f"({inner})"
-    return repr(value)
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
 def _program_of_file(problem: Mapping[str, Any]) -> str:
@@ -91,8 +91,8 @@ def _program_of_file(problem: Mapping[str, Any]) -> str:
             "",
             "import pas",
             "",
-            f'Path({name!r}).write_text("""\\\n{quoted}""")',
-            f"shape = pas.read_problem({name!r}).solve()",
+            f'Path({literal(name)}).write_text("""\\\n{quoted}""")',
+            f"shape = pas.read_problem({literal(name)}).solve()",
             "print(shape)",
             "",
         ]

@@ -2,7 +2,8 @@
 
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
-its name; the value None leaves the key out), or "points".  `usual` is what holds where the document says nothing.
+its name; the value None leaves the key out), or "points".  `usual` is what holds where the document says nothing; of
+`safe` ones the largest safe value can be asked for, and is marked.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ HIGHEST_ORDER = 4
 NUMBERS = ("radius", "clip", "slope")
 VECTORS = ("axis", "point", "arm")
 SHAPE = {"l1": (0, 5), "l2": (0, 5), "lambda1": (-2, 2), "lambda2": (-2, 2)}
+LENGTHS = ("l1", "l2")
 RANGES = {"lid_height": (1.1, 1.9), "spout_tilt": (-0.3, 0.5), "handle_size": (0.7, 1.3)}
 
 
@@ -58,7 +60,8 @@ def _problem(document: Data) -> Iterator[Control]:
     degrees: list[list[Any]] = [[None, "the fairest"], ["lowest", "the lowest"]]
     degrees += [[n, str(n)] for n in range(2 + problem.get("order", 1), min(HIGHEST_DEGREE, 10) + 1)]
     yield {"kind": "choice", "path": ["problem", "degree"], "label": "degree", "group": "Surface", "options": degrees}
-    yield from _shaping(["problem"], "energy" not in problem)
+    curved = "energy" not in problem and problem.get("partition", {}).get("kind") != "single cell"
+    yield from _shaping(["problem"], curved)
 
 
 def _shaping(path: list[Any], tense: bool = True) -> Iterator[Control]:
@@ -75,7 +78,8 @@ def _generatrix(problem: Data) -> Iterator[Control]:
         value = problem.get("shape", {}).get(name, 1 if name in ("l1", "l2") else 0)
         if not isinstance(value, list | dict):
             usual = "1" if name in ("l1", "l2") else "0"
-            yield _number_control(["problem", "shape", name], name, "Generatrix", low, high) | {"usual": usual}
+            control = _number_control(["problem", "shape", name], name, "Generatrix", low, high)
+            yield control | {"usual": usual, "safe": name in LENGTHS}
         elif isinstance(value, dict):
             for part in ("low", "high"):
                 path = ["problem", "shape", name, part]

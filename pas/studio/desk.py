@@ -10,8 +10,10 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -30,7 +32,7 @@ from pas.limits import limit
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
-from pas.studio.controls import TENSION, controls
+from pas.studio.controls import LENGTHS, TENSION, controls
 from pas.studio.documents import Data
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, outline, picture, quick
@@ -41,6 +43,9 @@ PATIENCE = 120.0
 
 KEPT = 4
 """Blends that are kept to begin with, when their document comes back."""
+
+SAMPLED = (48, 12)
+"""Of a blend by a generatrix, where its largest safe lengths are looked for: about a second each."""
 
 UNSAVED = re.compile(r"[^\w.-]+")
 """What names of files are cleared of."""
@@ -71,7 +76,7 @@ class Desk:
                 problem = documents.plain_tables(read_toml(path)[2])
                 return {"kind": "problem", "problem": {"name": path.stem, **problem}}
             shape = self.opened[path.name] = load(path)
-            return {"kind": "project", "name": path.name, "sliders": {}, "blend": _can_follow(shape)}
+            return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
 
     def solve(self, document: Data) -> tuple[Message, tuple[str, dict[str, Any]] | None]:
         """The final picture of a document with its verdicts, and what another desk needs to follow from there."""
@@ -81,7 +86,7 @@ class Desk:
             head = {**message.head, **_judged(shape), **_texts(document), "controls": controls(document),
                     "final": True, "scene": scene_of(message), "name": name_of(document)}  # fmt: skip
         self.solved = (_key(document), shape)
-        kept = (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if _can_follow(shape) else None
+        kept = (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
         return Message(head, message.arrays), kept
 
     def shape_of(self, document: Data) -> Shape:
@@ -105,11 +110,16 @@ class Desk:
 
     def move(self, document: Data, scene: str = "") -> Message:
         """A picture of a shape near that of the document; `scene` is what the page has already."""
+        began = time.perf_counter()
+        message = self._moved(document, scene)
+        return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
+
+    def _moved(self, document: Data, scene: str) -> Message:
         with limit(PATIENCE, stopped=self.stopped):
             documents.checked(document)
             shape = self._followed(document)
             self.seen, self.key = shape, _key(documents.base_of(document))
-            if not _can_follow(shape):
+            if not can_follow(shape):
                 return quick(shape)
             surface = shape.surface  # type: ignore[attr-defined]  # of blends
             if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
@@ -143,7 +153,7 @@ class Desk:
         if document["kind"] != "problem":
             raise InputError(only)
         shape = self.shape_of(document)
-        if not _can_follow(shape):
+        if not can_follow(shape):
             raise InputError(only)
         with limit(PATIENCE, stopped=self.stopped):
             for other in remedies(document, shape):
@@ -170,6 +180,13 @@ class Desk:
         proved = shape.certificate.proved
         return Message({"kind": "file", "name": name, "proved": proved}, {"content": content})
 
+    def safe(self, document: Data) -> Message:
+        """The largest lengths up to which a blend by a generatrix is sound, each for itself; see `largest_safe`."""
+        blend: Any = self.shape_of(document)
+        with limit(PATIENCE, stopped=self.stopped):
+            found = {name: blend.largest_safe(number, SAMPLED) for number, name in enumerate(LENGTHS)}
+        return Message({"kind": "safe", "limits": {name: most for name, most in found.items() if most < inf}})
+
     def combs(self, document: Data) -> Message:
         """The curvature combs of a document's shape."""
         with limit(PATIENCE, stopped=self.stopped):
@@ -178,7 +195,7 @@ class Desk:
     def _followed(self, document: Data) -> Shape:
         key = _key(documents.base_of(document))
         before = self.seen if self.key == key else self.bases.get(key)
-        if _can_follow(before):
+        if can_follow(before):
             return before.refit(**_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
@@ -261,7 +278,7 @@ def _judged(shape: Shape) -> dict[str, Any]:
     }
 
 
-def _can_follow(shape: Any) -> bool:
+def can_follow(shape: Any) -> bool:
     """Whether other sliders can be followed from it."""
     return getattr(shape, "kind", "") == "blend"
 

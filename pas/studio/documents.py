@@ -136,7 +136,7 @@ def _solve_project(document: Data, opened: Opened) -> Shape:
 def _project_program(document: Data) -> str:
     moved = ", ".join(f"{name}={code.literal(_listed(value))}" for name, value in sliders_of(document).items())
     refit = f".refit(steps=None, {moved})" if moved else ""
-    return f"import pas\n\nshape = pas.load({document['name']!r}){refit}\nprint(shape)\n"
+    return f"import pas\n\nshape = pas.load({code.literal(document['name'])}){refit}\nprint(shape)\n"
 
 
 def _listed(value: Any) -> Any:
@@ -144,7 +144,7 @@ def _listed(value: Any) -> Any:
 
 
 def _teapot_program(document: Data) -> str:
-    options = ", ".join(f"{name}={value!r}" for name, value in document["values"].items())
+    options = ", ".join(f"{name}={code.literal(value)}" for name, value in document["values"].items())
     return f"import pas\n\nshape = pas.teapot({options})\nprint(shape)\n"
 
 

@@ -58,7 +58,7 @@ HEMISPHERES = {
 
 GALLERY: dict[str, Data] = {
     "Corner of three pipes": _pipes("corner", 2, [_pipe(X, "1/3"), _pipe(Y, "1/4"), _pipe(Z, "2/5")], degree=6),
-    "Elbow": _pipes("elbow", 2, [_pipe(X, "1/3"), _pipe(Y, "1/3")], degree=6),
+    "Elbow": _pipes("elbow", 2, [_pipe(X, "1/3"), _pipe(Y, "1/3")]),
     "T joint": _pipes("tee", 1, [_pipe(X, "1/3"), _pipe(LEFT, "1/3"), _pipe(Z, "1/4")]),
     "Cross": _pipes("cross", 1, [_pipe(X, "1/3"), _pipe(LEFT, "1/3"), _pipe(Y, "1/4"), _pipe(BACK, "1/4")]),
     "Three pipes askew": _pipes(

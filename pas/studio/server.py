@@ -133,10 +133,13 @@ class Studio:
             before = now
             for page, send in list(self.pages.items()):
                 with suppress(Exception):  # a page that has just gone
-                    await self.open(page, send)
+                    await self.open(page, send, changed=True)
 
-    async def open(self, page: Session, send: Callable[[Message], Awaitable[None]]) -> None:
-        """Send the document of the file, or what is wrong with it; without one, the starting points."""
+    async def open(self, page: Session, send: Callable[[Message], Awaitable[None]], changed: bool = False) -> None:
+        """Send the document of the file, or what is wrong with it; without one, the starting points.
+
+        A page that has a document already keeps it, unless the file has `changed`.
+        """
         if self.file is None:
             await page.receive('{"do": "gallery"}')
             return
@@ -145,7 +148,8 @@ class Studio:
             document = await page.final.ask("read", self.file.name, text)
             if document["kind"] == "project":
                 await page.quick.ask("read", self.file.name, text)
-            await send(Message({"kind": "document", "document": document, "file": self.file.name}))
+            head = {"kind": "document", "document": document, "file": self.file.name, "kept": not changed}
+            await send(Message(head))
         except (RefusedError, OSError, UnicodeDecodeError) as error:
             await send(refusal(error))
 
@@ -164,6 +168,7 @@ def application(studio: Studio) -> Any:
     from starlette.applications import Starlette
     from starlette.middleware import Middleware
     from starlette.middleware.base import BaseHTTPMiddleware
+    from starlette.middleware.gzip import GZipMiddleware
     from starlette.responses import PlainTextResponse, Response
     from starlette.routing import Route, WebSocketRoute
 
@@ -193,7 +198,7 @@ def application(studio: Studio) -> Any:
 
     return Starlette(
         routes=[Route("/", page), Route("/{name}", page), WebSocketRoute("/talk", studio.talk)],
-        middleware=[Middleware(BaseHTTPMiddleware, dispatch=guarded)],
+        middleware=[Middleware(GZipMiddleware), Middleware(BaseHTTPMiddleware, dispatch=guarded)],
         lifespan=lifespan,
     )
 

@@ -170,12 +170,12 @@ class Session:
             await self._send(Message({"kind": "repaired", "document": document}))
         elif verb == "export":
             await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
-        elif verb == "combs":
-            message = await self.final.ask("combs", request["document"])
+        elif verb in ("combs", "safe"):
+            message = await self.final.ask(verb, request["document"])
             await self._send(message.numbered(int(request.get("seq", 0))))
 
 
-VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs"}
+VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs", "safe"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}
 
 

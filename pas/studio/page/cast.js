@@ -1,5 +1,5 @@
 // Draws a scene: cells by casting rays (see shaders.js), triangle meshes, and lines, with one depth.
-import { Turn, cross, dot, inverse, minus, plus, shifted, size, times, unit } from "./algebra.js";
+import { Turn, cross, dot, inverse, minus, plus, shifted, times, unit } from "./algebra.js";
 import { BODY_VERTEX, LINE_FRAGMENT, LINE_VERTEX, MESH_VERTEX, PROBE, bodyFragment, meshFragment } from "./shaders.js";
 
 const GROWN = 4e-3; // of proxies, which lose single pixels along edges else; the fragment clips
@@ -192,4 +192,3 @@ export class Caster {
     return found;
   }
 }
-export { size };

@@ -7,6 +7,13 @@ export const make = (tag, attributes = {}, ...inside) => {
   return e;
 };
 
+export const svg = (tag, attributes, text) => {
+  const e = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v);
+  if (text !== undefined) e.textContent = text;
+  return e;
+};
+
 const EXACT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?:\/\s*(\d+(?:\.\d*)?)\s*)?$/;
 
 // The value of an exact number's text, or NaN.
@@ -48,7 +55,9 @@ export function numberControl(c, act, label = c.label, path = c.path) {
   const tell = (v) => { slider.setAttribute("aria-valuetext", `${v}${c.ends ? (number(v) < number(c.usual ?? 0) ? `, towards ${c.ends[0]}` : `, towards ${c.ends[1]}`) : ""}`); };
   const show = (value) => { const v = String(value ?? c.usual ?? ""); field.dataset.value = v; if (document.activeElement !== field) { field.value = v; field.removeAttribute("aria-invalid"); } slider.value = to(number(v)); tell(v); };
   const ends = c.ends ? make("span", { class: "ends", "aria-hidden": "true" }, make("span", {}, c.ends[0]), make("span", {}, c.ends[1])) : null;
-  return { element: make("div", { class: "number" }, make("label", { for: id }, label), slider, field, ends), update: (doc) => show(get(doc, path)) };
+  const safe = make("small", { class: "safe", hidden: true });
+  const mark = (limits) => { const most = limits[path.at(-1)]; safe.hidden = most === undefined || most > c.high; if (!safe.hidden) { safe.textContent = `▲ safe up to ${Number(most.toPrecision(3))}`; safe.style.marginLeft = `${Math.min(45, (100 * (most - c.low)) / span)}%`; } };
+  return { element: make("div", { class: "number" }, make("label", { for: id }, label), slider, field, ends, safe), update: (doc) => show(get(doc, path)), mark };
 }
 
 function vectorControl(c, act) {
@@ -105,5 +114,6 @@ export class Panel {
     }
     this.update(doc);
   }
+  mark(limits) { this.controls.forEach((c) => c.mark?.(limits)); }
   update(doc) { this.controls.forEach((c) => c.update(doc)); }
 }

@@ -1,11 +1,10 @@
 // The legend of colours by curvature, hairs of combs, and the diagram of curvature along a curve.
-import { make } from "./controls.js";
+import { make, svg } from "./controls.js";
 
-const SVG = "http://www.w3.org/2000/svg", STOPS = 24;
+const STOPS = 24;
 const CONVEX = [0.7, 0.09, 0.17, 0.9], CONCAVE = [0.13, 0.4, 0.67, 0.9];
 const mix = (a, b, t) => a.map((x, i) => x + (b[i] - x) * t), MIDDLE = [0.93, 0.93, 0.92];
 const color = (x) => `rgb(${(x < 0 ? mix(MIDDLE, CONCAVE, Math.pow(-x, 0.8)) : mix(MIDDLE, CONVEX, Math.pow(x, 0.8))).slice(0, 3).map((v) => Math.round(255 * v)).join()})`;
-const svg = (tag, a, text) => { const e = document.createElementNS(SVG, tag); for (const [k, v] of Object.entries(a)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
 
 export function legend(place, mode, range, named) {
   place.hidden = mode !== "mean" && mode !== "gauss";
@@ -22,12 +21,19 @@ export function hairLines(scene, counts, { points, tips, curvatures }) {
   for (const n of counts) {
     for (let i = first; i < first + n; i++) {
       const c = curvatures[i] < 0 ? CONCAVE : CONVEX, p = at(points, i), q = at(tips, i);
-      data.push(...p, ...c, ...q, ...c);
+      if ((i - first) % 4 === 0) data.push(...p, ...c.slice(0, 3), 0.6, ...q, ...c.slice(0, 3), 0.6);
       if (i > first) data.push(...at(tips, i - 1), ...c, ...q, ...c, ...at(points, i - 1), 0.13, 0.19, 0.24, 1, ...p, 0.13, 0.19, 0.24, 1);
     }
     first += n;
   }
   return data;
+}
+
+// The curve whose curvature changes most.
+export function liveliest({ counts, curvatures }) {
+  let first = 0;
+  const spread = counts.map((n) => { const k = curvatures.subarray(first, (first += n)); return Math.max(...k) - Math.min(...k); });
+  return spread.indexOf(Math.max(...spread));
 }
 
 // |k| over the length of one curve; concave parts are drawn in the colour of hollows.

@@ -46,9 +46,10 @@ export class Scene {
     return true;
   }
   triangles(head, arrays) {
-    this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = Math.sqrt(3);
+    this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
     this.meshes = head.colors.map((color, i) => {
       const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
+      for (let k = 0; k < n; k++) this.reach = Math.max(this.reach, Math.hypot(points[3 * k], points[3 * k + 1], points[3 * k + 2]));
       for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
       return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
     });

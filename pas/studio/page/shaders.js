@@ -33,8 +33,10 @@ vec3 stripes(vec3 n, vec3 base, float f) {
   return (s < .5 ? mix(base, vec3(1.0), .75) : vec3(.07, .08, .1)) * (.65 + .35 * f);
 }`;
 
+const at = (i, j, k) => { const p = place(i, j, k); return `A[${p >> 2}].${"xyzw"[p & 3]}`; }; // a coefficient
+
 function alongRay(n) { // coefficients of the polynomial on the ray through (u, v), lowest first
-  const lines = [], at = (i, j, k) => { const p = place(i, j, k); return `A[${p >> 2}].${"xyzw"[p & 3]}`; };
+  const lines = [];
   for (let k = 1; k <= n; k++) lines.push(`float u${k}=${k > 1 ? `u${k - 1}*u` : "u"}, v${k}=${k > 1 ? `v${k - 1}*v` : "v"};`);
   const sum = (m, l) => Array.from({ length: m + 1 }, (_, j) => [at(m - j, j, l), m - j && `u${m - j}`, j && `v${j}`].filter(Boolean).join("*")).join("+");
   lines.push(`p[0]=${sum(n, 0)};`);
@@ -91,8 +93,7 @@ float first(float p[N+1]) { // the first zero in [0, 1], or 2
 }
 
 function jet(n, second) { // value, gradient and second derivatives by nested Horner
-  const at = (i, j, k) => { const p = place(i, j, k); return `A[${p >> 2}].${"xyzw"[p & 3]}`; }, o = [];
-  const H = (text) => (second ? text : "");
+  const o = [], H = (text) => (second ? text : "");
   for (let l = n; l >= 0; l--) {
     o.push("{ float r=0.,rx=0.,rxx=0.,ry=0.,rxy=0.,ryy=0.;");
     for (let j = n - l; j >= 0; j--) {
@@ -158,8 +159,10 @@ ${mode === PROBE ? "color=vec4(deep,mean,gauss,number); return;" : `
 }`;
 }
 
+const EYE = "uniform mat3 toEye; uniform vec3 eye; uniform vec2 tan0; uniform float near, far; uniform vec2 jitter, pixels;";
+
 export const MESH_VERTEX = `#version 300 es
-in vec3 corner, normal, tint; in vec2 bent; uniform mat3 toEye; uniform vec3 eye; uniform vec2 tan0; uniform float near, far; uniform vec2 jitter, pixels;
+in vec3 corner, normal, tint; in vec2 bent; ${EYE}
 out vec3 at, n, c; out vec2 k;
 void main() { vec3 q=toEye*(corner-eye); at=corner-eye; n=normal; c=tint; k=bent;
   gl_Position=vec4(q.xy/tan0-q.z*2.0*jitter/pixels, 2.0*far*(q.z-near)/(far-near)-q.z, q.z); }`;
@@ -172,7 +175,7 @@ void main() { if (dot(cut.xyz,at+eye)+cut.w<0.0) discard;
   ${mode === "zebra" ? "color=vec4(stripes(normalize(n),base,abs(f)),1.0);" : mode === "shaded" ? "color=vec4(lit(base,m,to,.18),1.0);" : `color=vec4((isnan(k.x)?vec3(.75):diverging(${mode === "gauss" ? "k.y" : "k.x"}/range))*(.66+.36*abs(f)),1.0);`} }`;
 
 export const LINE_VERTEX = `#version 300 es
-in vec3 corner; in vec4 tint; uniform mat3 toEye; uniform vec3 eye; uniform vec2 tan0; uniform float near, far, lift; uniform vec2 jitter, pixels; out vec4 c;
+in vec3 corner; in vec4 tint; ${EYE} uniform float lift; out vec4 c;
 void main() { vec3 q=toEye*(corner-eye); c=tint; gl_Position=vec4(q.xy/tan0-q.z*2.0*jitter/pixels, 2.0*far*(q.z-near)/(far-near)-q.z-lift*q.z, q.z); }`;
 export const LINE_FRAGMENT = `#version 300 es
 precision mediump float; in vec4 c; out vec4 color; void main() { color=c; }`;

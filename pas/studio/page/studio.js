@@ -1,9 +1,9 @@
 // The studio: one document, seen, dragged and proved.  `render({ channel, el })` needs of a channel `send(request)`,
 // `receive(listener of head and arrays)` and, where connections come and go, `onstate(listener)`.
-import { number, Panel, get, make, put, KINDS } from "./controls.js";
+import { number, Panel, get, make, put, svg, KINDS } from "./controls.js";
 import { Scene } from "./scene.js";
 import { View, VIEWS } from "./view.js";
-import { diagram, hairLines, legend } from "./curvature.js";
+import { diagram, hairLines, legend, liveliest } from "./curvature.js";
 
 const MODES = { shaded: "Shaded", zebra: "Zebra", mean: "Mean curvature", gauss: "Gauss curvature" };
 const EXPORTS = [".pas.json", ".stl", ".glb", ".obj", ".ply", ".vtp", ".3mf", ".step"];
@@ -13,7 +13,7 @@ const GHOST = 300; // milliseconds after which an old picture is shown as a ghos
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
-const short = (x) => (x === null || x === undefined ? "none" : Number(x).toPrecision(3).replace(/\.?0+$/, ""));
+const short = (x) => (x === null || x === undefined ? "none" : String(Math.abs(x) < 5e-4 ? 0 : Number(Number(x).toPrecision(3))));
 
 export function render({ channel, el, start = null, keep = () => {} }) {
   const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, scene: null, name: "", mode: "shaded", section: null, picked: null, combs: null, repairing: false };
@@ -28,7 +28,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
         make("div", { class: "group" }, button("cut", "Section", () => toggle("cut"), { "aria-pressed": "false" }), button("wire", "Cells", () => toggle("wire"), { "aria-pressed": "false" }), button("combs", "Combs", () => toggle("combs"), { "aria-pressed": "false" })),
       )),
       ($.place = make("div", { class: "place" })),
-      ($.marks = document.createElementNS("http://www.w3.org/2000/svg", "svg")),
+      ($.marks = svg("svg", { class: "marks" })),
       ($.legend = make("div", { class: "legend", hidden: true })),
       ($.cutting = make("div", { class: "cutting", hidden: true },
         ($.cutAxis = make("select", { "aria-label": "Section plane across", onchange: () => cutNow() }, ...["x", "y", "z"].map((a) => make("option", {}, a)))),
@@ -48,7 +48,6 @@ export function render({ channel, el, start = null, keep = () => {} }) {
       make("section", {}, make("h2", {}, "Save"), make("div", { class: "row" }, ($.format = make("select", { "aria-label": "Format" }, ...EXPORTS.map((f) => make("option", {}, f)))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"].map((p) => make("option", {}, p)))))),
     )),
   );
-  $.marks.setAttribute("class", "marks");
 
   const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
   let view;
@@ -60,7 +59,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     document: () => s.doc,
     wrong: (text) => say(text, true),
     move(path, value, settled = false) { if (!s.before) s.before = s.doc; change(put(s.doc, path, value), settled); },
-    commit() { const before = s.before; s.before = null; if (before && !same(before, s.doc)) { remember(before); rest(); } },
+    commit() { const before = s.before; s.before = null; if (before) { if (!same(before, s.doc)) remember(before); rest(); } },
     room: () => { const r = s.scene ? s.scene.reach * s.scene.scale : 2; return { low: -r, high: r }; },
     addPoint(kind) {
       const path = pointsPath(), held = get(s.doc, [...path, kind]) || [], p = s.picked ? s.scene.world(s.picked.point) : someSurfacePoint();
@@ -86,12 +85,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   // ---- lamps
   function stale() {
     $.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true;
-    for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.textContent = `${SIGNS.checking} checking`; }
+    for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.replaceChildren(SIGNS.checking, make("span", { class: "unseen" }, " checking ")); }
   }
   function judge(head) {
     s.judged = head;
-    $.lamps.replaceChildren(...head.verdicts.map((v) => {
-      const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, `${SIGNS[v.status] || "?"} ${v.status}`), make("span", {}, v.claim));
+    $.lamps.replaceChildren(...[...head.verdicts].sort((a, b) => (a.status === "proved") - (b.status === "proved")).map((v) => {
+      const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, SIGNS[v.status] || "?", make("span", { class: v.status === "proved" ? "unseen" : "" }, ` ${v.status} `)), make("span", {}, v.claim));
       if (v.witness) l.append(make("button", { type: "button", class: "small", onclick: () => { const p = s.scene.local(v.witness); view.aim(p.some((x) => Math.abs(x) > 1e-9) ? p : [1, -1, 1]); say(`${v.claim}: ${v.reason}`); } }, "Show"));
       return l;
     }));
@@ -106,13 +105,13 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     $.measured.hidden = !f; if (!f) return;
     $.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
       const value = f[key], most = limits[key], high = value !== null && most !== undefined && value > most;
-      return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` of ${short(most)}`}${high ? " ▲" : ""}`)];
+      return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
     }));
   }
 
   // ---- what comes from the other side
   function receive(head, arrays) {
-    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired }[head.kind] || (() => {}))(head, arrays);
+    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
   }
   function picture(head, arrays) {
     if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
@@ -127,6 +126,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
         say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
       }
       buttons(); if (pressed("combs")) askCombs();
+      if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
     }
   }
   function moved(head, arrays) {
@@ -137,7 +137,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   }
   function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
   function arrived(head) {
-    s.shot = head.shot; s.shown = head.seq; s.latency = performance.now() - s.began;
+    s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
     if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
   }
   function judged(head) { if (head.shot === s.shot && s.shown === s.seq) judge(head); }
@@ -145,7 +145,10 @@ export function render({ channel, el, start = null, keep = () => {} }) {
     say(head.text, true); s.repairing = false; $.repair.disabled = false;
     if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
   }
-  function opened(head) { $.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`); }
+  function opened(head) {
+    if (head.kept && s.doc) { go(s.doc); return; }
+    $.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`);
+  }
   function gallery(head) {
     s.starts = head.documents; $.gallery.hidden = false;
     $.gallery.replaceChildren(...Object.keys(head.documents).map((name) => make("option", {}, name)));
@@ -189,12 +192,11 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   function combed(head, arrays) {
     if (head.seq !== s.seq || !pressed("combs")) return;
     s.combs = { counts: head.counts, ...arrays }; view.setLines("combs", hairLines(s.scene, head.counts, arrays), 1e-4);
-    $.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); drawDiagram();
+    $.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); $.curves.value = liveliest(s.combs); drawDiagram();
   }
   function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
 
   // ---- marks in the picture: points that can be dragged, and witnesses
-  const svg = (tag, a) => { const e = document.createElementNS("http://www.w3.org/2000/svg", tag); for (const [k, v] of Object.entries(a)) e.setAttribute(k, v); return e; };
   const marks = new Map();
   function overlay() {
     if (!s.scene || !s.doc) return;
@@ -239,7 +241,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
   el.addEventListener("dragover", (e) => e.preventDefault());
   el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
   channel.receive(receive);
-  channel.onstate?.((text, again) => { say(text, !again); if (again && s.doc) go(s.doc); });
+  channel.onstate?.((text, again) => { say(text, !again); });
   buttons();
   return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }

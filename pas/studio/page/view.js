@@ -1,6 +1,6 @@
 // The picture: a camera that is turned by pointer, touch and keys, quick frames while anything moves, smooth ones at rest.
 import { Camera, Caster } from "./cast.js";
-import { cross, minus, plus, times, unit } from "./algebra.js";
+import { plus, unit } from "./algebra.js";
 
 const SLOW = 60; // milliseconds of a frame from which moving ones are drawn coarser
 const STILL = 220; // milliseconds of rest before the picture is smoothed
@@ -116,4 +116,3 @@ export class View {
     });
   }
 }
-export { cross, minus, times };

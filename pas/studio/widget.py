@@ -1,0 +1,130 @@
+"""The studio in a notebook: the same page as an anywidget, for Jupyter, marimo and others.
+
+    import pas
+
+    pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1)]
+    widget = pas.blend(pipes, order=1).studio()
+
+`widget.shape` is what is seen at rest, and setting `widget.document` moves the page.  The kernel does the work, one
+request after the other.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from pas.errors import MissingLibraryError, PasError
+from pas.shape import Shape
+from pas.studio.desk import Desk, can_follow
+from pas.studio.documents import Data
+from pas.studio.gallery import GALLERY
+from pas.studio.messages import Message, refusal
+from pas.studio.server import PAGE
+
+if TYPE_CHECKING:
+    from pas.pipeline.result import Blend
+
+NOTEBOOK = Path(__file__).parent / "notebook"
+
+ORDER = ("algebra", "shaders", "cast", "scene", "controls", "curvature", "view", "studio", "widget")
+"""Modules of the page, each after those that it imports."""
+
+IMPORT = re.compile(r'^import \{(?P<names>[^}]*)\} from "\./(?P<module>\w+)\.js";$', re.M)
+EXPORT = re.compile(r"^export (?=(?:const|class|(?:async )?function) (?P<name>\w+))", re.M)
+
+
+@cache
+def module() -> str:
+    """All modules of the page in one, as notebooks want it: each in a function that gives what it exports."""
+    parts = []
+    for name in ORDER:
+        folder = PAGE if (PAGE / f"{name}.js").exists() else NOTEBOOK
+        text = (folder / f"{name}.js").read_text(encoding="utf-8")
+        text = IMPORT.sub(lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", text)
+        names = ", ".join(found["name"] for found in EXPORT.finditer(text))
+        text = EXPORT.sub("", text).replace("export default", "const widget =")
+        parts.append(f"const {name}_ = (() => {{\n{text}\nreturn {{ {names or 'widget'} }};\n}})();")
+    return "\n".join([*parts, "export default widget_.widget;"])
+
+
+def document_of(shape: Shape, desk: Desk) -> Data:
+    """A document of a shape, which the desk has open from then on."""
+    name = "shape.pas.json"
+    desk.opened[name] = shape
+    return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
+
+
+@cache
+def widget_class() -> type[Any]:
+    """The class of widgets; raises `MissingLibraryError` without the library of `pas[notebook]`."""
+    try:
+        import anywidget
+        import traitlets
+    except ImportError:
+        raise MissingLibraryError('the studio in a notebook needs anywidget: pip install "pas[notebook]"') from None
+
+    class StudioWidget(anywidget.AnyWidget):
+        """A shape that is dragged in a notebook."""
+
+        _esm = module()
+        _css = (PAGE / "studio.css").read_text(encoding="utf-8")
+        document = traitlets.Dict().tag(sync=True)
+
+        def __init__(self, document: Data | None = None, shape: Shape | None = None) -> None:
+            self.desk, self._shot = Desk(), 0
+            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.desk)
+            super().__init__(document=start)
+            self.on_msg(lambda _, request, __: self.answer(request))
+
+        @property
+        def shape(self) -> Shape:
+            """The shape that is seen at rest."""
+            return self.desk.shape_of(self.document)
+
+        @property
+        def blend(self) -> Blend:
+            """The same; of blends."""
+            return cast("Blend", self.shape)
+
+        def answer(self, request: dict[str, Any]) -> None:
+            """Do what the page asks for; what cannot be done is said there in one sentence."""
+            try:
+                for message in self._answers(request):
+                    self._tell(message, request)
+            except (PasError, ValueError, TypeError, KeyError) as error:
+                self._tell(refusal(error), request)
+
+        def _answers(self, request: dict[str, Any]) -> list[Message]:
+            verb, document = request.get("do"), request.get("document", {})
+            if verb == "move":
+                return [self.desk.move(document, str(request.get("scene", "")))]
+            if verb == "rest":
+                message, _ = self.desk.solve(document)
+                return [message]
+            if verb == "export":
+                return [self.desk.export(document, str(request.get("format")))]
+            if verb in ("combs", "safe"):
+                return [getattr(self.desk, verb)(document)]
+            if verb == "repair":
+                return [Message({"kind": "repaired", "document": self.desk.repair(document)})]
+            if verb == "read":
+                found = self.desk.read(str(request.get("name")), str(request.get("text")))
+                return [Message({"kind": "document", "document": found})]
+            raise ValueError(f"there is no request {verb!r}")
+
+        def _tell(self, message: Message, request: dict[str, Any]) -> None:
+            shown = message.head["kind"] in ("picture", "moved")
+            self._shot += shown
+            head = {**message.head, "seq": int(request.get("seq", 0)), **({"shot": self._shot} if shown else {})}
+            table, parts = Message(head, message.arrays).parts()
+            self.send(table, parts)
+
+    return StudioWidget
+
+
+def studio(shape: Shape) -> Any:
+    """The widget of a shape; see `Shape.studio`."""
+    return widget_class()(shape=shape)
