@@ -36,6 +36,10 @@ WORTH_WHILE = 0.5
 """A degree that leaves more than this share of what is beyond the limits is the last on layouts that the program
 chose: where a fillet has no room, no degree makes it fair."""
 
+NEARLY, FURTHER = 0.25, 4.0
+"""What is beyond limits by less than this, in units of the measures, is settled once more under limits that lie so many
+times as far inside: the limits are soft on the way, and give a little."""
+
 DEGREES_ON_LAYOUTS = 1
 """The same on layouts that the program chose, of which the first that has a proved surface is kept: more half-planes
 made no shape fairer that another degree did not."""
@@ -104,6 +108,10 @@ class Ladder:
             home = space.placed
             with self.stages.stage("measure", f" (degree {space.degree})"):
                 found = judged(found)
+                nearly = 0 < excess(found) < NEARLY
+            if nearly:
+                found = self._pressed(space, found)
+            with self.stages.stage("measure", f" (degree {space.degree})"):
                 self.attempts.append(found.attempts[-1])
                 hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
                 below = found if below is None or excess(found) < excess(below) else below
@@ -115,6 +123,18 @@ class Ladder:
         if below is None:
             below = self._patiently(aside)
         return below and replace(below, attempts=tuple(self.attempts))
+
+    def _pressed(self, space: SolutionSpace, found: Blend) -> Blend:
+        """The surface settled once more under limits further inside, where that makes it fairer."""
+        inner = found.surface.fairness().inside(found.limits, FURTHER)
+        try:
+            moved = choose(space, self.wishes.changed(limits=inner), self.attempts, self.stages, found.surface)
+        except (InfeasibleError, NotProvedError):
+            return found
+        last = moved.attempts[-1]
+        attempt = replace(last, seconds=last.seconds + found.attempts[-1].seconds)
+        moved = judged(replace(moved, wishes=found.wishes, attempts=(*moved.attempts[:-1], attempt)))
+        return moved if excess(moved) < excess(found) else found
 
     def _patiently(self, aside: list[SolutionSpace]) -> Blend | None:
         """What small spaces have to give where no higher degree had anything."""

@@ -9,7 +9,7 @@ a stated number of points, and a feature between them is missed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any
@@ -102,6 +102,16 @@ class Fairness:
     def excess(self, limits: FairnessLimits) -> float:
         """How far beyond limits the measures are, in all, each over its unit; 0 within them."""
         return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits) if not isnan(value))
+
+    def inside(self, limits: FairnessLimits, times: float) -> FairnessLimits:
+        """Limits that are as far inside these as what is beyond them, so many times."""
+        names = (field.name for field in fields(FairnessLimits))
+        moved = {
+            name: max(most - times * max(0.0, value - most), most / 2)
+            for name, (_, value, most, _) in zip(names, self._checks(limits), strict=True)
+            if not isnan(value)
+        }
+        return replace(limits, **moved)
 
     def _checks(self, limits: FairnessLimits) -> tuple[tuple[str, float, float, float], ...]:
         check_limits(limits)
