@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from pas.mesh.mesh import Mesh, SmoothMesh
 from pas.surface.mesh_proofs import MeshCertificate, certify_mesh
@@ -22,7 +22,9 @@ class SurfaceMesh(SmoothMesh):
     @classmethod
     def of_surface(cls, mesh: Mesh, surface: PiecewiseSurface) -> SurfaceMesh:
         """The same mesh with its surface."""
-        result: SurfaceMesh = cls.smooth(mesh.points, mesh.triangles, mesh.point_normals, deviation=mesh.deviation)
+        result = cast(
+            SurfaceMesh, cls.smooth(mesh.points, mesh.triangles, mesh.point_normals, deviation=mesh.deviation)
+        )
         object.__setattr__(result, "surface", surface)
         return result
 
