@@ -96,3 +96,38 @@ def test_meshes_are_the_same_each_time_and_move_with_the_surface():
 def test_a_box_without_zeros_is_said():
     with pytest.raises(pas.MeshError, match="there is no surface in the region"):
         pas.Polynomial("x^2 + y^2 + z^2 + 1/100").surface((-1,) * 3, (1,) * 3).mesh()
+
+
+def ring(radius):
+    """A torus of a radius."""
+    return pas.Polynomial(f"(x^2 + y^2 + z^2 + 1 - {radius}^2)^2 - 4*(x^2 + y^2)").surface(*BOX)
+
+
+def test_a_mesh_follows_a_surface_that_moves():
+    mesh, tolerance = ring("0.333").mesh(1e-2), 1e-2
+    near = mesh.follow(ring("0.334"))
+    assert np.array_equal(near.triangles, mesh.triangles)
+    far = near.follow(ring("0.4"))
+    assert len(mesh.triangles) < len(far.triangles) < 1.3 * len(mesh.triangles)
+    for moved, radius in ((near, "0.334"), (far, "0.4")):
+        assert distance(ring(radius), moved.points).max() < 1e-12
+        assert distance(ring(radius), moved.points[moved.triangles].mean(axis=1)).max() <= tolerance
+        assert moved.deviation <= tolerance
+        assert moved.certificate.holds
+
+
+def test_a_mesh_that_cannot_follow_is_made_anew():
+    mesh = ring("0.333").mesh(1e-2)
+    other = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface(*BOX)
+    ball = mesh.follow(other)
+    assert ball.euler_characteristic == 2
+    assert ball.certificate.holds
+
+
+def test_a_mesh_follows_through_the_walls():
+    mesh = pas.Polynomial("x^2 + 2*y^2 - z^2 - 1/4").surface((-1,) * 3, (1,) * 3).mesh(1e-2)
+    moved = mesh.follow(pas.Polynomial("x^2 + 2*y^2 - z^2 - 1/4 + x/50").surface((-1,) * 3, (1,) * 3))
+    assert moved.certificate.holds
+    assert (np.abs(moved.points[moved.boundary]).max(axis=1) == 1).all()
+    with pytest.raises(ValueError, match="tolerance must be a positive number"):
+        mesh.follow(moved.surface, 0)

@@ -87,6 +87,16 @@ def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None
     return _mended(field, _cut(field, graph, m), tolerance, most)
 
 
+def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
+    """The mesh of points (N, 3) near the surface, or on rims with given numbers (N,), moved onto it; see `finished`."""
+    points = points.copy()
+    _put(field, points, rim)
+    graph = looked_at(field, points, triangles, rim)
+    if not upright(points, triangles, graph.normals).min() >= FOLDED:
+        raise ArithmeticError("some triangles are folded")
+    return _mended(field, graph, tolerance, refine.LARGEST)
+
+
 def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
     """The rims (E,) of edges (E, 2) on the boundary: that of an end, or between two fixed ends the nearest."""
     fixed = np.array([curve.fixed for curve in field.rims], dtype=bool)

@@ -75,7 +75,7 @@ class Subdivision:
         rows = np.flatnonzero(bent)
         order = rows[np.argsort((mean[rows] ** 2).sum(axis=1), kind="stable")]
         ends = self.forms[:, self._ends]
-        one = (ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1)
+        one = np.asarray((ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1))
         numbers = _distinct(self._nodes.reshape(-1, self._nodes.shape[2]))[1].reshape(-1, 4)
         crossed = np.zeros(int(numbers.max(initial=0)) + 1, dtype=bool)
         crossed[numbers[~one]] = True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,7 +62,7 @@ class Mesh(Shape):
         parameters: Floats | None = None,
         deviation: float | None = None,
         proved: bool = False,
-    ) -> Any:
+    ) -> SmoothMesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
         faces = np.zeros(len(triangles), dtype=np.intp)
         kind = cls if issubclass(cls, SmoothMesh) else SmoothMesh

@@ -27,14 +27,15 @@ def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
     where there would be too many triangles.
     """
     first = _first(field)
-    _require_once(field, first)
+    require_once(field, first.points[first.rim < 0])
     graph = remeshed(field, first, AIM * tolerance * fineness(field, tolerance) ** 2)
-    _require_once(field, graph)
+    require_once(field, graph.points[graph.rim < 0])
     return finished(field, graph, tolerance, most)
 
 
-def _require_once(field: RayField, graph: Graph) -> None:
-    if not field.once(graph.points[graph.rim < 0]):
+def require_once(field: RayField, points: Floats) -> None:
+    """Raise `ArithmeticError` where rays from the centre through points (N, 3) do not meet the surface once."""
+    if not field.once(points):
         raise ArithmeticError("a ray from the centre does not meet the surface once")
 
 
@@ -47,13 +48,15 @@ def _first(field: RayField) -> Graph:
             if level == LEVELS[-1]:
                 raise
             continue
-        return looked_at(field, points, triangles, _rim_numbers(field, points, triangles))
+        return looked_at(field, points, triangles, rim_numbers(field, points, triangles))
     raise AssertionError
 
 
-def _rim_numbers(field: RayField, points: Floats, triangles: Integers) -> Integers:
-    """The rims (N,) on which points are, -1 inside."""
+def rim_numbers(field: RayField, points: Floats, triangles: Integers) -> Integers:
+    """The rims (N,) on which points are, -1 inside; raises `ArithmeticError` where there are none to end on."""
     rim = np.unique(Edges(triangles, len(points)).rim)
+    if len(rim) and not field.rims:
+        raise ArithmeticError("the mesh ends where the surface has no contact")
     number = np.full(len(points), -1)
     if len(rim):
         number[rim] = np.argmin([curve.off(points[rim]) for curve in field.rims], axis=0)

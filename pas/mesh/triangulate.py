@@ -107,7 +107,7 @@ def _first(field: CellField, grid: Lattice) -> Graph:
         points, triangles, _ = snapped(crossed, plain, ends, share, snap, np.zeros(len(negative), dtype=bool))
         if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:
             continue
-        rim = _rims(field, points, triangles)
+        rim = wall_numbers(field, points, triangles)
         for number, curve in enumerate(field.rims):
             here = np.flatnonzero(rim == number)
             if len(here):
@@ -127,7 +127,7 @@ def _topology(triangles: Integers) -> tuple[int, int]:
     return piece_count(triangles), len(np.unique(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
 
 
-def _rims(field: CellField, points: Floats, triangles: Integers) -> Integers:
+def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integers:
     """The walls (N,), or the ends of curves between two of them, on which points are; -1 inside."""
     edges = Edges(triangles, len(points))
     result = np.full(len(points), -1)

@@ -121,7 +121,7 @@ class Wall:
     @cached_property
     def _back(self) -> Floats:
         """From distances from the planes (N, k) to the shortest ways onto all of them."""
-        return np.linalg.pinv(self.planes[:, :3]).T
+        return np.asarray(np.linalg.pinv(self.planes[:, :3]).T, dtype=float)
 
     def at(self, points: Floats) -> Floats:
         """Points of the curve (N, 3) near points near it."""

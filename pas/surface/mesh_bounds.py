@@ -94,11 +94,10 @@ def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     makers = [TriangleForms(patch, stage.degree, stage.reach) for patch in stage.patches]
     touching = [stage.touching(piece) for piece in range(len(makers))]
     for across, vertices in rims:
-        flags = vertices[stage.triangles]
-        for pattern in np.unique(flags, axis=0):
-            rows = np.flatnonzero((flags == pattern).all(axis=1))
-            if not pattern.any():
-                continue
+        code = vertices[stage.triangles] @ np.array([1, 2, 4])
+        for pattern in np.flatnonzero(np.bincount(code, minlength=8)[1:]) + 1:
+            rows = np.flatnonzero(code == pattern)
+            marked = (bool(pattern & 1), bool(pattern & 2), bool(pattern & 4))
             for maker, near in zip(makers, touching, strict=True):
                 part = rows[near[rows]]
                 if not len(part):
@@ -107,7 +106,7 @@ def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
                 forms = maker.on(corners)
                 normals, loose = unit_normals(corners)
                 normals = normals - (normals @ across.T) @ across
-                chosen = forms.gradients[:, on_corners(stage.degree - 1, tuple(map(bool, pattern)))]
+                chosen = forms.gradients[:, on_corners(stage.degree - 1, marked)]
                 found.append(np.einsum("tx,xkt->kt", normals, chosen).min(axis=0) - _slack(forms, loose))
                 numbers.append(part)
     return np.concatenate(found), np.concatenate(numbers)

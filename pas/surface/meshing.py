@@ -9,6 +9,7 @@ import numpy as np
 from pas.mesh.mesh import Mesh
 from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
+from pas.surface.following import around_centre
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
 from pas.surface.surface_mesh import SurfaceMesh
@@ -23,11 +24,11 @@ def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Sur
     What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall, a
     contact curve that is none around its middle) is meshed from a lattice.
     """
-    return SurfaceMesh.of_surface(_triangles(surface, tolerance, most), surface)
+    return SurfaceMesh.of_surface(_triangles(surface, tolerance, most), surface, tolerance)
 
 
 def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
-    if _around_centre(surface):
+    if around_centre(surface):
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
                 field = RadialField(surface)
@@ -37,12 +38,3 @@ def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) ->
     lattice = LocalField(surface)
     with np.errstate(all="ignore"):  # what is not finite is folded, and refused
         return triangulate(lattice, tolerance / lattice.scale, most)
-
-
-def _around_centre(surface: PiecewiseSurface) -> bool:
-    """Whether there is a centre, inside the surface, and all contacts end on outer faces of the region."""
-    return (
-        surface.partition.center is not None
-        and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
-        and all(join.confined for join in surface.joins)
-    )

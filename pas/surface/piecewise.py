@@ -17,7 +17,6 @@ from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
-from pas.mesh.mesh import Mesh
 from pas.partition.cells import OuterFace, Partition
 from pas.shape import Shape
 from pas.surface.certificate import Certificate
@@ -29,6 +28,7 @@ from pas.surface.joins import Join
 from pas.surface.meshing import meshed
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
+from pas.surface.surface_mesh import SurfaceMesh
 from pas.verdicts import Verdict
 
 DEFAULT_TOLERANCE = 1e-3
@@ -240,7 +240,7 @@ class PiecewiseSurface(InPlace, Shape):
         max_triangles: int | None = None,
         seconds: float | None = None,
         progress: Report | None = None,
-    ) -> Mesh:
+    ) -> SurfaceMesh:
         """Triangles within `tolerance` (the model's units) of the surface, as measured, at most `max_triangles`.
 
         Vertices lie on the surface, boundary vertices on the contact curves; normals point outwards.  By default
@@ -259,7 +259,7 @@ class PiecewiseSurface(InPlace, Shape):
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(
         self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> Mesh:
+    ) -> SurfaceMesh:
         """What `mesh` was called when it made something else."""
         return self.mesh(tolerance)
 
