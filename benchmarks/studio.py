@@ -37,6 +37,13 @@ MOVES = """async (n) => { const s = studio.state, out = []; for (let i = 0; i < 
   const came = performance.now();
   do await new Promise(requestAnimationFrame); while (studio.view.frames === frames);
   out.push([performance.now() - began, came - began, studio.view.spent, s.spent]); } return out; }"""
+RESTS = """async (n) => { const s = studio.state, out = [], wait = () => new Promise((r) => setTimeout(r, 2));
+  for (let i = 0; i < n; i++) {
+    const began = performance.now(), before = s.judged; studio.act.move(["problem", "tension"], (5 + 0.3 * i).toFixed(2));
+    while (s.judged === before) await wait();
+    const lit = performance.now(); studio.act.commit();
+    while (s.final?.seq !== s.seq) await wait();
+    out.push([lit - began, performance.now() - lit]); } return out; }"""
 PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view;
   v.camera.towards = towards.map((x) => x / n);
   const a = new Uint8Array(v.caster.probe(v.camera, v.look, w, h).buffer); let s = "";
@@ -106,6 +113,10 @@ def speed(page, degree: int, moves: int) -> None:
         )
         page.evaluate("studio.act.commit()")
         final(page)
+    lamps, whole = np.median(page.evaluate(RESTS, 6), axis=0) / 1000
+    print(
+        f"degree {degree}: lamps of what is seen {lamps:.2f} s after a move, the fair shape with proofs {whole:.2f} s"
+    )
 
 
 def main() -> None:
