@@ -1,6 +1,6 @@
 """The studio, measured in a browser without a window: slider to picture, what the server takes of it, and accuracy.
 
-    python benchmarks/studio.py [--moves N]
+    python benchmarks/studio.py [--moves N] [--degrees N ...]
 
 Times are of one run; on a machine that is shared they say little, and the share of the server is CPU time.
 """
@@ -37,6 +37,14 @@ MOVES = """async (n) => { const s = studio.state, out = []; for (let i = 0; i < 
   const came = performance.now();
   do await new Promise(requestAnimationFrame); while (studio.view.frames === frames);
   out.push([performance.now() - began, came - began, studio.view.spent, s.spent]); } return out; }"""
+RESTS = """async (n) => { const s = studio.state, out = [], wait = () => new Promise((r) => setTimeout(r, 2));
+  for (let i = 0; i < n; i++) {
+    const began = performance.now(), before = s.judged;
+    studio.act.move(["problem", "tension"], (5 + 0.3 * i).toFixed(2));
+    while (s.judged === before) await wait();
+    const lit = performance.now(); studio.act.commit();
+    while (s.final?.seq !== s.seq) await wait();
+    out.push([lit - began, performance.now() - lit]); } return out; }"""
 PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view;
   v.camera.towards = towards.map((x) => x / n);
   const a = new Uint8Array(v.caster.probe(v.camera, v.look, w, h).buffer); let s = "";
@@ -106,6 +114,10 @@ def speed(page, degree: int, moves: int) -> None:
         )
         page.evaluate("studio.act.commit()")
         final(page)
+    lamps, whole = np.median(page.evaluate(RESTS, 6), axis=0) / 1000
+    print(
+        f"degree {degree}: lamps of what is seen {lamps:.2f} s after a move, the fair shape with proofs {whole:.2f} s"
+    )
 
 
 def main() -> None:
@@ -114,6 +126,7 @@ def main() -> None:
 
     reader = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     reader.add_argument("--moves", type=int, default=200)
+    reader.add_argument("--degrees", type=int, nargs="*", default=[degree for _, degree in CASES])
     options = reader.parse_args()
     sizes = {path.name: path.stat().st_size for path in sorted(PAGE.iterdir())}
     print(f"the page: {sum(sizes.values())} bytes in {len(sizes)} files")
@@ -126,7 +139,7 @@ def main() -> None:
             page = browser.new_page(viewport={"width": 750, "height": 300})
             page.goto(address)
             final(page)
-            for order, degree in CASES:
+            for order, degree in (case for case in CASES if case[1] in options.degrees):
                 opened(page, order, degree)
                 accuracy(page, order, degree)
                 if degree in (5, 6, 7):

@@ -20,7 +20,8 @@ from pas.shape import KINDS
 ROOMS = [
     *("_version", "errors", "limits", "registry", "described", "verdicts", "shape"),
     *("algebra", "bernstein", "partition", "mesh", "surface", "solid", "parametric", "generatrix", "fairing"),
-    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds", "studio", "bench", "cli"),
+    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
+    *("studio", "bench", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 

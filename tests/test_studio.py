@@ -95,7 +95,7 @@ def test_starting_points_are_documents_with_controls(name):
     found = controls(document)
     assert found
     for control in found:
-        assert control["kind"] in ("number", "vector", "choice", "points")
+        assert control["kind"] in ("number", "vector", "choice", "points", "text")
         assert control["kind"] != "number" or control["low"] < control["high"]
 
 
@@ -391,7 +391,7 @@ def test_pages_are_served_to_itself_alone(server):
 
 def test_the_whole_page_is_small_and_names_no_other_host():
     files = [path for path in PAGE.iterdir() if path.is_file()]
-    assert sum(path.stat().st_size for path in files) < 80 * 1024
+    assert sum(path.stat().st_size for path in files) < 80_000
     for path in files:
         names = set(re.findall(r"(?:https?|wss?)://([^/\s`'\"]+)", path.read_text()))
         assert names <= {"www.w3.org", "${location.host}"}, path  # the first names SVG, and is never asked

@@ -2,8 +2,8 @@
 
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
-its name; the value None leaves the key out), or "points".  `usual` is what holds where the document says nothing; of
-`safe` ones the largest safe value can be asked for, and is marked.
+its name; the value None leaves the key out), "text" (a formula), or "points".  `usual` is what holds where the document
+says nothing; of `safe` ones the largest safe value can be asked for, and is marked.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ FULLEST, SLIMMEST = 0, 40
 HIGHEST_ORDER = 4
 NUMBERS = ("radius", "clip", "slope")
 VECTORS = ("axis", "point", "arm")
+FORMULAS = ("surface", "clip")
+OF_BOUNDARIES = ("quadric", "plane", "implicit", "other", "x", "y", "z")
 SHAPE = {"l1": (0, 5), "l2": (0, 5), "lambda1": (-2, 2), "lambda2": (-2, 2)}
 LENGTHS = ("l1", "l2")
 RANGES = {"lid_height": (1.1, 1.9), "spout_tilt": (-0.3, 0.5), "handle_size": (0.7, 1.3)}
@@ -51,6 +53,9 @@ def _problem(document: Data) -> Iterator[Control]:
                 if key in entry and entry[key] != "auto":
                     low = -largest if key == "slope" or _number(entry[key]) <= 0 else 0
                     yield _number_control([*path, key], key, title.capitalize(), low, largest)
+            for key in FORMULAS:
+                if isinstance(entry.get(key), str):
+                    yield _text([*path, key], key, title.capitalize())
             for key in VECTORS:
                 if key in entry:
                     yield {"kind": "vector", "path": [*path, key], "label": key, "group": title.capitalize(),
@@ -84,6 +89,18 @@ def _generatrix(problem: Data) -> Iterator[Control]:
             for part in ("low", "high"):
                 path = ["problem", "shape", name, part]
                 yield _number_control(path, f"{name}, {part}", "Generatrix", low, high)
+
+    middle = problem.get("shape", {}).get("middle")
+    for place, axis in enumerate("xyz") if isinstance(middle, list) else ():
+        yield _text(["problem", "shape", "middle", place], f"middle {axis}", "Generatrix")
+    for number, boundary in enumerate(problem["boundaries"]):
+        for key in OF_BOUNDARIES:
+            if isinstance(boundary.get(key), str):
+                yield _text(["problem", "boundaries", number, key], key, f"Boundary {number + 1}")
+
+
+def _text(path: list[Any], label: str, group: str) -> Control:
+    return {"kind": "text", "path": path, "label": label, "group": group}
 
 
 def _teapot(_: Data) -> Iterator[Control]:

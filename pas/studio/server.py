@@ -102,7 +102,8 @@ class Studio:
 
         async def send(message: Message) -> None:
             async with sending:
-                await socket.send_bytes(message.packed())
+                with suppress(RuntimeError, WebSocketDisconnect):  # the page has gone
+                    await socket.send_bytes(message.packed())
 
         session = Session(send, *self.workers())
         self.pages[session] = send

@@ -1,74 +1,74 @@
-// From the server's messages to what is drawn.
+// What is drawn, from messages.
 import { box, tetrahedra } from "./cast.js";
 import { count, size } from "./algebra.js";
 
 const rows = (flat, n) => Array.from({ length: flat.length / n }, (_, i) => Array.from(flat.subarray(n * i, n * i + n)));
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 
-// Views of the arrays of a packed message, without copies.
+// The head and the arrays of a packed message.
 export function unpacked(buffer) {
-  const length = new DataView(buffer).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  let at = 4 + length;
-  const arrays = {};
-  for (const [name, type, n] of head.arrays) {
-    const made = array(buffer, type, at, n);
-    arrays[name] = made;
-    at += 8 * Math.ceil(made.byteLength / 8);
-  }
-  return { head, arrays };
+	const length = new DataView(buffer).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+	let at = 4 + length;
+	const arrays = {};
+	for (const [name, type, n] of head.arrays) {
+		const made = array(buffer, type, at, n);
+		arrays[name] = made;
+		at += 8 * Math.ceil(made.byteLength / 8);
+	}
+	return { head, arrays };
 }
 
 export function array(buffer, type, at, n) {
-  const Kind = { float64: Float64Array, float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array }[type];
-  return new Kind(buffer, at, n);
+	const Kind = { float64: Float64Array, float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array }[type];
+	return new Kind(buffer, at, n);
 }
 
 const pieces = (values, degree) => Array.from({ length: values.length / count(degree) }, (_, i) => ({ degree, values: values.subarray(i * count(degree), (i + 1) * count(degree)) }));
 
 export class Scene {
-  constructor(head, arrays) {
-    Object.assign(this, { head, how: head.how, origin: head.origin, scale: head.scale, beyond: [] });
-    if (head.how === "cast") this.cast(head, arrays); else this.triangles(head, arrays);
-  }
-  cast(head, arrays) {
-    this.vertices = rows(arrays.vertices, 3); this.cells = rows(arrays.cells, 4);
-    this.surface = pieces(arrays.coefficients, head.degree);
-    this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
-    this.outlined(head, arrays);
-    this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
-    this.meshes = [];
-  }
-  outlined(head, arrays) { // neighbours in the same frame; false in another one
-    if (head.scale !== this.scale || head.origin.some((x, i) => x !== this.origin[i])) return false;
-    let at = 0;
-    this.beyond = head.beyond.map((b) => ({ degree: b.degree, values: arrays.neighbours.subarray(at, (at += count(b.degree))) }));
-    this.bodies = [...this.tetrahedra, ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, [b.clip]))];
-    return true;
-  }
-  triangles(head, arrays) {
-    this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
-    this.meshes = head.colors.map((color, i) => {
-      const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
-      for (let k = 0; k < n; k++) this.reach = Math.max(this.reach, Math.hypot(points[3 * k], points[3 * k + 1], points[3 * k + 2]));
-      for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
-      return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
-    });
-  }
-  movedMesh(arrays) { // the main part alone, in the shape's own coordinates
-    const p = arrays["points 0"], points = new Float32Array(p.length), n = p.length / 3, tints = new Float32Array(5 * n), color = rgb(this.head.colors[this.head.main]);
-    for (let i = 0; i < p.length; i++) points[i] = (p[i] - this.origin[i % 3]) / this.scale;
-    for (let i = 0; i < n; i++) tints.set([...color, NaN, NaN], 5 * i);
-    this.meshes[this.head.main] = { points, normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
-  }
-  get polynomials() { return [...this.surface, ...this.beyond]; }
-  moved(values) { this.surface = pieces(values, this.head.degree); }
-  load(caster) { caster.scene(this.bodies, this.polynomials, this.reach); caster.setMeshes(this.meshes); }
-  local(p) { return p.map((x, i) => (x - this.origin[i]) / this.scale); }
-  world(p) { return p.map((x, i) => x * this.scale + this.origin[i]); }
-  // Each edge of the cells once, as points.
-  get edges() {
-    const found = new Map();
-    for (const c of this.cells) for (let i = 0; i < 4; i++) for (let j = i + 1; j < 4; j++) found.set([c[i], c[j]].sort((a, b) => a - b).join(), [this.vertices[c[i]], this.vertices[c[j]]]);
-    return [...found.values()];
-  }
+	constructor(head, arrays) {
+		Object.assign(this, { head, how: head.how, origin: head.origin, scale: head.scale, beyond: [] });
+		if (head.how === "cast") this.cast(head, arrays); else this.triangles(head, arrays);
+	}
+	cast(head, arrays) {
+		this.vertices = rows(arrays.vertices, 3); this.cells = rows(arrays.cells, 4);
+		this.surface = pieces(arrays.coefficients, head.degree);
+		this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
+		this.outlined(head, arrays);
+		this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
+		this.meshes = [];
+	}
+	outlined(head, arrays) { // neighbours in the same frame; false in another one
+		if (head.scale !== this.scale || head.origin.some((x, i) => x !== this.origin[i])) return false;
+		let at = 0;
+		this.beyond = head.beyond.map((b) => ({ degree: b.degree, values: arrays.neighbours.subarray(at, (at += count(b.degree))) }));
+		this.bodies = [...this.tetrahedra, ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, [b.clip]))];
+		return true;
+	}
+	triangles(head, arrays) {
+		this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
+		this.meshes = head.colors.map((color, i) => {
+			const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
+			for (let k = 0; k < n; k++) this.reach = Math.max(this.reach, Math.hypot(points[3 * k], points[3 * k + 1], points[3 * k + 2]));
+			for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
+			return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
+		});
+	}
+	movedMesh(arrays) { // the main part alone, in the shape's own coordinates
+		const p = arrays["points 0"], points = new Float32Array(p.length), n = p.length / 3, tints = new Float32Array(5 * n), color = rgb(this.head.colors[this.head.main]);
+		for (let i = 0; i < p.length; i++) points[i] = (p[i] - this.origin[i % 3]) / this.scale;
+		for (let i = 0; i < n; i++) tints.set([...color, NaN, NaN], 5 * i);
+		this.meshes[this.head.main] = { points, normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
+	}
+	get polynomials() { return [...this.surface, ...this.beyond]; }
+	moved(values) { this.surface = pieces(values, this.head.degree); }
+	load(caster) { caster.scene(this.bodies, this.polynomials, this.reach); caster.setMeshes(this.meshes); }
+	local(p) { return p.map((x, i) => (x - this.origin[i]) / this.scale); }
+	world(p) { return p.map((x, i) => x * this.scale + this.origin[i]); }
+	// Each edge of the cells once, as points.
+	get edges() {
+		const found = new Map();
+		for (const c of this.cells) for (let i = 0; i < 4; i++) for (let j = i + 1; j < 4; j++) found.set([c[i], c[j]].sort((a, b) => a - b).join(), [this.vertices[c[i]], this.vertices[c[j]]]);
+		return [...found.values()];
+	}
 }

@@ -18,107 +18,107 @@ void main() { vec3 q = inverse * corner; float w = 1.0 + bend * q.z; gl_Position
 // What all programs share: two lights that go with the camera, stripes, and colours by curvature.
 export const LOOK = `
 vec3 diverging(float x) {
-  x = clamp(x, -1.0, 1.0);
-  vec3 low = vec3(.13, .40, .67), mid = vec3(.93, .93, .92), high = vec3(.70, .09, .17);
-  return x < 0.0 ? mix(mid, low, pow(-x, .8)) : mix(mid, high, pow(x, .8));
+	x = clamp(x, -1.0, 1.0);
+	vec3 low = vec3(.13, .40, .67), mid = vec3(.93, .93, .92), high = vec3(.70, .09, .17);
+	return x < 0.0 ? mix(mid, low, pow(-x, .8)) : mix(mid, high, pow(x, .8));
 }
 vec3 lit(vec3 base, vec3 n, vec3 to, float gloss) {
-  float f = dot(n, to);
-  vec3 side = normalize(to + light);
-  float key = max(0.0, dot(n, side)), shine = pow(max(0.0, dot(n, normalize(side + to))), 48.0);
-  return base * (.22 + .30 * f + .56 * key) + gloss * shine;
+	float f = dot(n, to);
+	vec3 side = normalize(to + light);
+	float key = max(0.0, dot(n, side)), shine = pow(max(0.0, dot(n, normalize(side + to))), 48.0);
+	return base * (.22 + .30 * f + .56 * key) + gloss * shine;
 }
 vec3 stripes(vec3 n, vec3 base, float f) {
-  float s = fract(asin(clamp(dot(n, normalize(vec3(.35, .85, .4))), -1.0, 1.0)) * 6.0);
-  return (s < .5 ? mix(base, vec3(1.0), .75) : vec3(.07, .08, .1)) * (.65 + .35 * f);
+	float s = fract(asin(clamp(dot(n, normalize(vec3(.35, .85, .4))), -1.0, 1.0)) * 6.0);
+	return (s < .5 ? mix(base, vec3(1.0), .75) : vec3(.07, .08, .1)) * (.65 + .35 * f);
 }`;
 
 const at = (i, j, k) => { const p = place(i, j, k); return `A[${p >> 2}].${"xyzw"[p & 3]}`; }; // a coefficient
 
 function alongRay(n) { // coefficients of the polynomial on the ray through (u, v), lowest first
-  const lines = [];
-  for (let k = 1; k <= n; k++) lines.push(`float u${k}=${k > 1 ? `u${k - 1}*u` : "u"}, v${k}=${k > 1 ? `v${k - 1}*v` : "v"};`);
-  const sum = (m, l) => Array.from({ length: m + 1 }, (_, j) => [at(m - j, j, l), m - j && `u${m - j}`, j && `v${j}`].filter(Boolean).join("*")).join("+");
-  lines.push(`p[0]=${sum(n, 0)};`);
-  for (let m = n - 1; m >= 0; m--) {
-    const d = n - m;
-    lines.push(`p[${d}]=bend*p[${d - 1}]+${sum(m, d)};`);
-    for (let k = d - 1; k >= 1; k--) lines.push(`p[${k}]+=bend*p[${k - 1}]+${sum(m, k)};`);
-    lines.push(`p[0]+=${sum(m, 0)};`);
-  }
-  return `void along(float u, float v, out float p[N+1]) {\n${lines.join("\n")}\n}`;
+	const lines = [];
+	for (let k = 1; k <= n; k++) lines.push(`float u${k}=${k > 1 ? `u${k - 1}*u` : "u"}, v${k}=${k > 1 ? `v${k - 1}*v` : "v"};`);
+	const sum = (m, l) => Array.from({ length: m + 1 }, (_, j) => [at(m - j, j, l), m - j && `u${m - j}`, j && `v${j}`].filter(Boolean).join("*")).join("+");
+	lines.push(`p[0]=${sum(n, 0)};`);
+	for (let m = n - 1; m >= 0; m--) {
+		const d = n - m;
+		lines.push(`p[${d}]=bend*p[${d - 1}]+${sum(m, d)};`);
+		for (let k = d - 1; k >= 1; k--) lines.push(`p[${k}]+=bend*p[${k - 1}]+${sum(m, k)};`);
+		lines.push(`p[0]+=${sum(m, 0)};`);
+	}
+	return `void along(float u, float v, out float p[N+1]) {\n${lines.join("\n")}\n}`;
 }
 
 function bernstein(n) { // from powers of t to Bernstein form on [t, t + h]
-  const lines = [];
-  for (let i = 0; i < n; i++) for (let k = n - 1; k >= i; k--) lines.push(`p[${k}]+=t*p[${k + 1}];`);
-  lines.push("float s=1.0;");
-  for (let k = 1; k <= n; k++) lines.push(`s*=h; p[${k}]*=s*${(1 / binomial(n, k)).toFixed(12)};`);
-  for (let i = 1; i <= n; i++) for (let k = n; k >= i; k--) lines.push(`p[${k}]+=p[${k - 1}];`);
-  return `void bernstein(inout float p[N+1], float t, float h) {\n${lines.join("\n")}\n}`;
+	const lines = [];
+	for (let i = 0; i < n; i++) for (let k = n - 1; k >= i; k--) lines.push(`p[${k}]+=t*p[${k + 1}];`);
+	lines.push("float s=1.0;");
+	for (let k = 1; k <= n; k++) lines.push(`s*=h; p[${k}]*=s*${(1 / binomial(n, k)).toFixed(12)};`);
+	for (let i = 1; i <= n; i++) for (let k = n; k >= i; k--) lines.push(`p[${k}]+=p[${k - 1}];`);
+	return `void bernstein(inout float p[N+1], float t, float h) {\n${lines.join("\n")}\n}`;
 }
 
 function zeros(n) {
-  const casteljau = (to) => { const l = []; for (let i = 1; i <= n; i++) l.push(...to(i)); return l.join(" "); };
-  const left = casteljau((i) => Array.from({ length: n - i + 1 }, (_, j) => `p[${n - j}]=mix(p[${n - j - 1}],p[${n - j}],t);`));
-  const right = casteljau((i) => Array.from({ length: n - i + 1 }, (_, k) => `p[${k}]=mix(p[${k}],p[${k + 1}],t);`));
-  const value = casteljau((i) => [i === n ? "slope=float(N)*(p[1]-p[0]);" : "", ...Array.from({ length: n - i + 1 }, (_, k) => `p[${k}]=mix(p[${k}],p[${k + 1}],t);`)]);
-  return `
+	const casteljau = (to) => { const l = []; for (let i = 1; i <= n; i++) l.push(...to(i)); return l.join(" "); };
+	const left = casteljau((i) => Array.from({ length: n - i + 1 }, (_, j) => `p[${n - j}]=mix(p[${n - j - 1}],p[${n - j}],t);`));
+	const right = casteljau((i) => Array.from({ length: n - i + 1 }, (_, k) => `p[${k}]=mix(p[${k}],p[${k + 1}],t);`));
+	const value = casteljau((i) => [i === n ? "slope=float(N)*(p[1]-p[0]);" : "", ...Array.from({ length: n - i + 1 }, (_, k) => `p[${k}]=mix(p[${k}],p[${k + 1}],t);`)]);
+	return `
 int variations(float p[N+1]) { int s=0; bool q=p[0]<0.0, r; ${Array.from({ length: n }, (_, k) => `r=p[${k + 1}]<0.0; s+=int(r!=q); q=r;`).join(" ")} return s; }
 void left(inout float p[N+1], float t) { ${left} }
 void right(inout float p[N+1], float t) { ${right} }
 vec2 value(float p[N+1], float t) { float slope=0.0; ${value} return vec2(p[0], slope); }
 float bracketed(float p[N+1]) { // one variation: Newton, bisection where a step leaves the bracket or does not halve
-  float low=0.0, high=1.0, step=1.0, x=p[0]/(p[0]-p[N]); bool below=p[0]<0.0;
-  for (int i=0; i<40; i++) {
-    vec2 f=value(p, x);
-    if ((f.x<0.0)==below) low=x; else high=x;
-    float y=x-f.x/f.y;
-    if (!(y>low && y<high) || abs(y-x)>0.5*step) y=0.5*(low+high);
-    step=abs(y-x); x=y;
-    if (step<1e-7) break;
-  }
-  return x;
+	float low=0.0, high=1.0, step=1.0, x=p[0]/(p[0]-p[N]); bool below=p[0]<0.0;
+	for (int i=0; i<40; i++) {
+		vec2 f=value(p, x);
+		if ((f.x<0.0)==below) low=x; else high=x;
+		float y=x-f.x/f.y;
+		if (!(y>low && y<high) || abs(y-x)>0.5*step) y=0.5*(low+high);
+		step=abs(y-x); x=y;
+		if (step<1e-7) break;
+	}
+	return x;
 }
 float first(float p[N+1]) { // the first zero in [0, 1], or 2
-  float b[N+1]=p, low=0.0, high=1.0, x=2.0; int v=variations(b);
-  for (int i=0; i<64 && v!=1; i++) {
-    if (v==0 || high-low<1e-6) { if (high>=1.0) return 2.0; low=high; high=1.0; b=p; right(b, low); }
-    else { left(b, 0.5); high=0.5*(low+high); }
-    v=variations(b);
-  }
-  for (int i=0; i<int(v==1); i++) x=low+(high-low)*bracketed(b);
-  return x;
+	float b[N+1]=p, low=0.0, high=1.0, x=2.0; int v=variations(b);
+	for (int i=0; i<64 && v!=1; i++) {
+		if (v==0 || high-low<1e-6) { if (high>=1.0) return 2.0; low=high; high=1.0; b=p; right(b, low); }
+		else { left(b, 0.5); high=0.5*(low+high); }
+		v=variations(b);
+	}
+	for (int i=0; i<int(v==1); i++) x=low+(high-low)*bracketed(b);
+	return x;
 }`;
 }
 
 function jet(n, second) { // value, gradient and second derivatives by nested Horner
-  const o = [], H = (text) => (second ? text : "");
-  for (let l = n; l >= 0; l--) {
-    o.push("{ float r=0.,rx=0.,rxx=0.,ry=0.,rxy=0.,ryy=0.;");
-    for (let j = n - l; j >= 0; j--) {
-      o.push(`{ float s=${at(n - l - j, j, l)},sx=0.,sxx=0.;`);
-      for (let i = n - l - j - 1; i >= 0; i--) o.push(`${H("sxx=sxx*X+2.0*sx; ")}sx=sx*X+s; s=s*X+${at(i, j, l)};`);
-      o.push(`${H("ryy=ryy*Y+2.0*ry; rxy=rxy*Y+rx; rxx=rxx*Y+sxx; ")}ry=ry*Y+r; r=r*Y+s; rx=rx*Y+sx; }`);
-    }
-    o.push(`${H("fzz=fzz*Z+2.0*fz; fxz=fxz*Z+fx; fyz=fyz*Z+fy; fxx=fxx*Z+rxx; fxy=fxy*Z+rxy; fyy=fyy*Z+ryy; ")}fz=fz*Z+f; f=f*Z+r; fx=fx*Z+rx; fy=fy*Z+ry; }`);
-  }
-  return `void jet(vec3 q, out float f, out vec3 g, out mat3 h) { float X=q.x,Y=q.y,Z=q.z;
-  float fx=0.,fxx=0.,fy=0.,fxy=0.,fyy=0.,fz=0.,fxz=0.,fyz=0.,fzz=0.; f=0.;
-  ${o.join("\n")}
-  g=vec3(fx,fy,fz); h=mat3(fxx,fxy,fxz, fxy,fyy,fyz, fxz,fyz,fzz); }`;
+	const o = [], H = (text) => (second ? text : "");
+	for (let l = n; l >= 0; l--) {
+		o.push("{ float r=0.,rx=0.,rxx=0.,ry=0.,rxy=0.,ryy=0.;");
+		for (let j = n - l; j >= 0; j--) {
+			o.push(`{ float s=${at(n - l - j, j, l)},sx=0.,sxx=0.;`);
+			for (let i = n - l - j - 1; i >= 0; i--) o.push(`${H("sxx=sxx*X+2.0*sx; ")}sx=sx*X+s; s=s*X+${at(i, j, l)};`);
+			o.push(`${H("ryy=ryy*Y+2.0*ry; rxy=rxy*Y+rx; rxx=rxx*Y+sxx; ")}ry=ry*Y+r; r=r*Y+s; rx=rx*Y+sx; }`);
+		}
+		o.push(`${H("fzz=fzz*Z+2.0*fz; fxz=fxz*Z+fx; fyz=fyz*Z+fy; fxx=fxx*Z+rxx; fxy=fxy*Z+rxy; fyy=fyy*Z+ryy; ")}fz=fz*Z+f; f=f*Z+r; fx=fx*Z+rx; fy=fy*Z+ry; }`);
+	}
+	return `void jet(vec3 q, out float f, out vec3 g, out mat3 h) { float X=q.x,Y=q.y,Z=q.z;
+	float fx=0.,fxx=0.,fy=0.,fxy=0.,fyy=0.,fz=0.,fxz=0.,fyz=0.,fzz=0.; f=0.;
+	${o.join("\n")}
+	g=vec3(fx,fy,fz); h=mat3(fxx,fxy,fxz, fxy,fyy,fyz, fxz,fyz,fzz); }`;
 }
 
 const CURVED = `
-  mat3 H=toWorld*h*transpose(toWorld); float l=length(g);
-  float mean=(l*l*(H[0][0]+H[1][1]+H[2][2])-dot(g,H*g))/(2.0*l*l*l);
-  mat3 adj=mat3(cross(H[1],H[2]),cross(H[2],H[0]),cross(H[0],H[1]));
-  float gauss=dot(g,adj*g)/(l*l*l*l);`;
+	mat3 H=toWorld*h*transpose(toWorld); float l=length(g);
+	float mean=(l*l*(H[0][0]+H[1][1]+H[2][2])-dot(g,H*g))/(2.0*l*l*l);
+	mat3 adj=mat3(cross(H[1],H[2]),cross(H[2],H[0]),cross(H[0],H[1]));
+	float gauss=dot(g,adj*g)/(l*l*l*l);`;
 
 // Of the surface or of a neighbour (`aside`, which has no colours by curvature), in one of MODES or as PROBE.
 export function bodyFragment(n, mode, aside) {
-  const curved = mode === PROBE || (!aside && (mode === "mean" || mode === "gauss"));
-  return `#version 300 es
+	const curved = mode === PROBE || (!aside && (mode === "mean" || mode === "gauss"));
+	return `#version 300 es
 precision highp float; precision highp int;
 #define N ${n}
 #define NEAR 2e-2
@@ -132,30 +132,30 @@ ${bernstein(n)}
 ${zeros(n)}
 ${jet(n, curved)}
 void main() {
-  vec2 s=(gl_FragCoord.xy+jitter)/pixels*2.0-1.0, uv=s*view.xy+view.zw;
-  vec3 p0=vec3(uv,0.0), d=vec3(bend*uv,1.0);
-  float t0=-1e9, t1=1e9;
-  for (int k=0; k<sides; k++) {
-    vec4 q=planes[k]; float a=q.w+dot(q.xyz,p0), b=dot(q.xyz,d), t=-a/b;
-    if (b>0.0) t0=max(t0,t); else if (b<0.0) t1=min(t1,t); else if (a<0.0) t1=-1e9;
-  }
-  float x=2.0;
-  if (t1>t0) {
-    float p[N+1]; along(uv.x,uv.y,p); bernstein(p,t0,t1-t0);
-    for (int i=0; i<int(variations(p)>0); i++) x=first(p);
-  }
-  if (x>1.0) discard;
-  float t=t0+(t1-t0)*x, e; vec3 g; mat3 h;
-  for (int i=0; i<int(x<=1.0); i++) jet(p0+t*d,e,g,h);
-  e/=dot(g,d); t-=abs(e)<NEAR?e:0.0; // nested Horner errs less than the Bernstein form of a long ray
-  float deep=distance0+t;
-  gl_FragDepth=clamp(far*(deep-near)/(deep*(far-near)),0.0,1.0);
-  g=toWorld*g;
-  vec3 n=normalize(g), to=-normalize(ahead+s.x*rightwards+s.y*upwards);
+	vec2 s=(gl_FragCoord.xy+jitter)/pixels*2.0-1.0, uv=s*view.xy+view.zw;
+	vec3 p0=vec3(uv,0.0), d=vec3(bend*uv,1.0);
+	float t0=-1e9, t1=1e9;
+	for (int k=0; k<sides; k++) {
+		vec4 q=planes[k]; float a=q.w+dot(q.xyz,p0), b=dot(q.xyz,d), t=-a/b;
+		if (b>0.0) t0=max(t0,t); else if (b<0.0) t1=min(t1,t); else if (a<0.0) t1=-1e9;
+	}
+	float x=2.0;
+	if (t1>t0) {
+		float p[N+1]; along(uv.x,uv.y,p); bernstein(p,t0,t1-t0);
+		for (int i=0; i<int(variations(p)>0); i++) x=first(p);
+	}
+	if (x>1.0) discard;
+	float t=t0+(t1-t0)*x, e; vec3 g; mat3 h;
+	for (int i=0; i<int(x<=1.0); i++) jet(p0+t*d,e,g,h);
+	e/=dot(g,d); t-=abs(e)<NEAR?e:0.0; // nested Horner errs less than the Bernstein form of a long ray
+	float deep=distance0+t;
+	gl_FragDepth=clamp(far*(deep-near)/(deep*(far-near)),0.0,1.0);
+	g=toWorld*g;
+	vec3 n=normalize(g), to=-normalize(ahead+s.x*rightwards+s.y*upwards);
 ${curved ? CURVED : ""}
 ${mode === PROBE ? "color=vec4(deep,mean,gauss,number); return;" : `
-  float f=dot(n,to); vec3 base=f<0.0?inside:outside; vec3 m=f<0.0?-n:n; f=abs(f);
-  ${mode === "zebra" ? "color=vec4(stripes(n,base,f),1.0);" : curved ? `color=vec4(diverging(${mode}/range)*(.66+.36*f),1.0);` : "color=vec4(lit(base,m,to,.22),1.0);"}`}
+	float f=dot(n,to); vec3 base=f<0.0?inside:outside; vec3 m=f<0.0?-n:n; f=abs(f);
+	${mode === "zebra" ? "color=vec4(stripes(n,base,f),1.0);" : curved ? `color=vec4(diverging(${mode}/range)*(.66+.36*f),1.0);` : "color=vec4(lit(base,m,to,.22),1.0);"}`}
 }`;
 }
 
@@ -165,14 +165,14 @@ export const MESH_VERTEX = `#version 300 es
 in vec3 corner, normal, tint; in vec2 bent; ${EYE}
 out vec3 at, n, c; out vec2 k;
 void main() { vec3 q=toEye*(corner-eye); at=corner-eye; n=normal; c=tint; k=bent;
-  gl_Position=vec4(q.xy/tan0-q.z*2.0*jitter/pixels, 2.0*far*(q.z-near)/(far-near)-q.z, q.z); }`;
+	gl_Position=vec4(q.xy/tan0-q.z*2.0*jitter/pixels, 2.0*far*(q.z-near)/(far-near)-q.z, q.z); }`;
 
 export const meshFragment = (mode) => `#version 300 es
 precision highp float; uniform vec3 light; uniform vec4 cut; uniform vec3 eye; uniform float range; in vec3 at, n, c; in vec2 k; out vec4 color;
 ${LOOK}
 void main() { if (dot(cut.xyz,at+eye)+cut.w<0.0) discard;
-  vec3 m=normalize(n), to=-normalize(at); float f=dot(m,to); vec3 base=f<0.0?c*.62:c; if (f<0.0) m=-m;
-  ${mode === "zebra" ? "color=vec4(stripes(normalize(n),base,abs(f)),1.0);" : mode === "shaded" ? "color=vec4(lit(base,m,to,.18),1.0);" : `color=vec4((isnan(k.x)?vec3(.75):diverging(${mode === "gauss" ? "k.y" : "k.x"}/range))*(.66+.36*abs(f)),1.0);`} }`;
+	vec3 m=normalize(n), to=-normalize(at); float f=dot(m,to); vec3 base=f<0.0?c*.62:c; if (f<0.0) m=-m;
+	${mode === "zebra" ? "color=vec4(stripes(normalize(n),base,abs(f)),1.0);" : mode === "shaded" ? "color=vec4(lit(base,m,to,.18),1.0);" : `color=vec4((isnan(k.x)?vec3(.75):diverging(${mode === "gauss" ? "k.y" : "k.x"}/range))*(.66+.36*abs(f)),1.0);`} }`;
 
 export const LINE_VERTEX = `#version 300 es
 in vec3 corner; in vec4 tint; ${EYE} uniform float lift; out vec4 c;

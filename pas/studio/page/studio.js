@@ -10,238 +10,240 @@ const EXPORTS = [".pas.json", ".stl", ".glb", ".obj", ".ply", ".vtp", ".3mf", ".
 const SIGNS = { proved: "✓", refuted: "✗", undecided: "?", "holds, measured": "≈", "fails, measured": "✗", checking: "…" };
 const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign" };
 const GHOST = 300; // milliseconds after which an old picture is shown as a ghost
+const options = (names) => names.map((name) => make("option", {}, name));
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 const short = (x) => (x === null || x === undefined ? "none" : String(Math.abs(x) < 5e-4 ? 0 : Number(Number(x).toPrecision(3))));
 
 export function render({ channel, el, start = null, keep = () => {} }) {
-  const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, scene: null, name: "", mode: "shaded", section: null, picked: null, combs: null, repairing: false };
-  const $ = {};
-  const button = (name, label, act, more = {}) => ($[name] = make("button", { type: "button", onclick: act, ...more }, label));
-  el.classList.add("pas-studio");
-  el.replaceChildren(
-    ($.main = make("main", {},
-      ($.bar = make("div", { class: "bar", role: "toolbar", "aria-label": "Picture" },
-        make("div", { class: "group" }, ...Object.entries(MODES).map(([mode, label]) => button(mode, label, () => setMode(mode), { "aria-pressed": String(mode === "shaded") }))),
-        ($.views = make("select", { "aria-label": "View", onchange: () => { view.aim(VIEWS[$.views.value]); $.views.selectedIndex = 0; } }, make("option", { value: "" }, "View"), ...Object.keys(VIEWS).map((v) => make("option", {}, v)))),
-        make("div", { class: "group" }, button("cut", "Section", () => toggle("cut"), { "aria-pressed": "false" }), button("wire", "Cells", () => toggle("wire"), { "aria-pressed": "false" }), button("combs", "Combs", () => toggle("combs"), { "aria-pressed": "false" })),
-      )),
-      ($.place = make("div", { class: "place" })),
-      ($.marks = svg("svg", { class: "marks" })),
-      ($.legend = make("div", { class: "legend", hidden: true })),
-      ($.cutting = make("div", { class: "cutting", hidden: true },
-        ($.cutAxis = make("select", { "aria-label": "Section plane across", onchange: () => cutNow() }, ...["x", "y", "z"].map((a) => make("option", {}, a)))),
-        ($.cutAt = make("input", { type: "range", min: -100, max: 100, value: 0, "aria-label": "Section plane at", oninput: () => cutNow() })))),
-      ($.message = make("div", { class: "message", role: "status", "aria-live": "polite" }, "starting …")),
-    )),
-    ($.side = make("aside", { "aria-label": "Shape" },
-      make("header", {}, ($.title = make("h1", {}, "Studio")), ($.gallery = make("select", { "aria-label": "Starting points", hidden: true, onchange: () => pickStart() }))),
-      make("div", { class: "row" }, button("undo", "Undo", () => step(s.past, s.future), { title: "Ctrl+Z" }), button("redo", "Redo", () => step(s.future, s.past), { title: "Ctrl+Y" }),
-        button("open", "Open …", () => $.file.click()), ($.file = make("input", { type: "file", hidden: true, accept: ".toml,.json", onchange: () => { if ($.file.files[0]) openFile($.file.files[0]); $.file.value = ""; } }))),
-      make("section", {}, make("h2", {}, "Proof ", ($.overall = make("span", { class: "overall" }))), ($.lamps = make("ul", { class: "lamps" })),
-        ($.help = make("div", { class: "row", hidden: true }, button("repair", "Repair", () => repair()), button("back", "Back to the last proved", () => back())))),
-      ($.measured = make("section", { hidden: true }, make("h2", {}, "Fairness"), ($.fairness = make("dl", {})))),
-      ($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => drawDiagram() })), ($.diagram = make("div", { class: "diagram" })))),
-      make("section", {}, make("h2", {}, "Shape"), ($.controls = make("div", {}))),
-      make("section", {}, make("h2", {}, "The same in code"), make("div", { class: "row" }, button("python", "Copy as Python", () => copy("python")), button("toml", "Copy as TOML", () => copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
-      make("section", {}, make("h2", {}, "Save"), make("div", { class: "row" }, ($.format = make("select", { "aria-label": "Format" }, ...EXPORTS.map((f) => make("option", {}, f)))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"].map((p) => make("option", {}, p)))))),
-    )),
-  );
+	const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, scene: null, mode: "shaded", section: null, picked: null, combs: null };
+	const $ = {};
+	const button = (name, label, act, more = {}) => ($[name] = make("button", { type: "button", onclick: act, ...more }, label));
+	const row = (...inside) => make("div", { class: "row" }, ...inside), section = (title, ...inside) => make("section", {}, make("h2", {}, title), ...inside);
+	el.classList.add("pas-studio");
+	el.replaceChildren(
+		($.main = make("main", {},
+			($.bar = make("div", { class: "bar", role: "toolbar", "aria-label": "Picture" },
+				make("div", { class: "group" }, ...Object.entries(MODES).map(([mode, label]) => button(mode, label, () => setMode(mode), { "aria-pressed": String(mode === "shaded") }))),
+				($.views = make("select", { "aria-label": "View", onchange: () => { view.aim(VIEWS[$.views.value]); $.views.selectedIndex = 0; } }, make("option", { value: "" }, "View"), ...options(Object.keys(VIEWS)))),
+				make("div", { class: "group" }, button("cut", "Section", () => toggle("cut"), { "aria-pressed": "false" }), button("wire", "Cells", () => toggle("wire"), { "aria-pressed": "false" }), button("combs", "Combs", () => toggle("combs"), { "aria-pressed": "false" })),
+			)),
+			($.place = make("div", { class: "place" })),
+			($.marks = svg("svg", { class: "marks" })),
+			($.legend = make("div", { class: "legend", hidden: true })),
+			($.cutting = make("div", { class: "cutting", hidden: true },
+				($.cutAxis = make("select", { "aria-label": "Section plane across", onchange: () => cutNow() }, ...options(["x", "y", "z"]))),
+				($.cutAt = make("input", { type: "range", min: -100, max: 100, value: 0, "aria-label": "Section plane at", oninput: () => cutNow() })))),
+			($.message = make("div", { class: "message", role: "status", "aria-live": "polite" }, "starting …")),
+		)),
+		($.side = make("aside", { "aria-label": "Shape" },
+			make("header", {}, ($.title = make("h1", {}, "Studio")), ($.gallery = make("select", { "aria-label": "Starting points", hidden: true, onchange: () => pickStart() }))),
+			row(button("undo", "Undo", () => step(s.past, s.future), { title: "Ctrl+Z" }), button("redo", "Redo", () => step(s.future, s.past), { title: "Ctrl+Y" }),
+				button("open", "Open …", () => $.file.click()), ($.file = make("input", { type: "file", hidden: true, accept: ".toml,.json", onchange: () => { if ($.file.files[0]) openFile($.file.files[0]); $.file.value = ""; } }))),
+			make("section", {}, make("h2", {}, "Proof ", ($.overall = make("span", { class: "overall" }))), ($.lamps = make("ul", { class: "lamps" })),
+				($.help = make("div", { class: "row", hidden: true }, button("repair", "Repair", () => repair()), button("back", "Back to the last proved", () => back())))),
+			($.measured = make("section", { hidden: true }, make("h2", {}, "Fairness"), ($.fairness = make("dl", {})))),
+			($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => drawDiagram() })), ($.diagram = make("div", { class: "diagram" })))),
+			section("Shape", ($.controls = make("div", {}))),
+			section("The same in code", row(button("python", "Copy as Python", () => copy("python")), button("toml", "Copy as TOML", () => copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
+			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options(EXPORTS))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
+		)),
+	);
 
-  const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
-  let view;
-  try { view = new View($.place, () => overlay()); } catch (error) { say(error.message, true); return { destroy() {} }; }
-  view.onpick = (x, y) => { const p = view.pick(x, y); s.picked = p; if (p) say(`at ${s.scene.world(p.point).map(short).join(", ")}: mean curvature ${short(p.mean / s.scene.scale)}, Gauss curvature ${short(p.gauss / s.scene.scale ** 2)}`); };
+	const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
+	let view;
+	try { view = new View($.place, () => overlay()); } catch (error) { say(error.message, true); return { destroy() {} }; }
+	view.onpick = (x, y) => { const p = view.pick(x, y); s.picked = p; if (p) say(`at ${s.scene.world(p.point).map(short).join(", ")}: mean curvature ${short(p.mean / s.scene.scale)}, Gauss curvature ${short(p.gauss / s.scene.scale ** 2)}`); };
 
-  // ---- the document
-  const act = {
-    document: () => s.doc,
-    wrong: (text) => say(text, true),
-    move(path, value, settled = false) { if (!s.before) s.before = s.doc; change(put(s.doc, path, value), settled); },
-    commit() { const before = s.before; s.before = null; if (before) { if (!same(before, s.doc)) remember(before); rest(); } },
-    room: () => { const r = s.scene ? s.scene.reach * s.scene.scale : 2; return { low: -r, high: r }; },
-    addPoint(kind) {
-      const path = pointsPath(), held = get(s.doc, [...path, kind]) || [], p = s.picked ? s.scene.world(s.picked.point) : someSurfacePoint();
-      act.move([...path, kind], [...held, p.map((x) => String(Number(x.toFixed(3))))], true); act.commit();
-    },
-  };
-  const panel = new Panel($.controls, act);
-  const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
-  function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55], [0.4, 0.6], [0.6, 0.4]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
-  function change(doc, settled) {
-    s.doc = doc; s.seq++; s.began = performance.now(); stale(); panel.update(doc); buttons(); overlay();
-    if (!settled) channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "" });
-    ghostLater();
-  }
-  function rest() { channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
-  function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
-  function go(doc) { s.doc = doc; s.seq++; s.began = performance.now(); stale(); if (s.list) panel.update(doc); rest(); }
-  function step(from, to) { if (!from.length) return; to.push(s.doc); go(from.pop()); }
-  function openDocument(doc, fresh = true) { if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
-  const buttons = () => { $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
-  function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
+	// ---- the document
+	const act = {
+		document: () => s.doc,
+		wrong: (text) => say(text, true),
+		move(path, value, settled = false) { if (!s.before) s.before = s.doc; change(put(s.doc, path, value), settled); },
+		commit() { const before = s.before; s.before = null; if (before) { if (!same(before, s.doc)) remember(before); rest(); } },
+		room: () => { const r = s.scene ? s.scene.reach * s.scene.scale : 2; return { low: -r, high: r }; },
+		addPoint(kind) {
+			const path = pointsPath(), held = get(s.doc, [...path, kind]) || [], p = s.picked ? s.scene.world(s.picked.point) : someSurfacePoint();
+			act.move([...path, kind], [...held, p.map((x) => String(Number(x.toFixed(3))))], true); act.commit();
+		},
+	};
+	const panel = new Panel($.controls, act);
+	const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
+	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
+	function change(doc, settled) {
+		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
+		if (!settled) channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "" });
+		ghostLater();
+	}
+	function rest() { channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
+	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
+	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
+	function step(from, to) { if (!from.length) return; to.push(s.doc); go(from.pop()); }
+	function openDocument(doc, fresh = true) { if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
+	const buttons = () => { $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
+	function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
 
-  // ---- lamps
-  function stale() {
-    $.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true;
-    for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.replaceChildren(SIGNS.checking, make("span", { class: "unseen" }, " checking ")); }
-  }
-  function judge(head) {
-    s.judged = head;
-    $.lamps.replaceChildren(...[...head.verdicts].sort((a, b) => (a.status === "proved") - (b.status === "proved")).map((v) => {
-      const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, SIGNS[v.status] || "?", make("span", { class: v.status === "proved" ? "unseen" : "" }, ` ${v.status} `)), make("span", {}, v.claim));
-      if (v.witness) l.append(make("button", { type: "button", class: "small", onclick: () => { const p = s.scene.local(v.witness); view.aim(p.some((x) => Math.abs(x) > 1e-9) ? p : [1, -1, 1]); say(`${v.claim}: ${v.reason}`); } }, "Show"));
-      return l;
-    }));
-    const bad = head.verdicts.some((v) => v.status === "refuted"), word = head.proved ? "all proved" : bad ? "refuted" : head.counts;
-    $.overall.textContent = `${head.proved ? SIGNS.proved : bad ? SIGNS.refuted : SIGNS.undecided} ${word}`;
-    $.overall.className = `overall ${head.proved ? "proved" : bad ? "refuted" : "undecided"}`;
-    $.help.hidden = !bad; $.back.disabled = !s.lastProved;
-    measures(head.facts || {}); overlay();
-  }
-  function measures(facts) {
-    const f = facts.fairness, limits = facts.limits || {};
-    $.measured.hidden = !f; if (!f) return;
-    $.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
-      const value = f[key], most = limits[key], high = value !== null && most !== undefined && value > most;
-      return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
-    }));
-  }
+	// ---- lamps
+	function stale() {
+		$.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true;
+		for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.replaceChildren(SIGNS.checking, make("span", { class: "unseen" }, " checking ")); }
+	}
+	function judge(head) {
+		s.judged = head;
+		$.lamps.replaceChildren(...[...head.verdicts].sort((a, b) => (a.status === "proved") - (b.status === "proved")).map((v) => {
+			const state = v.status.split(",")[0], l = make("li", { class: v.status === "holds, measured" ? "measured" : state, title: v.reason }, make("b", {}, SIGNS[v.status] || "?", make("span", { class: v.status === "proved" ? "unseen" : "" }, ` ${v.status} `)), make("span", {}, v.claim));
+			if (v.witness) l.append(make("button", { type: "button", class: "small", onclick: () => { const p = s.scene.local(v.witness); view.aim(p.some((x) => Math.abs(x) > 1e-9) ? p : [1, -1, 1]); say(`${v.claim}: ${v.reason}`); } }, "Show"));
+			return l;
+		}));
+		const bad = head.verdicts.some((v) => v.status === "refuted"), word = head.proved ? "all proved" : bad ? "refuted" : head.counts;
+		$.overall.textContent = `${head.proved ? SIGNS.proved : bad ? SIGNS.refuted : SIGNS.undecided} ${word}`;
+		$.overall.className = `overall ${head.proved ? "proved" : bad ? "refuted" : "undecided"}`;
+		$.help.hidden = !bad; $.back.disabled = !s.lastProved;
+		measures(head.facts || {}); overlay();
+	}
+	function measures(facts) {
+		const f = facts.fairness, limits = facts.limits || {};
+		$.measured.hidden = !f; if (!f) return;
+		$.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
+			const value = f[key], most = limits[key], high = value !== null && most !== undefined && value > most;
+			return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
+		}));
+	}
 
-  // ---- what comes from the other side
-  function receive(head, arrays) {
-    ({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
-  }
-  function picture(head, arrays) {
-    if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
-    const keepView = s.scene !== null && !s.fresh; s.fresh = false;
-    s.scene = new Scene(head, arrays); s.sceneName = head.scene || ""; view.load(s.scene, keepView);
-    s.unit = head.unit; lookAgain(); wireNow(); arrived(head);
-    if (head.final) {
-      s.final = head; s.list = head.controls; $.title.textContent = head.name; panel.show(head.controls, s.doc);
-      $.code.textContent = head.python;
-      if (head.seq === s.seq) {
-        judge(head); if (head.proved) s.lastProved = s.doc;
-        say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
-      }
-      buttons(); if (pressed("combs")) askCombs();
-      if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
-    }
-  }
-  function moved(head, arrays) {
-    if (head.seq < s.shown || !s.scene) return;
-    if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients); view.caster.change(s.scene.polynomials); }
-    else { s.scene.movedMesh(arrays); view.caster.setMeshes(s.scene.meshes); }
-    arrived(head); view.ask();
-  }
-  function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
-  function arrived(head) {
-    s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
-    if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
-  }
-  function judged(head) { if (head.shot === s.shot && s.shown === s.seq) judge(head); }
-  function refused(head) {
-    say(head.text, true); s.repairing = false; $.repair.disabled = false;
-    if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
-  }
-  function opened(head) {
-    if (head.kept && s.doc) { go(s.doc); return; }
-    $.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`);
-  }
-  function gallery(head) {
-    s.starts = head.documents; $.gallery.hidden = false;
-    $.gallery.replaceChildren(...Object.keys(head.documents).map((name) => make("option", {}, name)));
-    if (!s.doc) openDocument(Object.values(head.documents)[0]); else { $.gallery.selectedIndex = -1; go(s.doc); }
-  }
-  function pickStart() { openDocument(s.starts[$.gallery.value]); }
-  function file(head, arrays) {
-    const name = head.proved ? head.name : head.name.replace(/^([^.]*)/, "$1-not-proved");
-    download(new Blob([arrays.content]), name); say(head.proved ? `${name} was saved` : `${name} was saved; its shape is not proved`);
-  }
-  function repaired(head) { s.repairing = false; $.repair.disabled = false; openDocument(head.document, false); }
+	// ---- what comes from the other side
+	function receive(head, arrays) {
+		({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
+	}
+	function picture(head, arrays) {
+		if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
+		const keepView = s.scene !== null && !s.fresh; s.fresh = false;
+		s.scene = new Scene(head, arrays); s.sceneName = head.scene || ""; view.load(s.scene, keepView);
+		s.unit = head.unit; lookAgain(); wireNow(); arrived(head);
+		if (head.final) {
+			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc);
+			$.code.textContent = head.python;
+			if (head.seq === s.seq) {
+				judge(head); if (head.proved) s.lastProved = s.doc;
+				say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
+			}
+			buttons(); if (pressed("combs")) askCombs();
+			if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
+		}
+	}
+	function moved(head, arrays) {
+		if (head.seq < s.shown || !s.scene) return;
+		if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients); view.caster.change(s.scene.polynomials); }
+		else { s.scene.movedMesh(arrays); view.caster.setMeshes(s.scene.meshes); }
+		arrived(head); view.ask();
+	}
+	function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
+	function arrived(head) {
+		s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
+		if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
+	}
+	function judged(head) { if (head.shot === s.shot && s.shown === s.seq) judge(head); }
+	function refused(head) {
+		say(head.text, true); $.repair.disabled = false;
+		if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
+	}
+	function opened(head) {
+		if (head.kept && s.doc) { go(s.doc); return; }
+		$.gallery.hidden = true; openDocument(head.document, !s.scene || s.doc?.kind !== head.document.kind); if (head.file) say(`${head.file} was read`);
+	}
+	function gallery(head) {
+		s.starts = head.documents; $.gallery.hidden = false;
+		$.gallery.replaceChildren(...options(Object.keys(head.documents)));
+		if (!s.doc) openDocument(Object.values(head.documents)[0]); else { $.gallery.selectedIndex = -1; go(s.doc); }
+	}
+	function pickStart() { openDocument(s.starts[$.gallery.value]); }
+	function file(head, arrays) {
+		const name = head.proved ? head.name : head.name.replace(/^([^.]*)/, "$1-not-proved");
+		download(new Blob([arrays.content]), name); say(head.proved ? `${name} was saved` : `${name} was saved; its shape is not proved`);
+	}
+	function repaired(head) { $.repair.disabled = false; openDocument(head.document, false); }
 
-  // ---- buttons
-  function repair() { s.repairing = true; $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
-  function back() { if (s.lastProved) openDocument(s.lastProved, false); }
-  function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
-  async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, getComputedStyle($.main).getPropertyValue("--paper") || "#fff"), `${$.title.textContent || "shape"}.png`); }
-  async function copy(kind) {
-    const text = s.final[kind]; $.code.textContent = text;
-    try { await navigator.clipboard.writeText(text); say(`copied as ${kind === "python" ? "Python" : "TOML"}`); } catch { getSelection().selectAllChildren($.code); say("select and copy the text; this browser does not let a page do it", true); }
-  }
-  function download(blob, name) { s.downloaded = { blob, name }; const a = make("a", { href: URL.createObjectURL(blob), download: name }); a.click(); setTimeout(() => URL.revokeObjectURL(a.href), 10000); }
-  async function openFile(f) { if (f.size > 4e6) say(`${f.name} is larger than 4 MB`, true); else channel.send({ do: "read", name: f.name, text: await f.text() }); }
-  const pressed = (name) => $[name].getAttribute("aria-pressed") === "true";
-  function toggle(name) { $[name].setAttribute("aria-pressed", String(!pressed(name))); ({ cut: cutNow, wire: wireNow, combs: combsNow })[name](); }
-  function setMode(mode) { s.mode = mode; for (const m of Object.keys(MODES)) $[m].setAttribute("aria-pressed", String(m === mode)); lookAgain(); }
-  function lookAgain() {
-    if (!s.scene) return;
-    const power = s.mode === "gauss" ? 2 : 1, local = s.scene.how === "cast" ? s.scene.scale : 1, unit = s.unit || 1;
-    view.look.mode = s.mode; view.look.range = (unit * local) ** power; view.ask();
-    legend($.legend, s.mode, unit ** power, Boolean(s.unit) && s.scene.how === "cast");
-  }
-  function cutNow() {
-    const on = pressed("cut"), axis = $.cutAxis.selectedIndex, plane = [0, 0, 0, 0];
-    $.cutting.hidden = !on; plane[axis] = axis === 1 ? 1 : -1; plane[3] = (-plane[axis] * Number($.cutAt.value) * view.caster.reach) / 100;
-    view.look.section = on ? plane : null; view.ask();
-  }
-  function wireNow() { view.setLines("wire", pressed("wire") && s.scene ? s.scene.edges.flatMap((e) => e.flatMap((p) => [...p, 0.25, 0.35, 0.5, 0.7])) : null, 0); }
-  function combsNow() { if (pressed("combs")) askCombs(); else { view.setLines("combs", null); $.curve.hidden = true; } }
-  function askCombs() { if (s.final?.seq === s.seq) channel.send({ do: "combs", seq: s.seq, document: s.doc }); }
-  function combed(head, arrays) {
-    if (head.seq !== s.seq || !pressed("combs")) return;
-    s.combs = { counts: head.counts, ...arrays }; view.setLines("combs", hairLines(s.scene, head.counts, arrays), 1e-4);
-    $.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); $.curves.value = liveliest(s.combs); drawDiagram();
-  }
-  function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
+	// ---- buttons
+	function repair() { $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
+	function back() { if (s.lastProved) openDocument(s.lastProved, false); }
+	function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
+	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, getComputedStyle($.main).getPropertyValue("--paper") || "#fff"), `${$.title.textContent || "shape"}.png`); }
+	async function copy(kind) {
+		const text = s.final[kind]; $.code.textContent = text;
+		try { await navigator.clipboard.writeText(text); say(`copied as ${kind === "python" ? "Python" : "TOML"}`); } catch { getSelection().selectAllChildren($.code); say("select and copy the text; this browser does not let a page do it", true); }
+	}
+	function download(blob, name) { s.downloaded = { blob, name }; const a = make("a", { href: URL.createObjectURL(blob), download: name }); a.click(); setTimeout(() => URL.revokeObjectURL(a.href), 10000); }
+	async function openFile(f) { if (f.size > 4e6) say(`${f.name} is larger than 4 MB`, true); else channel.send({ do: "read", name: f.name, text: await f.text() }); }
+	const pressed = (name) => $[name].getAttribute("aria-pressed") === "true";
+	function toggle(name) { $[name].setAttribute("aria-pressed", String(!pressed(name))); ({ cut: cutNow, wire: wireNow, combs: combsNow })[name](); }
+	function setMode(mode) { s.mode = mode; for (const m of Object.keys(MODES)) $[m].setAttribute("aria-pressed", String(m === mode)); lookAgain(); }
+	function lookAgain() {
+		if (!s.scene) return;
+		const power = s.mode === "gauss" ? 2 : 1, local = s.scene.how === "cast" ? s.scene.scale : 1, unit = s.unit || 1;
+		view.look.mode = s.mode; view.look.range = (unit * local) ** power; view.ask();
+		legend($.legend, s.mode, unit ** power, Boolean(s.unit) && s.scene.how === "cast");
+	}
+	function cutNow() {
+		const on = pressed("cut"), axis = $.cutAxis.selectedIndex, plane = [0, 0, 0, 0];
+		$.cutting.hidden = !on; plane[axis] = axis === 1 ? 1 : -1; plane[3] = (-plane[axis] * Number($.cutAt.value) * view.caster.reach) / 100;
+		view.look.section = on ? plane : null; view.ask();
+	}
+	function wireNow() { view.setLines("wire", pressed("wire") && s.scene ? s.scene.edges.flatMap((e) => e.flatMap((p) => [...p, 0.25, 0.35, 0.5, 0.7])) : null, 0); }
+	function combsNow() { if (pressed("combs")) askCombs(); else { view.setLines("combs", null); $.curve.hidden = true; } }
+	function askCombs() { if (s.final?.seq === s.seq) channel.send({ do: "combs", seq: s.seq, document: s.doc }); }
+	function combed(head, arrays) {
+		if (head.seq !== s.seq || !pressed("combs")) return;
+		s.combs = { counts: head.counts, ...arrays }; view.setLines("combs", hairLines(s.scene, head.counts, arrays), 1e-4);
+		$.curve.hidden = !head.counts.length; $.curves.replaceChildren(...head.counts.map((_, i) => make("option", { value: i }, `curve ${i + 1}`))); $.curves.value = liveliest(s.combs); drawDiagram();
+	}
+	function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
 
-  // ---- marks in the picture: points that can be dragged, and witnesses
-  const marks = new Map();
-  function overlay() {
-    if (!s.scene || !s.doc) return;
-    const wanted = new Map(), held = s.doc.kind === "teapot" ? {} : get(s.doc, pointsPath()) || {};
-    for (const kind of KINDS) (held[kind] || []).forEach((p, i) => wanted.set(`${kind} ${i}`, { kind, i, p: p.map(number), text: `${kind} ${i + 1}` }));
-    if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: v.witness, text: `${v.claim} fails here` }); });
-    for (const [key, g] of marks) if (!wanted.has(key)) { g.remove(); marks.delete(key); }
-    for (const [key, m] of wanted) {
-      let g = marks.get(key);
-      if (!g) {
-        g = svg("g", { class: `mark ${m.kind}` }); g.append(svg("circle", { r: 7 }), svg("path", { d: "M-11 0H11M0-11V11" }), svg("text", { x: 12, y: -9 }));
-        if (m.kind !== "witness") { g.setAttribute("tabindex", 0); g.setAttribute("role", "button"); draggable(g, m.kind, m.i); }
-        marks.set(key, g); $.marks.append(g);
-      }
-      const [x, y] = view.toScreen(s.scene.local(m.p));
-      g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.p.map(short).join(", ")}; the arrow keys move it`);
-    }
-  }
-  function draggable(g, kind, i) {
-    const path = () => [...pointsPath(), kind, i], place = () => get(s.doc, path()).map(number);
-    const put2 = (p) => act.move(path(), s.scene.world(p).map((x) => String(Number(x.toFixed(4)))));
-    let grip = null;
-    g.addEventListener("pointerdown", (e) => { e.preventDefault(); g.focus(); g.setPointerCapture(e.pointerId); grip = view.toScreen(s.scene.local(place()))[2]; });
-    g.addEventListener("pointermove", (e) => { if (grip === null) return; const r = $.place.getBoundingClientRect(); put2(view.fromScreen(e.clientX - r.left, e.clientY - r.top, grip)); });
-    const end = () => { if (grip !== null) { grip = null; act.commit(); } };
-    g.addEventListener("pointerup", end); g.addEventListener("pointercancel", end);
-    g.addEventListener("keydown", (e) => {
-      const way = { ArrowLeft: [-4, 0, 0], ArrowRight: [4, 0, 0], ArrowUp: [0, -4, 0], ArrowDown: [0, 4, 0], PageUp: [0, 0, 0.02], PageDown: [0, 0, -0.02] }[e.key];
-      if (!way) return;
-      e.preventDefault(); const [x, y, deep] = view.toScreen(s.scene.local(place())); put2(view.fromScreen(x + way[0], y + way[1], deep + way[2]));
-      clearTimeout(s.keyed); s.keyed = setTimeout(() => act.commit(), 500);
-    });
-  }
+	// ---- marks in the picture: points that can be dragged, and witnesses
+	const marks = new Map();
+	function overlay() {
+		if (!s.scene || !s.doc) return;
+		const wanted = new Map(), held = s.doc.kind === "teapot" ? {} : get(s.doc, pointsPath()) || {};
+		for (const kind of KINDS) (held[kind] || []).forEach((p, i) => wanted.set(`${kind} ${i}`, { kind, i, p: p.map(number), text: `${kind} ${i + 1}` }));
+		if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: v.witness, text: `${v.claim} fails here` }); });
+		for (const [key, g] of marks) if (!wanted.has(key)) { g.remove(); marks.delete(key); }
+		for (const [key, m] of wanted) {
+			let g = marks.get(key);
+			if (!g) {
+				g = svg("g", { class: `mark ${m.kind}` }); g.append(svg("circle", { r: 7 }), svg("path", { d: "M-11 0H11M0-11V11" }), svg("text", { x: 12, y: -9 }));
+				if (m.kind !== "witness") { g.setAttribute("tabindex", 0); g.setAttribute("role", "button"); draggable(g, m.kind, m.i); }
+				marks.set(key, g); $.marks.append(g);
+			}
+			const [x, y] = view.toScreen(s.scene.local(m.p));
+			g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.p.map(short).join(", ")}; the arrow keys move it`);
+		}
+	}
+	function draggable(g, kind, i) {
+		const path = () => [...pointsPath(), kind, i], place = () => get(s.doc, path()).map(number);
+		const put2 = (p) => act.move(path(), s.scene.world(p).map((x) => String(Number(x.toFixed(4)))));
+		let grip = null;
+		g.addEventListener("pointerdown", (e) => { e.preventDefault(); g.focus(); g.setPointerCapture(e.pointerId); grip = view.toScreen(s.scene.local(place()))[2]; });
+		g.addEventListener("pointermove", (e) => { if (grip === null) return; const r = $.place.getBoundingClientRect(); put2(view.fromScreen(e.clientX - r.left, e.clientY - r.top, grip)); });
+		const end = () => { if (grip !== null) { grip = null; act.commit(); } };
+		g.addEventListener("pointerup", end); g.addEventListener("pointercancel", end);
+		g.addEventListener("keydown", (e) => {
+			const way = { ArrowLeft: [-4, 0, 0], ArrowRight: [4, 0, 0], ArrowUp: [0, -4, 0], ArrowDown: [0, 4, 0], PageUp: [0, 0, 0.02], PageDown: [0, 0, -0.02] }[e.key];
+			if (!way) return;
+			e.preventDefault(); const [x, y, deep] = view.toScreen(s.scene.local(place())); put2(view.fromScreen(x + way[0], y + way[1], deep + way[2]));
+			clearTimeout(s.keyed); s.keyed = setTimeout(() => act.commit(), 500);
+		});
+	}
 
-  // ---- keys, files dropped, connections
-  const onkey = (e) => {
-    if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "") || !el.isConnected) return;
-    const key = e.key.toLowerCase();
-    if (key === "z" && !e.shiftKey) { step(s.past, s.future); e.preventDefault(); } else if (key === "y" || key === "z") { step(s.future, s.past); e.preventDefault(); }
-  };
-  document.addEventListener("keydown", onkey);
-  el.addEventListener("dragover", (e) => e.preventDefault());
-  el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
-  channel.receive(receive);
-  channel.onstate?.((text, again) => { say(text, !again); });
-  buttons();
-  return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
+	// ---- keys, files dropped, connections
+	const onkey = (e) => {
+		if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "") || !el.isConnected) return;
+		const key = e.key.toLowerCase();
+		if (key === "z" && !e.shiftKey) { step(s.past, s.future); e.preventDefault(); } else if (key === "y" || key === "z") { step(s.future, s.past); e.preventDefault(); }
+	};
+	document.addEventListener("keydown", onkey);
+	el.addEventListener("dragover", (e) => e.preventDefault());
+	el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
+	channel.receive(receive);
+	channel.onstate?.((text, again) => { say(text, !again); });
+	buttons();
+	return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }

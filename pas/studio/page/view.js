@@ -1,4 +1,4 @@
-// The picture: a camera that is turned by pointer, touch and keys, quick frames while anything moves, smooth ones at rest.
+// The picture: a camera for pointer, touch and keys; quick frames while anything moves, smooth ones at rest.
 import { Camera, Caster } from "./cast.js";
 import { plus, unit } from "./algebra.js";
 
@@ -9,110 +9,110 @@ const SMOOTH = [[0.25, 0.125], [-0.25, -0.125], [-0.125, 0.375], [0.125, -0.375]
 export const VIEWS = { Oblique: [0.62, -0.62, 0.48], Front: [0, -1, 0], Back: [0, 1, 0], Left: [-1, 0, 0], Right: [1, 0, 0], Top: [0, 0, 1], Bottom: [0, 0, -1] };
 
 export const COLORS = {
-  surface: { outside: [0.91, 0.6, 0.2], inside: [0.5, 0.42, 0.36] },
-  aside: { outside: [0.68, 0.73, 0.78], inside: [0.42, 0.46, 0.52] },
+	surface: { outside: [0.91, 0.6, 0.2], inside: [0.5, 0.42, 0.36] },
+	aside: { outside: [0.68, 0.73, 0.78], inside: [0.42, 0.46, 0.52] },
 };
 
 export class View {
-  constructor(place, overlay) {
-    this.live = place.appendChild(document.createElement("canvas")); this.still = place.appendChild(document.createElement("canvas"));
-    this.live.className = "live"; this.still.className = "still"; this.live.tabIndex = 0; this.live.setAttribute("role", "img");
-    this.live.setAttribute("aria-label", "The surface. Drag or use the arrow keys to turn it, plus and minus to zoom, Home to go back.");
-    this.place = place; this.overlay = overlay; this.camera = new Camera(); this.caster = new Caster(this.live);
-    this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = 0; this.pointers = new Map(); this.lineSets = {};
-    this.onpick = null; this.listen();
-    this.observer = new ResizeObserver(() => this.ask()); this.observer.observe(place);
-  }
-  destroy() { this.observer.disconnect(); clearTimeout(this.resting); cancelAnimationFrame(this.asked); this.caster.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
-  load(scene, keep) { this.scene = scene; scene.load(this.caster); if (!keep) this.fit(); this.ask(); }
-  fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.caster.reach; this.ask(); }
-  setLines(name, data, lift) { if (data && data.length) this.lineSets[name] = { data, lift }; else delete this.lineSets[name]; this.caster.setLines(Object.values(this.lineSets)); this.ask(); }
-  get aspect() { return this.place.clientWidth / Math.max(1, this.place.clientHeight); }
-  ask() { // a frame, soon
-    clearTimeout(this.resting); this.still.hidden = true;
-    if (!this.asked) this.asked = requestAnimationFrame(() => { this.asked = 0; this.now(); });
-  }
-  sized(share) {
-    const w = Math.max(1, Math.round(this.place.clientWidth * share)), h = Math.max(1, Math.round(this.place.clientHeight * share));
-    if (this.live.width !== w || this.live.height !== h) { this.live.width = w; this.live.height = h; }
-  }
-  now() {
-    const began = performance.now();
-    this.sized(this.coarse); this.caster.draw(this.camera, { ...this.look, jitter: [0, 0] }); this.caster.finish(); this.frames++;
-    const spent = performance.now() - began;
-    this.spent = spent;
-    if (spent > SLOW && this.coarse > 0.4) this.coarse *= 0.7; else if (spent < SLOW / 4 && this.coarse < 1) this.coarse = Math.min(1, this.coarse / 0.7);
-    this.overlay(this);
-    clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
-  }
-  smooth(step) { // the mean of shifted frames, one at a time
-    const share = Math.min(2, devicePixelRatio || 1), context = this.still.getContext("2d");
-    this.sized(share);
-    if (step === 0) { this.still.width = this.live.width; this.still.height = this.live.height; }
-    this.caster.draw(this.camera, { ...this.look, jitter: SMOOTH[step] });
-    context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
-    if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
-    context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
-    if (step + 1 < SMOOTH.length) this.resting = setTimeout(() => this.smooth(step + 1), 0); else { this.still.hidden = false; this.smoothed = true; }
-  }
-  // The picture at any size, with a plain background.
-  async png(width, height, background) {
-    const out = new OffscreenCanvas(width, height), context = out.getContext("2d"), sum = new OffscreenCanvas(width, height), add = sum.getContext("2d");
-    const before = [this.live.width, this.live.height];
-    this.live.width = width; this.live.height = height; add.globalCompositeOperation = "lighter"; add.globalAlpha = 1 / SMOOTH.length;
-    for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, jitter }); add.drawImage(this.live, 0, 0); }
-    [this.live.width, this.live.height] = before; this.ask();
-    context.fillStyle = background; context.fillRect(0, 0, width, height); context.drawImage(sum, 0, 0);
-    return out.convertToBlob({ type: "image/png" });
-  }
-  turn(right, up) {
-    const f = this.camera.frame(1), way = plus(plus(this.camera.towards, f.side, -right), f.up, up);
-    const next = unit(way);
-    if (Math.abs(next[2]) < 0.999) { this.camera.towards = next; this.camera.up = [0, 0, 1]; }
-    this.ask();
-  }
-  aim(way) { const w = unit(way); this.camera.towards = Math.abs(w[2]) > 0.99 ? unit([0.002, -0.02, Math.sign(w[2])]) : w; this.camera.up = [0, 0, 1]; this.ask(); }
-  zoom(factor) { this.camera.wide = Math.min(4 * this.caster.reach, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
-  pan(dx, dy) { // in shares of the height
-    const f = this.camera.frame(1), s = 2 * this.camera.wide, moved = plus(plus(this.camera.target, f.side, -dx * s), f.up, dy * s);
-    if (Math.hypot(...moved) < 2 * this.caster.reach) this.camera.target = moved;
-    this.ask();
-  }
-  toScreen(point) { const [x, y, deep] = this.camera.project(point, this.aspect); return [((x + 1) / 2) * this.place.clientWidth, ((1 - y) / 2) * this.place.clientHeight, deep]; }
-  // A point at a place on the screen, as deep as another one.
-  fromScreen(x, y, deep) {
-    const f = this.camera.frame(this.aspect), s = ((2 * x) / this.place.clientWidth - 1) * f.across, t = (1 - (2 * y) / this.place.clientHeight) * f.tan;
-    return plus(plus(plus(f.eye, f.ahead, deep), f.side, deep * s), f.up, deep * t);
-  }
-  // What is seen at a place: its depth, curvatures and cell, or null.
-  pick(x, y) {
-    const w = Math.round(this.place.clientWidth), h = Math.round(this.place.clientHeight), all = this.caster.probe(this.camera, this.look, w, h);
-    if (!all) return null;
-    const at = 4 * ((h - 1 - Math.min(h - 1, Math.floor(y))) * w + Math.min(w - 1, Math.floor(x)));
-    this.ask();
-    return all[at + 3] >= 0 ? { point: this.fromScreen(x, y, all[at]), mean: all[at + 1], gauss: all[at + 2], cell: all[at + 3] } : null;
-  }
-  listen() {
-    const c = this.live, at = (e) => { const r = c.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
-    c.addEventListener("pointerdown", (e) => { c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* made by a program */ } this.pointers.set(e.pointerId, at(e)); this.dragged = 0; });
-    c.addEventListener("pointermove", (e) => {
-      const before = this.pointers.get(e.pointerId); if (!before) return;
-      const now = at(e), dx = now[0] - before[0], dy = now[1] - before[1], h = this.place.clientHeight;
-      this.dragged += Math.abs(dx) + Math.abs(dy);
-      if (this.pointers.size > 1) {
-        const other = [...this.pointers].find(([id]) => id !== e.pointerId)[1], apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-        this.zoom(apart(before) / apart(now)); this.pan(dx / h / 2, dy / h / 2);
-      } else if (e.shiftKey || e.buttons === 4 || e.buttons === 2) this.pan(dx / h, dy / h); else this.turn((dx * 3.2) / h, (dy * 3.2) / h);
-      this.pointers.set(e.pointerId, now);
-    });
-    const end = (e) => { const p = this.pointers.get(e.pointerId); this.pointers.delete(e.pointerId); if (p && this.dragged < 4 && e.type === "pointerup" && this.onpick) this.onpick(...p); };
-    c.addEventListener("pointerup", end); c.addEventListener("pointercancel", end);
-    c.addEventListener("contextmenu", (e) => e.preventDefault());
-    c.addEventListener("wheel", (e) => { e.preventDefault(); this.zoom(Math.exp(Math.sign(e.deltaY) * 0.12)); }, { passive: false });
-    c.addEventListener("keydown", (e) => {
-      if (e.ctrlKey || e.metaKey || e.altKey) return;
-      const s = 0.12, act = { ArrowLeft: () => this.turn(-s, 0), ArrowRight: () => this.turn(s, 0), ArrowUp: () => this.turn(0, -s), ArrowDown: () => this.turn(0, s), "+": () => this.zoom(0.87), "=": () => this.zoom(0.87), "-": () => this.zoom(1.15), Home: () => { this.aim(VIEWS.Oblique); this.fit(); } }[e.key];
-      if (act) { act(); e.preventDefault(); }
-    });
-  }
+	constructor(place, overlay) {
+		this.live = place.appendChild(document.createElement("canvas")); this.still = place.appendChild(document.createElement("canvas"));
+		this.live.className = "live"; this.still.className = "still"; this.live.tabIndex = 0; this.live.setAttribute("role", "img");
+		this.live.setAttribute("aria-label", "The surface. Drag or use the arrow keys to turn it, plus and minus to zoom, Home to go back.");
+		this.place = place; this.overlay = overlay; this.camera = new Camera(); this.caster = new Caster(this.live);
+		this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = 0; this.pointers = new Map(); this.lineSets = {};
+		this.onpick = null; this.listen();
+		this.observer = new ResizeObserver(() => this.ask()); this.observer.observe(place);
+	}
+	destroy() { this.observer.disconnect(); clearTimeout(this.resting); cancelAnimationFrame(this.asked); this.caster.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
+	load(scene, keep) { this.scene = scene; scene.load(this.caster); if (!keep) this.fit(); this.ask(); }
+	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.caster.reach; this.ask(); }
+	setLines(name, data, lift) { if (data && data.length) this.lineSets[name] = { data, lift }; else delete this.lineSets[name]; this.caster.setLines(Object.values(this.lineSets)); this.ask(); }
+	get aspect() { return this.place.clientWidth / Math.max(1, this.place.clientHeight); }
+	ask() { // a frame, soon
+		clearTimeout(this.resting); this.still.hidden = true;
+		if (!this.asked) this.asked = requestAnimationFrame(() => { this.asked = 0; this.now(); });
+	}
+	sized(share) {
+		const w = Math.max(1, Math.round(this.place.clientWidth * share)), h = Math.max(1, Math.round(this.place.clientHeight * share));
+		if (this.live.width !== w || this.live.height !== h) { this.live.width = w; this.live.height = h; }
+	}
+	now() {
+		const began = performance.now();
+		this.sized(this.coarse); this.caster.draw(this.camera, { ...this.look, jitter: [0, 0] }); this.caster.finish(); this.frames++;
+		const spent = performance.now() - began;
+		this.spent = spent;
+		if (spent > SLOW && this.coarse > 0.4) this.coarse *= 0.7; else if (spent < SLOW / 4 && this.coarse < 1) this.coarse = Math.min(1, this.coarse / 0.7);
+		this.overlay(this);
+		clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
+	}
+	smooth(step) { // the mean of shifted frames, one at a time
+		const share = Math.min(2, devicePixelRatio || 1), context = this.still.getContext("2d");
+		this.sized(share);
+		if (step === 0) { this.still.width = this.live.width; this.still.height = this.live.height; }
+		this.caster.draw(this.camera, { ...this.look, jitter: SMOOTH[step] });
+		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
+		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
+		context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
+		if (step + 1 < SMOOTH.length) this.resting = setTimeout(() => this.smooth(step + 1), 0); else { this.still.hidden = false; this.smoothed = true; }
+	}
+	// The picture at any size, with a plain background.
+	async png(width, height, background) {
+		const out = new OffscreenCanvas(width, height), add = out.getContext("2d");
+		const before = [this.live.width, this.live.height];
+		this.live.width = width; this.live.height = height; add.globalCompositeOperation = "lighter"; add.globalAlpha = 1 / SMOOTH.length;
+		for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, jitter }); add.drawImage(this.live, 0, 0); }
+		[this.live.width, this.live.height] = before; this.ask();
+		add.globalCompositeOperation = "destination-over"; add.globalAlpha = 1; add.fillStyle = background; add.fillRect(0, 0, width, height);
+		return out.convertToBlob({ type: "image/png" });
+	}
+	turn(right, up) {
+		const f = this.camera.frame(1), way = plus(plus(this.camera.towards, f.side, -right), f.up, up);
+		const next = unit(way);
+		if (Math.abs(next[2]) < 0.999) { this.camera.towards = next; this.camera.up = [0, 0, 1]; }
+		this.ask();
+	}
+	aim(way) { const w = unit(way); this.camera.towards = Math.abs(w[2]) > 0.99 ? unit([0.002, -0.02, Math.sign(w[2])]) : w; this.camera.up = [0, 0, 1]; this.ask(); }
+	zoom(factor) { this.camera.wide = Math.min(4 * this.caster.reach, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
+	pan(dx, dy) { // in shares of the height
+		const f = this.camera.frame(1), s = 2 * this.camera.wide, moved = plus(plus(this.camera.target, f.side, -dx * s), f.up, dy * s);
+		if (Math.hypot(...moved) < 2 * this.caster.reach) this.camera.target = moved;
+		this.ask();
+	}
+	toScreen(point) { const [x, y, deep] = this.camera.project(point, this.aspect); return [((x + 1) / 2) * this.place.clientWidth, ((1 - y) / 2) * this.place.clientHeight, deep]; }
+	// A point at a place on the screen, as deep as another one.
+	fromScreen(x, y, deep) {
+		const f = this.camera.frame(this.aspect), s = ((2 * x) / this.place.clientWidth - 1) * f.across, t = (1 - (2 * y) / this.place.clientHeight) * f.tan;
+		return plus(plus(plus(f.eye, f.ahead, deep), f.side, deep * s), f.up, deep * t);
+	}
+	// What is seen at a place: its depth, curvatures and cell, or null.
+	pick(x, y) {
+		const w = Math.round(this.place.clientWidth), h = Math.round(this.place.clientHeight), all = this.caster.probe(this.camera, this.look, w, h);
+		if (!all) return null;
+		const at = 4 * ((h - 1 - Math.min(h - 1, Math.floor(y))) * w + Math.min(w - 1, Math.floor(x)));
+		this.ask();
+		return all[at + 3] >= 0 ? { point: this.fromScreen(x, y, all[at]), mean: all[at + 1], gauss: all[at + 2], cell: all[at + 3] } : null;
+	}
+	listen() {
+		const c = this.live, at = (e) => { const r = c.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
+		c.addEventListener("pointerdown", (e) => { c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* made by a program */ } this.pointers.set(e.pointerId, at(e)); this.dragged = 0; });
+		c.addEventListener("pointermove", (e) => {
+			const before = this.pointers.get(e.pointerId); if (!before) return;
+			const now = at(e), dx = now[0] - before[0], dy = now[1] - before[1], h = this.place.clientHeight;
+			this.dragged += Math.abs(dx) + Math.abs(dy);
+			if (this.pointers.size > 1) {
+				const other = [...this.pointers].find(([id]) => id !== e.pointerId)[1], apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+				this.zoom(apart(before) / apart(now)); this.pan(dx / h / 2, dy / h / 2);
+			} else if (e.shiftKey || e.buttons === 4 || e.buttons === 2) this.pan(dx / h, dy / h); else this.turn((dx * 3.2) / h, (dy * 3.2) / h);
+			this.pointers.set(e.pointerId, now);
+		});
+		const end = (e) => { const p = this.pointers.get(e.pointerId); this.pointers.delete(e.pointerId); if (p && this.dragged < 4 && e.type === "pointerup" && this.onpick) this.onpick(...p); };
+		c.addEventListener("pointerup", end); c.addEventListener("pointercancel", end);
+		c.addEventListener("contextmenu", (e) => e.preventDefault());
+		c.addEventListener("wheel", (e) => { e.preventDefault(); this.zoom(Math.exp(Math.sign(e.deltaY) * 0.12)); }, { passive: false });
+		c.addEventListener("keydown", (e) => {
+			if (e.ctrlKey || e.metaKey || e.altKey) return;
+			const s = 0.12, act = { ArrowLeft: () => this.turn(-s, 0), ArrowRight: () => this.turn(s, 0), ArrowUp: () => this.turn(0, -s), ArrowDown: () => this.turn(0, s), "+": () => this.zoom(0.87), "=": () => this.zoom(0.87), "-": () => this.zoom(1.15), Home: () => { this.aim(VIEWS.Oblique); this.fit(); } }[e.key];
+			if (act) { act(); e.preventDefault(); }
+		});
+	}
 }
