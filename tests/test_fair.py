@@ -140,8 +140,8 @@ def test_corners_and_elbows_are_fair_and_proved(name):
 
 
 def test_the_summary_says_which_degrees_and_why():
-    text = str(fair(UNEQUAL, 2))
-    for words in ("degree 5", "proved, not fair: hollowness", "degree 6", "proved, fair", "within its limits"):
+    text = str(fair(EQUAL, 1))
+    for words in ("degree 3", "settled beyond the limits", "degree 4", "proved, fair", "within its limits"):
         assert words in text
     assert "curvature-variation" in text and "measured" in text
 
@@ -150,6 +150,26 @@ def test_the_summary_says_which_degrees_and_why():
 def blend_within_lax_limits():
     """One of the lowest degree."""
     return pas.blend(pipes(EQUAL), 1, limits=pas.FairnessLimits(2, 3, 1, 1))
+
+
+def test_what_is_narrowly_beyond_a_limit_is_pressed_within():
+    sizes = (("3/50", "17/20"), ("23/100", "13/20"), ("11/100", "29/20"))
+    corner = pas.blend([pas.Pipe(axis, r, clip) for axis, (r, clip) in zip(AXES, sizes, strict=True)], 1)
+    assert corner.surface.degree == 4  # hollowness 1.61 above 1.6 on the first way down
+    assert corner.certificate.proved and corner.fairness.within(corner.limits)
+    assert corner.limits == pas.FairnessLimits.of_order(1)
+    assert corner.wishes.limits is None
+
+
+def test_small_spaces_are_put_aside_and_tried_where_nothing_else_serves(monkeypatch):
+    found = pas.blend(pipes(EQUAL), 1)
+    notes = [a.outcome for a in found.attempts if a.dimension == 3]
+    assert notes == ["settled beyond the limits of fairness, a higher degree comes first"]
+    assert found.surface.degree == 4
+    monkeypatch.setattr("pas.pipeline.ladder.DEGREES_TRIED", 1)
+    last = pas.blend(pipes(EQUAL), 1)
+    assert last.surface.degree == 3 and last.certificate.proved
+    assert last.attempts[-1].outcome.startswith("proved, not fair")
 
 
 def test_the_lowest_degree_and_other_limits():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,3 +97,14 @@ def test_what_cannot_be_measured():
         pas.PiecewiseSurface.from_polynomials(BOX, [], 1, ["x^2 + y^2 + z^2 - 1/4"]).fairness()
     with pytest.raises(pas.GeometryError, match="it is not inside the surface"):
         revolved("(y - 1)^2 + z^2 - 1/9").fairness()
+
+
+def test_limits_further_inside():
+    found = pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).fairness
+    usual = pas.FairnessLimits()
+    wide = replace(usual, sharpness=9, hollowness=9, bulge=9, wrong_sign=9)
+    assert found.inside(wide, 4) == wide  # nothing is beyond
+    narrow = replace(wide, sharpness=found.sharpness - 0.01, bulge=found.bulge / 2 or 9)
+    inner = found.inside(narrow, 4)
+    assert inner.sharpness == pytest.approx(found.sharpness - 0.05)
+    assert inner.bulge >= narrow.bulge / 2 and inner.hollowness == 9
