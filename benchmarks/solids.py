@@ -3,8 +3,8 @@
     python benchmarks/solids.py [--repeat 3]
 
 `tolerance` is in the model's units; `seconds`, of processor time, are the median of several runs, each with the
-solid made afresh, its bounding box included and imports not; `angle` is the smallest one, in degrees.  The pictures are those of
-`examples/teapot`, with the meshes of pot and lid that they need; the first one starts OpenGL.
+solid made afresh, its bounding box included and imports not; `angle` is the smallest one, in degrees.  The pictures are
+those of `examples/teapot`, with the meshes of pot and lid that they need; the first one starts OpenGL.
 """
 
 from __future__ import annotations

@@ -78,8 +78,19 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
 
 
 def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> tuple[Labelled, float]:
-    """The mesh and its measured distance."""
-    mesh = _with_fine_curves(first_mesh(field, tolerance, octree), field, tolerance)
+    """The mesh and its measured distance; where long triangles do not come out, without them."""
+    first = first_mesh(field, tolerance, octree)
+    try:
+        return _refined(first, field, tolerance)
+    except MeshError:
+        plain = field.without_lines()
+        if plain is field:
+            raise
+        return _refined(first, plain, tolerance)
+
+
+def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Labelled, float]:
+    mesh = _with_fine_curves(first, field, tolerance)
     aim = AIM * tolerance
     mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
     for _ in range(REFINEMENTS):
