@@ -2,9 +2,9 @@
 
     python benchmarks/solids.py [--repeat 3]
 
-`tolerance` is in the model's units; `seconds` is the median of several runs, each with the solid made afresh, its
-bounding box included and imports not; `angle` is the smallest one, in degrees.  The pictures are those of
-`examples/teapot`, with the meshes of pot and lid that they need; the first one starts OpenGL.
+`tolerance` is in the model's units; `seconds`, of processor time, are the median of several runs, each with the
+solid made afresh, its bounding box included and imports not; `angle` is the smallest one, in degrees.  The pictures are
+those of `examples/teapot`, with the meshes of pot and lid that they need; the first one starts OpenGL.
 """
 
 from __future__ import annotations
@@ -12,14 +12,63 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import product
+from math import cos, pi, sin
 from pathlib import Path
 from statistics import median
 
+import pas
 from pas import solid
 from pas.designs.teapot import Teapot, teapot
 from pas.render.parts import Look, draw_parts
 from pas.solid.solid import Solid
+
+
+def struts(ends: Sequence[tuple[int, int, int]]) -> Solid:
+    """Bars from one point."""
+    return solid.union([solid.cylinder((0, 0, 0), end, "1/10", f"bar {i}") for i, end in enumerate(ends)])
+
+
+def lattice() -> Solid:
+    """27 bars along the axes through 27 points."""
+    bars = []
+    for axis, i, j in product(range(3), repeat=3):
+        start, end = [i, j], [i, j]
+        start.insert(axis, 0)
+        end.insert(axis, 2)
+        bars.append(solid.cylinder(start, end, "1/10", f"bar {len(bars)}"))
+    return solid.union(bars)
+
+
+def gear(teeth: int) -> Solid:
+    """A disc of radius 1 with pointed teeth up to 5/4: each tooth is what two half planes and the disc's edge leave."""
+    turns = [2 * pi * (k + side / 2) / teeth for k in range(teeth) for side in (0, 1)]
+    rim = [(round(r * cos(t), 4), round(r * sin(t), 4)) for t, r in zip(turns, (1.0, 1.25) * teeth, strict=True)]
+    wedges = []
+    for k in range(teeth):
+        (a, b), (c, d), (e, f) = rim[2 * k], rim[2 * k + 1], rim[(2 * k + 2) % len(rim)]
+        edges = (((0, 0), (a, b)), ((a, b), (c, d)), ((c, d), (e, f)), ((e, f), (0, 0)))
+        sides = [f"({r - p!r})*(y - ({q!r})) - ({s - q!r})*(x - ({p!r}))" for (p, q), (r, s) in edges]
+        flanks = [solid.half_space(f"-({side})", f"side {2 * k + i}") for i, side in enumerate(sides[1:3])]
+        walls = [solid.patch("", f"-({side})") for side in (sides[0], sides[3])]
+        wedges.append(solid.intersection([*flanks, *walls]))
+    return solid.union(wedges) & solid.half_space("-z", "bottom") & solid.half_space("z - 2/5", "top")
+
+
+def plate() -> Solid:
+    """A plate with 15 holes, of which the ideal mesh at 1e-3 has 3372 triangles."""
+    holes = [
+        solid.cylinder((1 + 2 * i, 1 + 2 * j, -1), (1 + 2 * i, 1 + 2 * j, 2), "3/5", f"hole {i} {j}")
+        for i, j in product(range(5), range(3))
+    ]
+    return solid.box((0, 0, 0), (10, 6, 1)) - solid.union(holes)
+
+
+def pipes() -> Solid:
+    """A blend of three pipes as a solid."""
+    return pas.node([((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], order=2).solid()
+
 
 CASES: dict[str, tuple[Callable[[], Solid], float]] = {
     "box": (lambda: solid.box((0, 0, 0), (1, 2, 3)), 1e-3),
@@ -34,6 +83,20 @@ CASES: dict[str, tuple[Callable[[], Solid], float]] = {
         lambda: solid.cylinder((-2, 0, 0), (2, 0, 0), 1) & solid.cylinder((0, -2, 0), (0, 2, 0), 1),
         1e-3,
     ),
+    "three struts": (lambda: struts(((1, 0, 0), (0, 1, 0), (0, 0, 1))), 1e-3),
+    "equal cylinders": (
+        lambda: solid.cylinder((-2, 0, 0), (2, 0, 0), "1/2", "a") | solid.cylinder((0, -2, 0), (0, 2, 0), "1/2", "b"),
+        4e-3,
+    ),
+    "27 bars": (lattice, 2e-3),
+    "gear of 40 sides": (lambda: gear(20), 1e-3),
+    "plate, 15 holes": (plate, 1e-3),
+    "wall of 1/200": (lambda: solid.ball((0, 0, 0), 1) - solid.ball((0, 0, 0), "99/100"), 2e-3),
+    "box, wall of 1/200": (
+        lambda: solid.box((0, 0, 0), (1, 1, 1)) - solid.box(("1/200",) * 3, ("199/200",) * 3, "inside"),
+        1e-3,
+    ),
+    "node of three pipes": (pipes, 1e-2),
     "teapot": (lambda: _moved(teapot().solid), 1e-3),
     "teapot (paper)": (lambda: _moved(teapot("paper").solid), 1e-3),
     "its lid": (lambda: _moved(teapot().lid), 4e-3),
@@ -76,9 +139,9 @@ for name, (make, tolerance) in CASES.items():
     spent = []
     for _ in range(repeat):
         shape = make()
-        begin = time.perf_counter()
+        begin = time.process_time()
         mesh = shape.mesh(tolerance)
-        spent.append(time.perf_counter() - begin)
+        spent.append(time.process_time() - begin)
     angle = mesh.smallest_angles.min()
     print(f"{name:<20}{tolerance:>10g}{len(mesh.triangles):>11}{angle:>7.1f}{median(spent):>9.2f}")
 with tempfile.TemporaryDirectory() as folder:

@@ -42,13 +42,13 @@ def test_a_drilled_plate_has_at_most_twice_the_triangles_that_it_needs(tolerance
 @pytest.mark.parametrize(
     "shape, triangles",
     [
-        (solid.cylinder((0, 0, 0), (0, 0, 4), 1), 4 * sides(1, 1e-3)),
-        (solid.cone((0, 0, 0), (0, 0, 4), 1, "1/2"), 4 * sides(1, 1e-3)),
+        (solid.cylinder((0, 0, 0), (0, 0, 1), 1), 4 * sides(1, 1e-3)),
+        (solid.cone((0, 0, 0), (0, 0, 1), 1, "1/2"), 4 * sides(1, 1e-3)),
     ],
 )
-def test_cylinders_and_cones_have_long_triangles(shape, triangles):
+def test_cylinders_and_cones_have_longer_triangles(shape, triangles):
     mesh = shape.mesh(1e-3)
-    assert len(mesh.triangles) <= 2.5 * triangles
+    assert len(mesh.triangles) <= 7 * triangles
     assert mesh.deviation <= 1e-3
     assert mesh.is_closed
 

@@ -78,8 +78,19 @@ def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
 
 
 def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> tuple[Labelled, float]:
-    """The mesh and its measured distance."""
-    mesh = _with_fine_curves(first_mesh(field, tolerance, octree), field, tolerance)
+    """The mesh and its measured distance; where long triangles do not come out, without them."""
+    first = first_mesh(field, tolerance, octree)
+    try:
+        return _refined(first, field, tolerance)
+    except MeshError:
+        plain = field.without_lines()
+        if plain is field:
+            raise
+        return _refined(first, plain, tolerance)
+
+
+def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Labelled, float]:
+    mesh = _with_fine_curves(first, field, tolerance)
     aim = AIM * tolerance
     mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
     for _ in range(REFINEMENTS):
@@ -119,12 +130,12 @@ def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) 
 def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
     """The mesh with the edges along the curves around faces with lines halved until they are near enough to these."""
     for _ in range(REFINEMENTS):
-        distances = edge_distances(field, mesh)
-        around = mesh.topology.seam_mask & field.lines(mesh.topology.edge_table[1]).any(axis=1)
-        far = np.flatnonzero(around & (distances > AIM * tolerance))
+        around = np.flatnonzero(mesh.topology.seam_mask & field.lines(mesh.topology.edge_table[1]).any(axis=1))
+        distances = edge_distances(field, mesh, around)
+        far = around[distances > AIM * tolerance]
         if not len(far):
             break
-        require_room(field, len(mesh.triangles), len(far) / len(distances), tolerance, float(distances.max()))
+        require_room(field, len(mesh.triangles), len(far) / len(mesh.topology.edges), tolerance, float(distances.max()))
         checkpoint(f"refining curves ({len(mesh.triangles)} triangles)")
         mesh = flip(_split(mesh, field, mesh.topology.edges[far]), field, limit=AIM * tolerance)
     return mesh
@@ -143,12 +154,12 @@ def _edges_of(mesh: Labelled) -> Integers:
     return np.searchsorted(mesh.topology.edges @ weights, ends @ weights)
 
 
-def edge_distances(field: FaceField, mesh: Labelled) -> Floats:
-    """First-order distances of the edges' midpoints from their face or curve (E,)."""
-    ends = mesh.points[mesh.topology.edges]
+def edge_distances(field: FaceField, mesh: Labelled, chosen: Integers | slice = slice(None)) -> Floats:
+    """First-order distances of chosen edges' midpoints from their face or curve (E,)."""
+    ends = mesh.points[mesh.topology.edges[chosen]]
     middles = (ends[:, 0] + ends[:, 1]) / 2
     result = np.zeros(len(middles))
-    for rows, functions in placing(field, mesh.topology.edge_labels):
+    for rows, functions in placing(field, mesh.topology.edge_labels[chosen]):
         step = least_norm(field, functions, middles[rows])
         result[rows] = np.sqrt((step * step).sum(axis=1))
     return result

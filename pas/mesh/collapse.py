@@ -20,8 +20,8 @@ from pas.mesh.remesh import Labelled, Topology, cosines, flip, pair_normals, sag
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
 
-HELD, CAP = 0.8, 1 - 1.5e-6
-"""The same where edges may become long; and cosine of the angle above which such triangles are too flat."""
+HELD, SLENDER = 0.8, 0.025
+"""The same where edges may become long; and height over the longest side of the slenderest triangles made there."""
 
 UNTANGLINGS, MANY = 8, 0.01
 """How often folded triangles are removed, and their share above which that is hopeless."""
@@ -167,12 +167,11 @@ def _keeps_orientation(
 
 
 def _flat(corners: Floats) -> NDArray[np.bool_]:
-    """Which triangles (T, 3, 3) have an angle of almost 180 degrees."""
-    result = np.zeros(len(corners), dtype=bool)
-    for i in range(3):
-        u, v = (corners[:, (i + k) % 3] - corners[:, i] for k in (1, 2))
-        result |= (u * v).sum(axis=1) < -CAP * np.sqrt((u * u).sum(axis=1) * (v * v).sum(axis=1))
-    return result
+    """Which triangles (T, 3, 3) are too slender."""
+    sides = [corners[:, (i + 1) % 3] - corners[:, i] for i in range(3)]
+    area = cross(sides[0], sides[1])
+    longest = np.max([(side * side).sum(axis=1) for side in sides], axis=0)
+    return np.asarray((area * area).sum(axis=1) < (SLENDER * longest) ** 2)
 
 
 def _independent(

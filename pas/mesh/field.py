@@ -196,6 +196,9 @@ class FaceField(Field, Protocol):
         Planes, cylinders and cones have.
         """
 
+    def without_lines(self) -> FaceField:
+        """The same, none of whose faces is said to have straight lines; itself if none has."""
+
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""
 

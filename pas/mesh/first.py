@@ -20,7 +20,6 @@ from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, placing, project, smooth
-from pas.mesh.straight import coarser
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3
@@ -183,7 +182,7 @@ def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
         checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
         smaller = flip(collapse(mesh, field, spare, 2), field, 1)
         if len(smaller.points) > (1 - FEW) * len(mesh.points):
-            return coarser(mesh, field, np.minimum(tolerance, mesh.sizes / 4), tolerance)
+            return mesh
         mesh = smaller
 
 

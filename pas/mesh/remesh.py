@@ -332,12 +332,13 @@ def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Fl
     return np.asarray(np.abs((along * turn).sum(axis=1)) / 8)
 
 
-def edge_sags(mesh: Labelled, field: FaceField) -> Floats:
-    """The same of all edges (E,) of a mesh, of both their faces."""
-    edges, labels = mesh.topology.edge_table
-    normals = pair_normals(mesh, field)
+def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Floats:
+    """The same of chosen edges (E,) of a mesh, of both their faces; infinite for the others (E,)."""
+    result, normals = np.full(len(chosen), np.inf), pair_normals(mesh, field)
+    edges, labels = (table[chosen] for table in mesh.topology.edge_table)
     both = [sags(mesh.points, normals, edges, mesh.topology.rows(edges, column[:, None])) for column in labels.T]
-    return np.asarray(np.maximum(*both))
+    result[chosen] = np.maximum(*both)
+    return result
 
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:

@@ -31,9 +31,10 @@ def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float) -> Labe
 
     Edges at each vertex may be off by a share of `aim` (N,), or as far as some are.
     """
-    allowed = ALLOWED * aim
-    off = edge_sags(mesh, field)
-    for ends in mesh.topology.edges.T:
+    allowed, edges = ALLOWED * aim, mesh.topology.edges
+    chosen = np.asarray(field.lines(mesh.topology.edge_table[1]).any(axis=1))
+    off = edge_sags(mesh, field, chosen)[chosen]
+    for ends in edges[chosen].T:
         np.maximum.at(allowed, ends, off)
     return straightened(mesh, field, allowed, limit)
 
@@ -57,7 +58,8 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
         return np.asarray(allowed[tree.query(m.points)[1]])
 
     def straight(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
-        return np.asarray(edge_sags(m, field) < STRAIGHT * most(m)[edges].max(axis=1))
+        close = STRAIGHT * most(m)[edges].max(axis=1)
+        return np.asarray(edge_sags(m, field, close > 0) < close)
 
     while True:
         checkpoint(f"straightening the mesh ({len(mesh.triangles)} triangles)")

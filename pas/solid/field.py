@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from itertools import combinations
 
@@ -146,6 +147,14 @@ class SolidField:
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
         return self._lines[labels // 2]
+
+    def without_lines(self) -> SolidField:
+        """The same, none of whose faces is said to have straight lines; itself if none has."""
+        if not self._lines.any():
+            return self
+        result = copy(self)
+        result.__dict__["_lines"] = np.zeros_like(self._lines)
+        return result
 
     @cached_property
     def _lines(self) -> NDArray[np.bool_]:
