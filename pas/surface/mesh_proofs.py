@@ -32,7 +32,7 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
-from pas.surface.mesh_stage import Stage
+from pas.surface.mesh_stage import ON_WALL, Stage
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import rests
 from pas.surface.windings import crossed
@@ -192,7 +192,8 @@ def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats
         near = np.flatnonzero(~result)
         if len(near) * len(box) <= BOXES:
             for row in near.tolist():
-                result[row] = not len(boxes.meeting(simplices[row].min(axis=0), simplices[row].max(axis=0)))
+                low, high = simplices[row].min(axis=0) - ON_WALL, simplices[row].max(axis=0) + ON_WALL
+                result[row] = not len(boxes.meeting(low, high))
         return result
 
     simplices: list[Floats] = []
