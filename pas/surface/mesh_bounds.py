@@ -26,8 +26,8 @@ ROUNDINGS = 64
 LARGER = 1.0625
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
-CUTS = 9
-"""Halvings of the cells for bounds of second derivatives."""
+CUTS = (9, 14)
+"""Halvings of the cells for bounds of second derivatives, and where those are not enough."""
 
 
 @dataclass(frozen=True)
@@ -120,14 +120,18 @@ def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
     """
     if stage.center is None:
         return None
-    low, high, bends = _bends(stage, float(bounds.most.max()))
-    way = _way(bounds, bends.max(initial=0.0))
-    boxes = Boxes(low, high)
+    way = np.full(len(bounds.most), np.inf)
     corners = stage.points[stage.triangles]
-    for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
-        reach = 2 * bounds.most[row] / bounds.least[row]
-        near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
-        way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
+    for cuts in CUTS:
+        low, high, bends = _bends(stage, float(bounds.most.max()), cuts)
+        way = np.minimum(way, _way(bounds, bends.max(initial=0.0)))
+        boxes = Boxes(low, high)
+        for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
+            reach = 2 * bounds.most[row] / bounds.least[row]
+            near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
+            way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
+        if np.isfinite(way).all():
+            break
     return np.where(way <= (LARGER - 1) * stage.room, way, np.inf)
 
 
@@ -139,7 +143,7 @@ def _way(bounds: Bounds, bend: float) -> Floats:
     return np.where((bounds.least > 0) & np.isfinite(way), way, np.inf)
 
 
-def _bends(stage: Stage, most: float) -> tuple[Floats, Floats, Floats]:
+def _bends(stage: Stage, most: float, cuts: int) -> tuple[Floats, Floats, Floats]:
     """The boxes (N, 3), (N, 3) of parts of the enlarged region that hold all of it where |f| <= most, and on each a
     bound of the second derivatives' matrix (N,)."""
     center = stage.partition.center
@@ -157,7 +161,7 @@ def _bends(stage: Stage, most: float) -> tuple[Floats, Floats, Floats]:
         bound = rounding_bound(stage.degree, cut) * size
         near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most
         forms, corners = forms[near], corners[near]
-        if cut == CUTS or not len(forms):
+        if cut == cuts or not len(forms):
             break
         forms, corners = halves(forms, corners, stage.degree)
         cut += 1
