@@ -16,7 +16,7 @@ from pas.bernstein.signs import rounding_bound
 from pas.bernstein.subdivision import raised
 from pas.mesh.field import Integers
 from pas.mesh.radial import facets
-from pas.surface.mesh_stage import ON_WALL, Stage
+from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
 from pas.surface.rests import halves
 from pas.surface.triangle_forms import Forms, TriangleForms, on_corners
 
@@ -153,13 +153,13 @@ def _bends(stage: Stage, most: float, cuts: int) -> tuple[Floats, Floats, Floats
         tuple(tuple(m + (c - m) * 17 / 16 for c, m in zip(v, middle, strict=True)) for v in cell)
         for cell in stage.exact
     ]
-    forms = stage.forms(cells)  # type: ignore[arg-type]
+    forms, error = stage.forms(cells)  # type: ignore[arg-type]
     origin = np.array(to_floats(middle))
     corners = origin + LARGER * (stage.corners - origin)
     size, cut = float(np.abs(forms).max()), 0
     while True:
-        bound = rounding_bound(stage.degree, cut) * size
-        near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most
+        bound = rounding_bound(stage.degree, cut, error) * size
+        near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most * (1 + 2 * SCALED)
         forms, corners = forms[near], corners[near]
         if cut == cuts or not len(forms):
             break
@@ -179,4 +179,4 @@ def _hessians(forms: Floats, corners: Floats, degree: int, error: float) -> Floa
     hessians = back[:, None] @ differences @ back.transpose(0, 2, 1)[:, None]
     norms = np.sqrt((hessians**2).sum(axis=(2, 3))).max(axis=1)
     loose = 12 * error * (back**2).sum(axis=(1, 2))
-    return np.asarray(degree * (degree - 1) * (norms + loose) * (1 + 1e-9))
+    return np.asarray(degree * (degree - 1) * (norms + loose) * (1 + 2 * SCALED))

@@ -32,7 +32,7 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
-from pas.surface.mesh_stage import ON_WALL, Stage
+from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import rests
 from pas.surface.windings import crossed
@@ -183,12 +183,13 @@ def _spread(places: Floats, most: int = 8) -> Floats:
 def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats, int]:
     """All simplices, of whatever dimension, in which the flow may rest, their signs; those left open; how many there
     were."""
-    size = float(np.abs(stage.cell_forms).max())
+    cell_forms, error = stage.cell_forms
+    size = float(np.abs(cell_forms).max())
     box = stage.points[stage.triangles]
     boxes = Boxes(box.min(axis=1), box.max(axis=1))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
-        result = np.asarray(least * size > most)
+        result = np.asarray(least * size > most * (1 + 2 * SCALED))
         near = np.flatnonzero(~result)
         if len(near) * len(box) <= BOXES:
             for row in near.tolist():
@@ -200,7 +201,7 @@ def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats
     signs: list[float] = []
     left, examined = [np.empty((0, 3))], 0
     for forms, corners in stage.strata:
-        found = rests(forms / size, corners, stage.degree, free)
+        found = rests(forms / size, corners, stage.degree, free, error)
         simplices += list(found.simplices)
         signs += found.signs.tolist()
         left.append(found.open)
