@@ -26,6 +26,9 @@ ROUNDINGS = 64
 LARGER = 1.0625
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
+ENOUGH = 10_000
+"""Parts of the cells that are not halved further."""
+
 CUTS = (9, 14)
 """Halvings of the cells for bounds of second derivatives, and where those are not enough."""
 
@@ -161,7 +164,7 @@ def _bends(stage: Stage, most: float, cuts: int) -> tuple[Floats, Floats, Floats
         bound = rounding_bound(stage.degree, cut, error) * size
         near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most * (1 + 2 * SCALED)
         forms, corners = forms[near], corners[near]
-        if cut == cuts or not len(forms):
+        if cut == cuts or not len(forms) or len(forms) > ENOUGH:
             break
         forms, corners = halves(forms, corners, stage.degree)
         cut += 1
