@@ -22,6 +22,7 @@ then taken to be on them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -138,11 +139,10 @@ def _rims(stage: Stage, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
         on[number][edges.rim[wall == number]] = True
     normal = {n: stage.walls[stage.wall_of == n][0, :3] for n in on}
     result = [(normal[n][None], vertices) for n, vertices in on.items()]
-    for i in on:
-        for j in on:
-            if i < j and (on[i] & on[j]).any():
-                across = np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T
-                result.append((across, on[i] & on[j]))
+    for i, j in combinations(on, 2):
+        both = on[i] & on[j]
+        if both.any():
+            result.append((np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T, both))
     return result
 
 
