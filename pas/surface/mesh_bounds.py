@@ -16,7 +16,7 @@ from pas.bernstein.signs import rounding_bound
 from pas.bernstein.subdivision import raised
 from pas.mesh.field import Integers
 from pas.mesh.radial import facets
-from pas.surface.mesh_stage import ON_WALL, Stage
+from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
 from pas.surface.rests import halves
 from pas.surface.triangle_forms import Forms, TriangleForms, on_corners
 
@@ -26,8 +26,11 @@ ROUNDINGS = 64
 LARGER = 1.0625
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
-CUTS = 9
-"""Halvings of the cells for bounds of second derivatives."""
+ENOUGH = 10_000
+"""Parts of the cells that are not halved further."""
+
+CUTS = (9, 14)
+"""Halvings of the cells for bounds of second derivatives, and where those are not enough."""
 
 
 @dataclass(frozen=True)
@@ -120,14 +123,18 @@ def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
     """
     if stage.center is None:
         return None
-    low, high, bends = _bends(stage, float(bounds.most.max()))
-    way = _way(bounds, bends.max(initial=0.0))
-    boxes = Boxes(low, high)
+    way = np.full(len(bounds.most), np.inf)
     corners = stage.points[stage.triangles]
-    for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
-        reach = 2 * bounds.most[row] / bounds.least[row]
-        near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
-        way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
+    for cuts in CUTS:
+        low, high, bends = _bends(stage, float(bounds.most.max()), cuts)
+        way = np.minimum(way, _way(bounds, bends.max(initial=0.0)))
+        boxes = Boxes(low, high)
+        for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
+            reach = 2 * bounds.most[row] / bounds.least[row]
+            near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
+            way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
+        if np.isfinite(way).all():
+            break
     return np.where(way <= (LARGER - 1) * stage.room, way, np.inf)
 
 
@@ -139,7 +146,7 @@ def _way(bounds: Bounds, bend: float) -> Floats:
     return np.where((bounds.least > 0) & np.isfinite(way), way, np.inf)
 
 
-def _bends(stage: Stage, most: float) -> tuple[Floats, Floats, Floats]:
+def _bends(stage: Stage, most: float, cuts: int) -> tuple[Floats, Floats, Floats]:
     """The boxes (N, 3), (N, 3) of parts of the enlarged region that hold all of it where |f| <= most, and on each a
     bound of the second derivatives' matrix (N,)."""
     center = stage.partition.center
@@ -149,15 +156,15 @@ def _bends(stage: Stage, most: float) -> tuple[Floats, Floats, Floats]:
         tuple(tuple(m + (c - m) * 17 / 16 for c, m in zip(v, middle, strict=True)) for v in cell)
         for cell in stage.exact
     ]
-    forms = stage.forms(cells)  # type: ignore[arg-type]
+    forms, error = stage.forms(cells)  # type: ignore[arg-type]
     origin = np.array(to_floats(middle))
     corners = origin + LARGER * (stage.corners - origin)
     size, cut = float(np.abs(forms).max()), 0
     while True:
-        bound = rounding_bound(stage.degree, cut) * size
-        near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most
+        bound = rounding_bound(stage.degree, cut, error) * size
+        near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most * (1 + 2 * SCALED)
         forms, corners = forms[near], corners[near]
-        if cut == CUTS or not len(forms):
+        if cut == cuts or not len(forms) or len(forms) > ENOUGH:
             break
         forms, corners = halves(forms, corners, stage.degree)
         cut += 1
@@ -175,4 +182,4 @@ def _hessians(forms: Floats, corners: Floats, degree: int, error: float) -> Floa
     hessians = back[:, None] @ differences @ back.transpose(0, 2, 1)[:, None]
     norms = np.sqrt((hessians**2).sum(axis=(2, 3))).max(axis=1)
     loose = 12 * error * (back**2).sum(axis=(1, 2))
-    return np.asarray(degree * (degree - 1) * (norms + loose) * (1 + 1e-9))
+    return np.asarray(degree * (degree - 1) * (norms + loose) * (1 + 2 * SCALED))

@@ -22,6 +22,7 @@ then taken to be on them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +33,7 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
-from pas.surface.mesh_stage import Stage
+from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import rests
 from pas.surface.windings import crossed
@@ -138,11 +139,10 @@ def _rims(stage: Stage, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
         on[number][edges.rim[wall == number]] = True
     normal = {n: stage.walls[stage.wall_of == n][0, :3] for n in on}
     result = [(normal[n][None], vertices) for n, vertices in on.items()]
-    for i in on:
-        for j in on:
-            if i < j and (on[i] & on[j]).any():
-                across = np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T
-                result.append((across, on[i] & on[j]))
+    for i, j in combinations(on, 2):
+        both = on[i] & on[j]
+        if both.any():
+            result.append((np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T, both))
     return result
 
 
@@ -183,23 +183,25 @@ def _spread(places: Floats, most: int = 8) -> Floats:
 def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats, int]:
     """All simplices, of whatever dimension, in which the flow may rest, their signs; those left open; how many there
     were."""
-    size = float(np.abs(stage.cell_forms).max())
+    cell_forms, error = stage.cell_forms
+    size = float(np.abs(cell_forms).max())
     box = stage.points[stage.triangles]
     boxes = Boxes(box.min(axis=1), box.max(axis=1))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
-        result = np.asarray(least * size > most)
+        result = np.asarray(least * size > most * (1 + 2 * SCALED))
         near = np.flatnonzero(~result)
         if len(near) * len(box) <= BOXES:
             for row in near.tolist():
-                result[row] = not len(boxes.meeting(simplices[row].min(axis=0), simplices[row].max(axis=0)))
+                low, high = simplices[row].min(axis=0) - ON_WALL, simplices[row].max(axis=0) + ON_WALL
+                result[row] = not len(boxes.meeting(low, high))
         return result
 
     simplices: list[Floats] = []
     signs: list[float] = []
     left, examined = [np.empty((0, 3))], 0
     for forms, corners in stage.strata:
-        found = rests(forms / size, corners, stage.degree, free)
+        found = rests(forms / size, corners, stage.degree, free, error)
         simplices += list(found.simplices)
         signs += found.signs.tolist()
         left.append(found.open)

@@ -15,7 +15,7 @@ import numpy as np
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
-from pas.bernstein.forms import b_form, on_simplex
+from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
 from pas.partition.frame import Frame
 
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
+
+SCALED = 1e-9
+"""Relative error of sizes of B-coefficients that are known but for a factor."""
 
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
@@ -65,18 +68,27 @@ class Stage:
         center = self.partition.center
         return None if center is None else np.array(to_floats(self.frame.local_point(center)))
 
-    def forms(self, cells: list[tuple[Vector, ...]]) -> Floats:
-        """The B-coefficients (C, m) of each cell's polynomial on tetrahedra given in the same order."""
-        piece_of = self.partition.piece_of
-        return np.array(
-            [
-                [to_float(c) for c in b_form(on_simplex(self.patches[piece].raw, cell), self.degree, 3)]
-                for piece, cell in zip(piece_of.tolist(), cells, strict=True)
-            ]
-        )
+    def forms(self, cells: list[tuple[Vector, ...]]) -> tuple[Floats, float]:
+        """The B-coefficients (C, m) of each cell's polynomial on tetrahedra given in the same order.
+
+        Also by how much each may be off over the largest of its tetrahedron, but for a factor that is the same for all
+        of these and errs by less than `SCALED`: it is found from an exact value at a corner.
+        """
+        patches = [self.patches[piece] for piece in self.partition.piece_of.tolist()]
+        forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
+        ends = [i for i, a in enumerate(homogeneous_exponents(self.degree, 4)) if max(a) == self.degree]
+        for row, (patch, cell) in enumerate(zip(patches, cells, strict=True)):
+            corner = int(np.abs(forms[row, ends]).argmax())
+            value = forms[row, ends[corner]]
+            if abs(value) * SCALED > 2 * error:
+                forms[row] *= float(patch.at(cell[corner])) / value
+            else:
+                exact = b_form(on_simplex(patch.raw, cell), self.degree, 3)
+                forms[row] = [to_float(c) for c in exact]
+        return forms, error
 
     @cached_property
-    def cell_forms(self) -> Floats:
+    def cell_forms(self) -> tuple[Floats, float]:
         """Those on the cells themselves."""
         return self.forms(self.exact)
 
@@ -136,7 +148,7 @@ class Stage:
         """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
         cells = self.partition.cells
         faces = self.partition.outer_faces
-        result = [(self.cell_forms, self.corners)]
+        result = [(self.cell_forms[0], self.corners)]
         parts: list[set[tuple[int, tuple[int, ...]]]] = [set(), set(), set()]
         parts[0] = {(face.cell, tuple(face.vertices)) for face in faces}
         for i, j in combinations(range(len(faces)), 2):
@@ -152,7 +164,7 @@ class Stage:
                 at = [k for k, v in enumerate(cells[cell]) if v in vertices]
                 others = [k for k in range(4) if k not in at]
                 rows = [i for i, a in enumerate(indices) if not any(a[k] for k in others)]
-                forms.append(self.cell_forms[cell][rows])
+                forms.append(self.cell_forms[0][cell][rows])
                 corners.append(self.corners[cell][at])
             if forms:
                 result.append((np.array(forms), np.array(corners)))

@@ -34,9 +34,14 @@ class Rests:
 
 
 def rests(
-    forms: Floats, corners: Floats, degree: int, free: Callable[[Floats, Floats], np.ndarray], most: int = MOST
+    forms: Floats,
+    corners: Floats,
+    degree: int,
+    free: Callable[[Floats, Floats], np.ndarray],
+    error: float = UNIT_ROUNDOFF,
+    most: int = MOST,
 ) -> Rests:
-    """The places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size.
+    """The places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`.
 
     `free(bounds, simplices)` says which simplices, on which the polynomial's size is at least so much, are free.
     """
@@ -44,7 +49,7 @@ def rests(
     for halved in range(HALVINGS + 1):
         checkpoint(f"looking for critical points ({examined} simplices examined)")
         examined += len(forms)
-        bound = rounding_bound(degree, halved)
+        bound = rounding_bound(degree, halved, error)
         still = ~_rises(forms, corners, degree, bound)
         forms, corners = forms[still], corners[still]
         least = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound
