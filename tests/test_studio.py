@@ -235,6 +235,10 @@ def test_the_largest_safe_lengths_are_told():
     made = Desk()
     moved = made.move({**document, "problem": {**document["problem"], "shape": {"l1": "3", "l2": "1"}}})
     assert moved.head["kind"] == "moved" and moved.arrays["points 0"].shape[1] == 3
+    again = {**document, "problem": {**document["problem"], "shape": {"l1": "5/2", "l2": "1"}}}
+    followed, anew = made.move(again), Desk().move(again)  # by its shape alone, and from the beginning
+    assert np.abs(followed.arrays["points 0"] - anew.arrays["points 0"]).max() < 1e-9
+    assert np.abs(followed.arrays["points 0"] - moved.arrays["points 0"]).max() > 0.01
 
 
 def test_exports_are_files_of_the_shape(desk):

@@ -127,7 +127,7 @@ def test_the_page_shows_a_proved_surface_and_asks_nobody_else(page, studio):
     own = studio[1].partition("#")[0]
     assert all(url.startswith((own, "data:")) for url in page.asked) and "token" not in page.page.url
     assert page.trouble == []
-    page.until("studio.view.smoothed")
+    page.until("!studio.view.still.hidden")
     picture = page.ask(COLORED)
     assert 0.04 < picture[0] < 0.4 and 0.02 < picture[1] < 0.4
 

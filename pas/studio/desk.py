@@ -32,7 +32,7 @@ from pas.limits import limit
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
-from pas.studio.controls import LENGTHS, TENSION, controls
+from pas.studio.controls import LENGTHS, SHAPE, TENSION, controls
 from pas.studio.documents import Data
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, outline, picture, quick
@@ -64,6 +64,7 @@ class Desk:
         self.seen: Shape | None = None
         self.key = self.scene = ""
         self.placed: Any = None
+        self.before: Data = {}
         self.solved: tuple[str, Shape] | None = None
 
     def read(self, name: str, text: str) -> Data:
@@ -118,7 +119,7 @@ class Desk:
         with limit(PATIENCE, stopped=self.stopped):
             documents.checked(document)
             shape = self._followed(document)
-            self.seen, self.key = shape, _key(documents.base_of(document))
+            self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
             if not can_follow(shape):
                 return quick(shape)
             surface = shape.surface  # type: ignore[attr-defined]  # of blends
@@ -199,6 +200,10 @@ class Desk:
             return before.refit(**_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
+        shaped = _shaped(self.before, document)
+        if shaped is not None and getattr(self.seen, "kind", "") == "generatrix blend":
+            other: Shape = self.seen.with_shape(**shaped)  # type: ignore[union-attr]  # it is such a blend
+            return other
         problem: Any = documents.problem_of(document["problem"])
         wishes = getattr(problem, "wishes", None)
         if wishes is None:
@@ -276,6 +281,16 @@ def _judged(shape: Shape) -> dict[str, Any]:
         "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
         "facts": told | ({} if limits is None else {"limits": vars(limits)}),
     }
+
+
+def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
+    """The shape values of a blend by a generatrix, where only such numbers differ from the document before."""
+    old, new = before.get("problem", {}), document["problem"]
+    if "shape" not in old or {**old, "shape": 0} != {**new, "shape": 0} or set(old["shape"]) != set(new["shape"]):
+        return None
+    moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
+    plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
+    return moved if plain_ones else None
 
 
 def can_follow(shape: Any) -> bool:

@@ -1,4 +1,4 @@
-// The page of `pas studio`: a conversation with its own server that begins again when it is lost.
+// The page of `pas studio`: it talks to its own server, and again when that was lost.
 import { render } from "./studio.js";
 import { unpacked } from "./scene.js";
 

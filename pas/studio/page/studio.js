@@ -140,9 +140,9 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
 	function arrived(head) {
 		s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
-		if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving; what is seen is checked when it rests"); }
+		if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving …"); }
 	}
-	function judged(head) { if (head.shot === s.shot && s.shown === s.seq) judge(head); }
+	function judged(head) { if (head.shot !== s.shot || s.shown !== s.seq) return; judge(head); say(`seen now: ${head.proved ? "all proved" : head.counts}`); }
 	function refused(head) {
 		say(head.text, true); $.repair.disabled = false;
 		if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
@@ -243,7 +243,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	el.addEventListener("dragover", (e) => e.preventDefault());
 	el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
 	channel.receive(receive);
-	channel.onstate?.((text, again) => { say(text, !again); });
+	channel.onstate?.((text, again) => say(text, !again));
 	buttons();
 	return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }

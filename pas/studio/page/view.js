@@ -53,7 +53,7 @@ export class View {
 		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
 		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
 		context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
-		if (step + 1 < SMOOTH.length) this.resting = setTimeout(() => this.smooth(step + 1), 0); else { this.still.hidden = false; this.smoothed = true; }
+		if (step + 1 < SMOOTH.length) this.resting = setTimeout(() => this.smooth(step + 1), 0); else this.still.hidden = false;
 	}
 	// The picture at any size, with a plain background.
 	async png(width, height, background) {
@@ -94,7 +94,7 @@ export class View {
 	}
 	listen() {
 		const c = this.live, at = (e) => { const r = c.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
-		c.addEventListener("pointerdown", (e) => { c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* made by a program */ } this.pointers.set(e.pointerId, at(e)); this.dragged = 0; });
+		c.addEventListener("pointerdown", (e) => { c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* no real pointer */ } this.pointers.set(e.pointerId, at(e)); this.dragged = 0; });
 		c.addEventListener("pointermove", (e) => {
 			const before = this.pointers.get(e.pointerId); if (!before) return;
 			const now = at(e), dx = now[0] - before[0], dy = now[1] - before[1], h = this.place.clientHeight;
