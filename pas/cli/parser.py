@@ -57,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
     result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
-    result.set_defaults(command=None, debug=False, json=False)
+    result.set_defaults(command=None, debug=False, json=False, seconds=None)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
     _blend_parser(added)
     _parametric_parser(added)
@@ -79,9 +79,10 @@ def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    if name != "solve":  # which prints other forms, too
+    if name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
         parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
-    parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
+    if name != "studio":  # which runs until it is interrupted
+        parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
     return parser
 
 

@@ -38,7 +38,8 @@ chose: where a fillet has no room, no degree makes it fair."""
 
 NEARLY, FURTHER = 0.25, 4.0
 """What is beyond limits by less than this, in units of the measures, is settled once more under limits that lie so many
-times as far inside: the limits are soft on the way, and give a little."""
+times as far inside: the limits are soft on the way, and give a little.  Small spaces are too stiff for it: the next
+degree is smoother all over."""
 
 DEGREES_ON_LAYOUTS = 1
 """The same on layouts that the program chose, of which the first that has a proved surface is kept: more half-planes
@@ -108,14 +109,13 @@ class Ladder:
             home = space.placed
             with self.stages.stage("measure", f" (degree {space.degree})"):
                 found = judged(found)
-                nearly = 0 < excess(found) < NEARLY
+                nearly = 0 < excess(found) < NEARLY and space.dimension >= FEWEST_UNKNOWNS
             if nearly:
                 found = self._pressed(space, found)
-            with self.stages.stage("measure", f" (degree {space.degree})"):
-                self.attempts.append(found.attempts[-1])
-                hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
-                below = found if below is None or excess(found) < excess(below) else below
-                first = first or space.degree
+            self.attempts.append(found.attempts[-1])
+            hopeless = fewest and below is not None and excess(found) > WORTH_WHILE * excess(below)
+            below = found if below is None or excess(found) < excess(below) else below
+            first = first or space.degree
             more = 0 if len(space.partition.pieces) > MANY_PIECES else DEGREES_ON_LAYOUTS
             highest = first + (more if fewest else DEGREES_FOR_FAIRNESS)
             if not excess(found) or hopeless or found.surface.degree >= highest:

@@ -154,9 +154,13 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
     "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
     "write": (_saved_blend, ("write", "{}", "OUT/x.obj", *COARSE)),
     "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
+    "bench": (lambda _: CORNER, ("bench", "--suite", "parametric", "--quick", "--readme", "OUT/x.md")),
     "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
 }
 """The commands by name, what they read, and their arguments, of which {} is what they read."""
+
+ENDLESS_COMMANDS = {"studio": "a server, which runs until it is interrupted"}
+"""Those that have no end of their own, and why."""
 
 LAX = pas.FairnessLimits(2, 3, 1, 1)
 """What the first degree keeps, so that it is measured and no other is tried."""
@@ -203,6 +207,9 @@ LONG_CALLS = {
     "pas.load": LongCall(_saved_shell, lambda p, f, **k: pas.load(p, **k), 2),
     "pas.save_parametric": LongCall(_hermite, lambda p, f, **k: pas.save_parametric(p, f / "x.pas.json", **k)),
     "pas.draw": LongCall(_surface, lambda p, f, **k: pas.draw(p, f / "x.png", size=(64, 48), **k), 2),
+    "pas.animate": LongCall(
+        _surface, lambda p, f, **k: pas.animate(lambda _: p, (0,), f / "x.gif", size=(64, 48), **k), 2
+    ),
     "pas.render.parts.draw_parts": LongCall(
         _parts, lambda p, f, **k: draw_parts(p, f / "x.png", size=(64, 48), tolerance=T, **k), 3
     ),
