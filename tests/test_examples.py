@@ -17,7 +17,7 @@ ENERGIES = {
     "elbow_gc1": (4, 41, 23.02),
     "elbow_gc2": (5, 38, 24.99),
     "elbow_slim": (5, 37, 45.78),
-    "equal_gc1": (4, 26, 34.2),
+    "equal_gc1": (4, 26, 34.65),
     "equal_gc2": (5, 18, 45.24),
     "equal_gc3": (6, 12, 55.40),
     "published_a": (3, 3, 24.365),

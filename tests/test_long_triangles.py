@@ -78,3 +78,15 @@ def test_edges_are_flipped_for_what_they_are_asked_to_mend():
             better=lambda owners, edges, opposite, g=gain: np.full(len(edges), g),
         )
         assert (len(changed) > 0) == flips
+
+
+@pytest.mark.parametrize("corners", [[(0, 0), (3, 0), (0, 4)], [(0, 0), (3, 0), (4, 2), (1, 4)], [(0, 0), (9, 1), (0, 2)]])
+def test_prisms_with_sharp_edges_have_as_few_triangles_as_there_can_be(corners):
+    """At a coarse lattice the nodes at sharp corners are found from far away, and draw in nothing."""
+    body = solid.half_space("-z") & solid.half_space("z - 1/2")
+    for (a, b), (c, d) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        body = body & solid.half_space(f"{d - b}*(x - {a}) - {c - a}*(y - {b})")
+    mesh = body.mesh(0.01)
+    assert mesh.is_closed and len(mesh.triangles) == 4 * len(corners) - 4
+    area = sum(a * d - b * c for (a, b), (c, d) in zip(corners, [*corners[1:], corners[0]], strict=True)) / 2
+    assert mesh.volume == pytest.approx(area / 2)

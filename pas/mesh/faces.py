@@ -109,14 +109,15 @@ class Crossings:
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
             nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
         centers = points[triangles[unclear]].mean(axis=1)
-        centers = centers[~nodes.reaches(centers)]
-        if len(centers):
-            return np.asarray(centers)
+        reached = nodes.reaches(centers)
+        if not reached.all():
+            return np.asarray(centers[~reached])
         mesh = _cut(points, triangles, labels)
         if not len(nodes.points):
             return mesh
         found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
-        return found if isinstance(found, np.ndarray) else Labelled.of(*found)
+        # where a node drew in what is no disc, what is unclear may have been far from it
+        return np.concatenate([found, centers]) if isinstance(found, np.ndarray) else Labelled.of(*found)
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""
