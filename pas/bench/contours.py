@@ -48,9 +48,11 @@ class Grids:
 
     def error(self, points: Floats, triangles: np.ndarray) -> float:
         """The largest |f| / |grad f| where the surface is."""
-        corners = points[triangles]
+        corners = points[triangles[np.isfinite(points).all(axis=1)[triangles].all(axis=1)]]  # outside there is nothing
+        if not len(corners):
+            return float(np.inf)
         middles = [(corners[:, i] + corners[:, (i + 1) % 3]) / 2 for i in range(3)]
-        at = np.concatenate([points, corners.mean(axis=1), *middles])
+        at = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), *middles])
         steepness = np.linalg.norm(self.evaluator.gradients(at), axis=1)
         return float(np.nanmax(np.abs(self.evaluator.values(at)) / steepness))
 
@@ -60,7 +62,7 @@ class Grids:
         while number < FINEST_GRID:
             values, step = self.values(number)
             points, triangles = contour(values, step)
-            reached = self.error(points + self.low, triangles) if len(triangles) else np.inf
+            reached = self.error(points + self.low, triangles)
             if reached <= aim:
                 break
             number = 1 + int(number * np.clip(np.sqrt(reached / aim), 1.05, 1.6))
