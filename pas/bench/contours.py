@@ -48,7 +48,8 @@ class Grids:
 
     def error(self, points: Floats, triangles: np.ndarray) -> float:
         """The largest |f| / |grad f| where the surface is."""
-        corners = points[triangles[np.isfinite(points).all(axis=1)[triangles].all(axis=1)]]  # outside there is nothing
+        finite = np.asarray(np.isfinite(points).all(axis=1))  # outside there is nothing
+        corners = points[triangles[finite[triangles].all(axis=1)]]
         if not len(corners):
             return float(np.inf)
         middles = [(corners[:, i] + corners[:, (i + 1) % 3]) / 2 for i in range(3)]
