@@ -68,8 +68,8 @@ def test_runs_are_kept_and_compared(tmp_path, capsys, monkeypatch):
     assert main(words) == 0
     second = json.loads(capsys.readouterr().out)
     assert [row["before"] for row in second["results"]] == [row["timing"]["median"] for row in first["results"]]
-    assert len(history.read_text().splitlines()) == 2
-    text = page.read_text()
+    assert len(history.read_text(encoding="utf-8").splitlines()) == 2
+    text = page.read_text(encoding="utf-8")
     assert all(row["case"] in text for row in first["results"]) and "## parametric" in text
 
 

@@ -397,7 +397,7 @@ def test_the_whole_page_is_small_and_names_no_other_host():
     files = [path for path in PAGE.iterdir() if path.is_file()]
     assert sum(path.stat().st_size for path in files) < 80_000
     for path in files:
-        names = set(re.findall(r"(?:https?|wss?)://([^/\s`'\"]+)", path.read_text()))
+        names = set(re.findall(r"(?:https?|wss?)://([^/\s`'\"]+)", path.read_text(encoding="utf-8")))
         assert names <= {"www.w3.org", "${location.host}"}, path  # the first names SVG, and is never asked
 
 

@@ -59,8 +59,8 @@ def cases() -> list[Case]:
     size = f"quadratic programme, {UNKNOWNS} unknowns, {ROWS} rows"
     return [
         Case(size, _solved, {"cvxpy": _stated}, "the peer with Clarabel, its statement included"),
-        Case("one step of a slider, GC^1, degree 4", lambda: _live(1, 4)),
-        Case("one step of a slider, GC^2, degree 6", lambda: _live(2, 6)),
+        Case("first step of a slider, GC^1, degree 4", lambda: _live(1, 4)),
+        Case("first step of a slider, GC^2, degree 6", lambda: _live(2, 6)),
     ]
 
 
