@@ -80,7 +80,9 @@ def test_edges_are_flipped_for_what_they_are_asked_to_mend():
         assert (len(changed) > 0) == flips
 
 
-@pytest.mark.parametrize("corners", [[(0, 0), (3, 0), (0, 4)], [(0, 0), (3, 0), (4, 2), (1, 4)], [(0, 0), (9, 1), (0, 2)]])
+@pytest.mark.parametrize(
+    "corners", [[(0, 0), (3, 0), (0, 4)], [(0, 0), (3, 0), (4, 2), (1, 4)], [(0, 0), (9, 1), (0, 2)]]
+)
 def test_prisms_with_sharp_edges_have_as_few_triangles_as_there_can_be(corners):
     """At a coarse lattice the nodes at sharp corners are found from far away, and draw in nothing."""
     body = solid.half_space("-z") & solid.half_space("z - 1/2")
