@@ -46,6 +46,10 @@ def _fan(each: int) -> Maker:
     return lambda discs, center: fan(discs, center, each)
 
 
+NEAR_WALLS, MANY = 1.15, 5
+"""How far out walls are that serve so many contacts of order 2 better than the usual ones: they get these first,
+and the usual ones last."""
+
 LADDERS: dict[int, tuple[Rung, ...]] = {
     1: (
         Rung("planes", planes),
@@ -55,9 +59,9 @@ LADDERS: dict[int, tuple[Rung, ...]] = {
         Rung("strips", strips, 1.6),
     ),
     2: (
-        Rung("planes", planes, 1.15),
-        Rung("fan", _fan(2), 1.15),
+        Rung("planes", planes, NEAR_WALLS),
         Rung("fan", _fan(2)),
+        Rung("fan", _fan(2), NEAR_WALLS),
         Rung("fan", _fan(3)),
     ),
 }
@@ -102,7 +106,10 @@ class Node:
         failure: GeometryError | None = None
         found = False
         hopeless: list[Maker] = []  # rungs that differ in their walls have the same layout
-        for rung in LADDERS[min(max(order, 1), max(LADDERS))]:
+        rungs = LADDERS[min(max(order, 1), max(LADDERS))]
+        if order > 1 and len(self.discs) >= MANY:
+            rungs = tuple(sorted(rungs, key=lambda rung: rung.walls > NEAR_WALLS))  # stable
+        for rung in rungs:
             if kind not in (None, rung.kind) or rung.make in hopeless:
                 continue
             try:
