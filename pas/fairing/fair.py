@@ -92,7 +92,7 @@ class FairSearch:
                 states += Settling(search).steps(states[-1])
                 if states[-1].look.beyond > max(GAIN * before, states[-1].look.energy):
                     break
-            found = next(self._choices(states, margins), None)
+            found = self._furthest(states, margins)
             if found is not None and (best is None or found[0].energy <= best.energy):
                 best, state = found
             if found is not None and found[1] is states[-1]:
@@ -113,15 +113,33 @@ class FairSearch:
         for stage in search.path():
             yield stage.unknowns, stage.rows
 
-    def _choices(self, states: list[State], margins: Margins) -> Iterator[tuple[Choice, State]]:
-        """The members, the fairest first, that are proved or need not be."""
-        for state in reversed(states):
-            try:
-                found = self.fairing.chosen(self.programme, state, margins)
-            except InfeasibleError:
-                continue
-            if not self.wishes.prove or found.surface.certificate.proved:
-                yield found, state
+    def _furthest(self, states: list[State], margins: Margins) -> tuple[Choice, State] | None:
+        """The member furthest down the way that is proved or need not be, by longer and longer steps back from its end
+        and halving the last one.
+
+        Where one is not proved its neighbours mostly are not: to go back through all of them took longer than the way.
+        """
+        back, failed = 0, -1
+        found = self._proved(states[-1], margins)
+        while found is None and back < len(states) - 1:
+            back, failed = min(2 * back + 1, len(states) - 1), back
+            found = self._proved(states[-1 - back], margins)
+        while found is not None and back - failed > 1:
+            middle = (back + failed) // 2
+            nearer = self._proved(states[-1 - middle], margins)
+            if nearer is None:
+                failed = middle
+            else:
+                found, back = nearer, middle
+        return found
+
+    def _proved(self, state: State, margins: Margins) -> tuple[Choice, State] | None:
+        """The member of a state, if it is proved or need not be."""
+        try:
+            found = self.fairing.chosen(self.programme, state, margins)
+        except InfeasibleError:
+            return None
+        return (found, state) if not self.wishes.prove or found.surface.certificate.proved else None
 
 
 def coordinates(fairing: Fairing, surface: PiecewiseSurface) -> Floats:

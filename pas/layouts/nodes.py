@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations
 from math import degrees
@@ -12,7 +13,7 @@ import numpy as np
 from pas.algebra.inputs import short
 from pas.algebra.rational import Vector, cross, plain, to_floats
 from pas.errors import GeometryError
-from pas.layouts.center import center_of
+from pas.layouts.center import center_of, center_of_bend
 from pas.layouts.fan import fan
 from pas.layouts.planes import planes
 from pas.layouts.region import WALLS, region
@@ -27,8 +28,8 @@ from pas.surface.rims import Rim, outlook
 CURVE_POINTS = 96
 """Points of a contact's curve by which a layout is fitted to it."""
 
-SPREAD = 0.95
-"""Share of the angle between two contacts that their curves may take up."""
+SPREAD, ROOMY = 0.95, 0.8
+"""Share of the angle between two contacts that their curves may take up, and around the centre of a bend."""
 
 Maker = Callable[[Sequence[Seen], Vector], Layout]
 
@@ -89,13 +90,21 @@ class Node:
         for number, contact in enumerate(contacts, start=1):
             _check_flat(number, contact)
         rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
-        if center is None:
-            _check_planes(rims)
-        place = center_of(rims) if center is None else center
+        if center is not None:
+            return cls._around(contacts, rims, center)
+        _check_planes(rims)
+        bend = center_of_bend(rims)
+        if bend is not None:
+            with suppress(GeometryError):
+                return cls._around(contacts, rims, bend, ROOMY)
+        return cls._around(contacts, rims, center_of(rims))
+
+    @classmethod
+    def _around(cls, contacts: Sequence[Contact], rims: Sequence[Rim], place: Vector, spread: float = SPREAD) -> Node:
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
             _check_outlook(number, contact, rim, place)
         discs = tuple(seen(number, rim, place) for number, rim in enumerate(rims, start=1))
-        _check_apart(discs)
+        _check_apart(discs, spread)
         return cls(place, discs)
 
     def regions(self, order: int, kind: str | None = None) -> Iterator[Partition]:
@@ -184,11 +193,11 @@ def _check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> N
         )
 
 
-def _check_apart(discs: Sequence[Seen]) -> None:
+def _check_apart(discs: Sequence[Seen], spread: float) -> None:
     """That no two curves are seen across one another from the centre."""
     for a, b in combinations(discs, 2):
         between = angle_between(a.direction, b.direction)
-        if a.angle + b.angle >= SPREAD * between:
+        if a.angle + b.angle >= spread * between:
             raise GeometryError(
                 f"contacts {a.number} and {b.number} are seen {degrees(between):.3g} degrees apart from the centre, "
                 f"and their curves take up {degrees(a.angle):.3g} and {degrees(b.angle):.3g} degrees of that"

@@ -29,6 +29,10 @@ FEWEST_UNKNOWNS, MOST_UNKNOWNS = 15, 160
 none of these was fair.  Elsewhere they are put aside where the first way down does not end at a fair surface.  Spaces
 of larger dimension are not tried for fairness alone: they take many seconds."""
 
+STIFF = 4
+"""Spaces with fewer unknowns for each piece are put aside in the same way on layouts that the program chose: GC^1
+surfaces of degree 4 around four pipes and more, few of which are fair."""
+
 MANY_PIECES = 20
 """Pieces, as strips have, on which no further degree is tried for fairness: its space has hundreds of dimensions."""
 
@@ -64,7 +68,8 @@ class Replay:
 class Ladder:
     """What was tried.
 
-    `degree` is the only one to try, or None; `raised` says whether degrees and layouts are tried for fairness too.
+    `degree` is the only one to try, or None; `raised` says whether degrees and layouts are tried for fairness too;
+    `aside` are small spaces of the present layout, by their degrees, in which no fair surface was in sight.
     """
 
     wishes: Wishes
@@ -72,6 +77,7 @@ class Ladder:
     raised: bool
     stages: Stages
     attempts: list[Attempt] = field(default_factory=list)
+    aside: dict[int, SolutionSpace] = field(default_factory=dict)
     failure: InfeasibleError | NotProvedError | None = None
 
     def climb(self, places: Iterable[PlacedContacts], fewest: int = 0) -> Blend | None:
@@ -81,7 +87,7 @@ class Ladder:
         """
         below: Blend | None = None  # the fairest on this layout
         home: PlacedContacts | None = None  # its region
-        aside: list[SolutionSpace] = []  # small spaces in which no fair surface was in sight
+        self.aside = {}
         first = 0
         for space in self._spaces(Replay(places), fewest):
             if home is not None and space.placed is not home:
@@ -90,7 +96,8 @@ class Ladder:
                 self._note(space, f"not tried: more than {MOST_UNKNOWNS} unknowns")
                 break
             began = time.perf_counter()
-            patient = not self.raised or space.dimension >= FEWEST_UNKNOWNS
+            stiff = fewest and space.dimension < STIFF * len(space.partition.pieces)
+            patient = not self.raised or not (stiff or space.dimension < FEWEST_UNKNOWNS)
             try:
                 # around a node the fair surface of a higher degree is often not near that of a lower one
                 start = None if below is None or fewest else below.surface
@@ -98,7 +105,7 @@ class Ladder:
             except BeyondLimitsError as error:
                 self._note(space, f"{error}, a higher degree comes first", time.perf_counter() - began)
                 first = first or space.degree
-                aside.append(space)
+                self.aside[space.degree] = space
                 continue
             except (InfeasibleError, NotProvedError) as error:
                 self._note(space, str(error), time.perf_counter() - began)
@@ -121,7 +128,7 @@ class Ladder:
             if not excess(found) or hopeless or found.surface.degree >= highest:
                 break
         if below is None:
-            below = self._patiently(aside)
+            below = self._patiently()
         return below and replace(below, attempts=tuple(self.attempts))
 
     def _pressed(self, space: SolutionSpace, found: Blend) -> Blend:
@@ -136,9 +143,9 @@ class Ladder:
         moved = judged(replace(moved, wishes=found.wishes, attempts=(*moved.attempts[:-1], attempt)))
         return moved if excess(moved) < excess(found) else found
 
-    def _patiently(self, aside: list[SolutionSpace]) -> Blend | None:
+    def _patiently(self) -> Blend | None:
         """What small spaces have to give where no higher degree had anything."""
-        for space in aside:
+        for space in self.aside.values():
             try:
                 found = judged(choose(space, self.wishes, self.attempts, self.stages))
             except (InfeasibleError, NotProvedError) as error:
@@ -164,6 +171,8 @@ class Ladder:
                 if usable:
                     yield space
                     yielded += not number
+                    if candidate in self.aside:
+                        break
                     continue
                 if space.dimension == 0:
                     self._note(space, "no solution")
