@@ -14,9 +14,9 @@ import pas
 
 CORNERS = ROOT / "examples/corners"
 ENERGIES = {
-    "elbow_gc1": (4, 41, 23.02),
-    "elbow_gc2": (5, 38, 24.99),
-    "elbow_slim": (5, 37, 45.78),
+    "elbow_gc1": (4, 41, 23.71),
+    "elbow_gc2": (5, 38, 26.45),
+    "elbow_slim": (5, 34, 47.70),
     "equal_gc1": (4, 26, 34.65),
     "equal_gc2": (5, 18, 45.24),
     "equal_gc3": (6, 12, 55.40),

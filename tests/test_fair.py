@@ -16,6 +16,7 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.exchange import Exchange, Search
+from pas.fairing.fair import FairSearch
 from pas.fairing.guard import LADDER
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.settling import Settling
@@ -131,12 +132,21 @@ def test_corners_and_elbows_are_fair_and_proved(name):
     blend = fair(*(CASES | SLOW)[name])
     assert blend.certificate.proved and blend.standing == "proved"
     assert isinstance(blend.plate, pas.CurvatureVariation)
-    limits = pas.FairnessLimits.of_order(blend.surface.order)
-    assert blend.limits == limits
+    limits = blend.limits
+    assert (limits == pas.FairnessLimits.of_order(blend.surface.order)) is (len(blend.surface.contacts) == 3)
     assert blend.fairness.within(limits), blend.fairness.beyond(limits)
     assert blend.attempts[-1].outcome == "proved, fair" and blend.attempts[-1].degree == blend.surface.degree
     finer = pas.surface.fairness.fairness(blend.surface, 12000)  # nothing hides between the points that were measured
     assert finer.sharpness < limits.sharpness + 0.01 and finer.hollowness < limits.hollowness + 0.02
+
+
+@pytest.mark.parametrize("order, least, most", [(1, -0.1, 0.01), (2, -0.05, 0.05)])
+def test_a_bend_is_nearly_the_tube_that_is_rolled_round(order, least, most):
+    bend = pas.blend([pas.Pipe(axis, 1, 2) for axis in AXES[:2]], order)
+    points = np.array(bend.mesh(5e-3).points) - (2, 2, 0)  # around the middle of the arc between the clips
+    off = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 2, points[:, 2]) - 1
+    assert least < off.min() < off.max() < most
+    assert bend.fairness.sharpness < 1.1
 
 
 def test_the_summary_says_which_degrees_and_why():
@@ -170,6 +180,33 @@ def test_small_spaces_are_put_aside_and_tried_where_nothing_else_serves(monkeypa
     last = pas.blend(pipes(EQUAL), 1)
     assert last.surface.degree == 3 and last.certificate.proved
     assert last.attempts[-1].outcome.startswith("proved, not fair")
+
+
+@pytest.mark.slow
+def test_stiff_spaces_around_many_contacts_are_put_aside():
+    """Fewer than four unknowns for a piece: the first way down is not fair, and degree 5 is taken without more ado."""
+    node = pas.node([((2, -6, -3), "19/10"), ((-1, 0, 2), "11/10"), ((6, 3, 1), "19/10"), ((2, 5, 6), "11/10")], 1)
+    tried = {a.degree: a for a in node.attempts if a.dimension}
+    assert tried[4].dimension < 4 * len(node.surface.partition.pieces)
+    assert tried[4].outcome == "settled beyond the limits of fairness, a higher degree comes first"
+    assert node.surface.degree == 5 and node.certificate.proved and node.fairness.within(node.limits)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 9, 50])
+def test_the_furthest_proved_state_is_found_in_few_looks(number):
+    class Looks(FairSearch):
+        def __init__(self, proved):
+            self.proved, self.looks = proved, 0
+
+        def _proved(self, state, margins):
+            self.looks += 1
+            return (state, state) if state < self.proved else None
+
+    for proved in range(number + 1):
+        search = Looks(proved)
+        found = search._furthest(list(range(number)), LADDER[0])
+        assert found == ((proved - 1, proved - 1) if proved else None)
+        assert search.looks <= 2 * number.bit_length()
 
 
 def test_the_lowest_degree_and_other_limits():

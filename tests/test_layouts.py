@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pas
+from pas.algebra.rational import rational
 from pas.blending.net import Net
 from pas.blending.place import places
 from pas.blending.spherical import splines
@@ -52,6 +53,26 @@ DIMENSIONS = {
     "three skew": (25, 7),
     "off centre": (25, 7),
 }
+
+CENTERS = {
+    # a bend's centre lies in the bend, by its clips and the smaller radius; that of other nodes where their lines meet
+    "right bend": (NODES["elbow"], ("17/64", "17/64", 0)),
+    "shorter": ([pipe(X, 1, "3/2"), pipe(Y, 1, "3/2")], ("13/64", "13/64", 0)),
+    "unequal": ([pipe(X, 1, 2), pipe(Y, "1/2", 2)], ("17/128", "17/128", 0)),
+    "elsewhere": ([pipe(X, 1, 2, (0, 3, 1)), pipe(Y, 1, 5, (0, 0, 1))], ("17/64", "209/64", 1)),
+    "obtuse": ([pipe(X, 1, 2), pipe((-4, 7, 0), 1, "1/4")], ("1/8", "13/64", 0)),
+    "no room in the bend": ([pipe(X, 1, 2), pipe((4, 7, 0), 1, "1/4")], (0, 0, 0)),
+    "in one line": ([pipe(X, 1, 2), pipe(BACK[0], "1/2", 2)], (0, 0, 0)),
+    "T": (NODES["T"], (0, 0, 0)),
+    "three skew": (NODES["three skew"], (0, 0, 0)),
+}
+
+
+@pytest.mark.parametrize("name", CENTERS)
+def test_where_the_centre_is(name):
+    items, center = CENTERS[name]
+    assert Node.of([as_contact(item) for item in items]).center == tuple(map(rational, center))
+
 
 WAYS = [(1, 4, 13, 10), (2, 5, 28, 10), (2, 6, 34, 20), (2, 7, 40, 35)]
 

@@ -83,7 +83,8 @@ def test_there_are_snippets():
 
 
 @pytest.mark.parametrize(("module", "block"), PROGRAMS, ids=[m for m, _ in PROGRAMS])
-def test_programs_of_docstrings_run(module, block):
+def test_programs_of_docstrings_run(module, block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where files that they write go
     if "register" in block:  # for all that comes after, so in a process of its own
         start = f"import numpy as np, pas\nfrom {module} import *\nfrom conftest import pipes\npipes = pipes()\n"
         start += "from dataclasses import dataclass\n"

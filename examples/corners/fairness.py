@@ -9,6 +9,7 @@ then compares the inner section of the elbow with the circular arc and with the 
 from __future__ import annotations
 
 import argparse
+from fractions import Fraction
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -78,9 +79,10 @@ def inner_section(blend: pas.Blend) -> Any:
     surface = blend.surface
     angles = np.linspace(0, np.pi / 2, 721)[1:-1]
     directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
-    distances = surface.intersect_rays(np.zeros(3), directions)
+    center = np.array([float(Fraction(str(c))) for c in surface.partition.center])
+    distances = surface.intersect_rays(center, directions)
     met = np.isfinite(distances)
-    points = directions[met] * distances[met, None]
+    points = center + directions[met] * distances[met, None]
     slope, hessian = surface.gradient(points)[:, :2], surface.hessian(points)[:, :2, :2]
     length = np.linalg.norm(slope, axis=1)
     tangent = np.stack([-slope[:, 1], slope[:, 0]], axis=1) / length[:, None]

@@ -47,8 +47,8 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
     A clip is turned so that it is negative on the region's side of its faces; one without a face, so
     that it is negative at the centre.
 
-    Without a partition two or three perpendicular pipes or contacts that meet in one point get the six-tetrahedra
-    corner, others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
+    Without a partition three perpendicular pipes or contacts that meet in one point get the six-tetrahedra corner,
+    others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
     them, gets a region around the contacts.
     Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
     for anything that is no contact or no partition, `ValueError` for an order that is none.
@@ -63,7 +63,7 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
     elif partition == SIX:
         yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
     elif partition is None or (isinstance(partition, str) and partition in KINDS):
-        corner = _corner(contacts, pipes, order) if partition is None else None
+        corner = _corner(contacts, pipes, order) if partition is None and len(contacts) > 2 else None
         yield from [corner] if corner is not None else _on_layouts(contacts, pipes, order, partition)
     elif isinstance(partition, str):
         names = ", ".join(map(repr, (SIX, *KINDS)))
