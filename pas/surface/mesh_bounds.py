@@ -10,14 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.bernstein.signs import rounding_bound
-from pas.bernstein.subdivision import raised
+from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.radial import facets
-from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
-from pas.surface.rests import halves
+from pas.surface.mesh_stage import ON_WALL, Stage
 from pas.surface.triangle_forms import Forms, TriangleForms, on_corners
 
 ROUNDINGS = 64
@@ -26,11 +23,8 @@ ROUNDINGS = 64
 LARGER = 1.0625
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
-ENOUGH = 10_000
-"""Parts of the cells that are not halved further."""
-
-CUTS = (9, 14)
-"""Halvings of the cells for bounds of second derivatives, and where those are not enough."""
+TIMES = (0.65, 0.75, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 4.0)
+"""How far triangles are moved for a change of sign, over the most that |f| by the least slope on them asks for."""
 
 
 @dataclass(frozen=True)
@@ -59,16 +53,23 @@ def bounds(stage: Stage) -> Bounds:
     """The bounds on all triangles, each for all pieces that it may touch."""
     most, least = np.zeros(len(stage.triangles)), np.full(len(stage.triangles), np.inf)
     corners = stage.points[stage.triangles]
-    for piece, patch in enumerate(stage.patches):
-        rows = np.flatnonzero(stage.touching(piece))
-        maker = TriangleForms(patch, stage.degree, stage.reach)
+    normals, loose = unit_normals(corners)
+    makers = [TriangleForms(patch, stage.degree, stage.reach) for patch in stage.patches]
+    touched = [np.flatnonzero(stage.near(piece, corners)) for piece in range(len(makers))]
+    for maker, rows in zip(makers, touched, strict=True):
         for here, forms in maker.blocks(corners[rows]):
             part = rows[here]
-            most[part] = np.maximum(most[part], np.abs(forms.values).max(axis=0) + forms.value_error)
-            normals, loose = unit_normals(corners[part])
-            along = np.einsum("tx,xkt->kt", normals, forms.gradients).min(axis=0)
-            least[part] = np.minimum(least[part], along - _slack(forms, loose))
-    return Bounds(most, least)
+            most[part] = np.maximum(most[part], np.abs(forms.values).max(axis=0) + maker.value_error)
+            along = sum(normals[part, i] * forms.gradients[i] for i in range(3)).min(axis=0)  # type: ignore[union-attr]
+            least[part] = np.minimum(least[part], along - _slack(forms, loose[part]))
+    large = most > most.max(initial=0.0) / 2  # few: these are bounded more closely
+    closer = np.zeros(len(most))
+    for maker, rows in zip(makers, touched, strict=True):
+        part = rows[large[rows]]
+        for here, values in maker.value_blocks(corners[part]):
+            found = np.abs(maker.nearer(values)).max(axis=0) + maker.value_error
+            closer[part[here]] = np.maximum(closer[part[here]], found)
+    return Bounds(np.where(large, closer, most), least)
 
 
 def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
@@ -95,14 +96,13 @@ def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     """
     found, numbers = [np.empty(0)], [np.empty(0, dtype=np.intp)]
     makers = [TriangleForms(patch, stage.degree, stage.reach) for patch in stage.patches]
-    touching = [stage.touching(piece) for piece in range(len(makers))]
     for across, vertices in rims:
         code = vertices[stage.triangles] @ np.array([1, 2, 4])
         for pattern in np.flatnonzero(np.bincount(code, minlength=8)[1:]) + 1:
             rows = np.flatnonzero(code == pattern)
             marked = (bool(pattern & 1), bool(pattern & 2), bool(pattern & 4))
-            for maker, near in zip(makers, touching, strict=True):
-                part = rows[near[rows]]
+            for piece, maker in enumerate(makers):
+                part = rows[stage.near(piece, stage.points[stage.triangles[rows]])]
                 if not len(part):
                     continue
                 corners = stage.points[stage.triangles[part]]
@@ -118,68 +118,42 @@ def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
 def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
-    From x on a triangle f falls towards 0 along the normal by at least `least s - H s^2 / 2` on a way s, where H bounds
-    second derivatives on the way, which must be in the enlarged region: near by, where those everywhere are too large.
+    A triangle is moved along its normal, to one side until f < 0 on it, to the other until f > 0: between the two
+    places of each of its points there is a zero, as the pieces of f go on beyond the walls as cones about the centre.
     """
     if stage.center is None:
         return None
-    way = np.full(len(bounds.most), np.inf)
     corners = stage.points[stage.triangles]
-    for cuts in CUTS:
-        low, high, bends = _bends(stage, float(bounds.most.max()), cuts)
-        way = np.minimum(way, _way(bounds, bends.max(initial=0.0)))
-        boxes = Boxes(low, high)
-        for row in np.flatnonzero(~np.isfinite(way) & (bounds.least > 0)).tolist():
-            reach = 2 * bounds.most[row] / bounds.least[row]
-            near = boxes.meeting(corners[row].min(axis=0) - reach, corners[row].max(axis=0) + reach)
-            way[row] = _way(Bounds(bounds.most[[row]], bounds.least[[row]]), bends[near].max(initial=0.0))[0]
-        if np.isfinite(way).all():
-            break
-    return np.where(way <= (LARGER - 1) * stage.room, way, np.inf)
-
-
-def _way(bounds: Bounds, bend: float) -> Floats:
-    """The least way on which f surely vanishes, infinite where there is none."""
+    normals = unit_normals(corners)[0]
+    longest = (LARGER - 1) * stage.room
+    way = np.full(len(corners), np.inf)
     with np.errstate(all="ignore"):
-        root = np.sqrt(bounds.least**2 - 2 * bend * bounds.most)
-        way = 2 * bounds.most / (bounds.least + root) * (1 + ROUNDINGS * UNIT_ROUNDOFF)
-    return np.where((bounds.least > 0) & np.isfinite(way), way, np.inf)
-
-
-def _bends(stage: Stage, most: float, cuts: int) -> tuple[Floats, Floats, Floats]:
-    """The boxes (N, 3), (N, 3) of parts of the enlarged region that hold all of it where |f| <= most, and on each a
-    bound of the second derivatives' matrix (N,)."""
-    center = stage.partition.center
-    assert center is not None
-    middle = stage.frame.local_point(center)
-    cells = [
-        tuple(tuple(m + (c - m) * 17 / 16 for c, m in zip(v, middle, strict=True)) for v in cell)
-        for cell in stage.exact
-    ]
-    forms, error = stage.forms(cells)  # type: ignore[arg-type]
-    origin = np.array(to_floats(middle))
-    corners = origin + LARGER * (stage.corners - origin)
-    size, cut = float(np.abs(forms).max()), 0
-    while True:
-        bound = rounding_bound(stage.degree, cut, error) * size
-        near = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound <= most * (1 + 2 * SCALED)
-        forms, corners = forms[near], corners[near]
-        if cut == cuts or not len(forms) or len(forms) > ENOUGH:
+        need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
+    common = need[need <= longest].max(initial=0.0)
+    rows = np.flatnonzero(need <= longest)
+    for times in TIMES:
+        checkpoint(f"bounding distances ({len(rows)} triangles)")
+        tried = min(common * times, longest)
+        ends = [corners[rows] + side * tried * normals[rows, None] for side in (-1, 1)]
+        far = np.maximum(*(((end - corners[rows]) ** 2).sum(axis=2).max(axis=1) for end in ends))
+        apart = _signs(stage, ends[0], -1) & _signs(stage, ends[1], 1) & (far <= longest**2)
+        way[rows[apart]] = np.sqrt(far[apart]) * (1 + ROUNDINGS * UNIT_ROUNDOFF)
+        rows = rows[~apart]
+        if not len(rows):
             break
-        forms, corners = halves(forms, corners, stage.degree)
-        cut += 1
-    return corners.min(axis=1), corners.max(axis=1), _hessians(forms, corners, stage.degree, bound)
+    return way
 
 
-def _hessians(forms: Floats, corners: Floats, degree: int, error: float) -> Floats:
-    """The largest Frobenius norms (N,) of second derivatives' B-coefficients on tetrahedra."""
-    if degree < 2 or not len(forms):
-        return np.zeros(len(forms))
-    up, again = raised(degree - 1, 4), raised(degree, 4)
-    second = forms[:, again[up]]  # (N, m, 4, 4)
-    differences = second[:, :, 1:, 1:] - second[:, :, 1:, :1] - second[:, :, :1, 1:] + second[:, :, :1, :1]
-    back = np.linalg.inv(corners[:, 1:] - corners[:, :1])
-    hessians = back[:, None] @ differences @ back.transpose(0, 2, 1)[:, None]
-    norms = np.sqrt((hessians**2).sum(axis=(2, 3))).max(axis=1)
-    loose = 12 * error * (back**2).sum(axis=(1, 2))
-    return np.asarray(degree * (degree - 1) * (norms + loose) * (1 + 2 * SCALED))
+def _signs(stage: Stage, corners: Floats, sign: int) -> np.ndarray:
+    """On which triangles (T, 3, 3) of the enlarged region f surely has a sign."""
+    result = np.ones(len(corners), dtype=bool)
+    for piece, patch in enumerate(stage.patches):
+        rows = np.flatnonzero(result & stage.near(piece, corners, LARGER))
+        maker = TriangleForms(patch, stage.degree, LARGER * stage.reach)
+        for here, values in maker.value_blocks(corners[rows]):
+            part = rows[here]
+            good = (sign * values).min(axis=0) > maker.value_error
+            left = np.flatnonzero(~good)
+            good[left] = (sign * maker.nearer(values[:, left])).min(axis=0) > maker.value_error
+            result[part] &= good
+    return result

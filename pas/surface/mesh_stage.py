@@ -133,13 +133,17 @@ class Stage:
         near[rows] = self.barycentric(points[rows], cell)[0].min(axis=0) >= -BESIDE
         return near
 
-    def touching(self, piece: int) -> np.ndarray:
-        """Which triangles (T,) may have a point in a piece."""
-        found = np.zeros(len(self.triangles), dtype=bool)
+    def near(self, piece: int, corners: Floats, larger: float = 1.0) -> np.ndarray:
+        """Which triangles (T, 3, 3) may have a point in a piece, of the region or of that so many times as large."""
+        found = np.zeros(len(corners), dtype=bool)
         if len(self.patches) == 1:
             return ~found
+        points = corners.reshape(-1, 3)
+        if larger != 1:
+            assert self.center is not None
+            points = self.center + (points - self.center) / larger
         for cell in self.partition.pieces[piece]:
-            depth = self.barycentric(self.points, np.array([cell]))[0][:, self.triangles]
+            depth = self.barycentric(points, np.array([cell]))[0].reshape(4, -1, 3)
             found |= ~(depth < -BESIDE).all(axis=2).any(axis=0)
         return found
 

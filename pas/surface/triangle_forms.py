@@ -37,39 +37,51 @@ ELEVATED = 3
 
 @dataclass(frozen=True)
 class Forms:
-    """B-coefficients of f (m, T), of a higher degree, and of its gradient (3, k, T) on triangles.
-
-    Each is off by at most so much.
-    """
+    """B-coefficients of f (m, T) and of its gradient (3, k, T) on triangles, each of these off by at most so much."""
 
     values: Floats
     gradients: Floats
-    value_error: float
     gradient_error: float
 
 
 class TriangleForms:
-    """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`."""
+    """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`.
+
+    B-coefficients of its values are off by at most `value_error`.
+    """
 
     def __init__(self, polynomial: Polynomial, degree: int, reach: float) -> None:
         self.degree = degree
         self._value = polynomial.dense(degree)[None]
         self._gradient = np.array([polynomial.diff(axis).dense(degree - 1) for axis in range(3)])
-        self._value_error = _rounding(self._value, degree, reach)
-        self._gradient_error = _rounding(self._gradient, degree - 1, reach)
+        self.value_error = _rounding(self._value, degree, reach)
+        self.gradient_error = _rounding(self._gradient, degree - 1, reach)
 
     def blocks(self, corners: Floats) -> Iterator[tuple[slice, Forms]]:
         """The forms on triangles (T, 3, 3), block by block."""
-        for start in range(0, len(corners), BLOCK):
-            checkpoint(f"bounding the function on triangles ({start} of {len(corners)})")
-            here = slice(start, start + BLOCK)
+        for here in _blocks(len(corners)):
             yield here, self.on(corners[here])
+
+    def value_blocks(self, corners: Floats) -> Iterator[tuple[slice, Floats]]:
+        """The B-coefficients (m, T) of f alone."""
+        for here in _blocks(len(corners)):
+            yield here, _forms(self._value, self.degree, corners[here])[0]
+
+    def nearer(self, values: Floats) -> Floats:
+        """B-coefficients of a higher degree of f, which are nearer to its values, from those of its own (m, T)."""
+        return np.asarray(elevation(self.degree, ELEVATED * self.degree) @ values)
 
     def on(self, corners: Floats) -> Forms:
         """The forms on triangles (T, 3, 3)."""
-        values = elevation(self.degree, ELEVATED * self.degree) @ _forms(self._value, self.degree, corners)[0]
+        values = _forms(self._value, self.degree, corners)[0]
         gradients = _forms(self._gradient, self.degree - 1, corners)
-        return Forms(values, gradients, self._value_error, self._gradient_error)
+        return Forms(values, gradients, self.gradient_error)
+
+
+def _blocks(number: int) -> Iterator[slice]:
+    for start in range(0, number, BLOCK):
+        checkpoint(f"bounding the function on triangles ({start} of {number})")
+        yield slice(start, start + BLOCK)
 
 
 def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
