@@ -1,9 +1,9 @@
-"""Horner's rule in C, compiled by the system's compiler when it is first worth it, and kept.
+"""Libraries in C, compiled by the system's compiler when they are first worth it, and kept; Horner's rule is one.
 
-The library is kept in the user's cache (`$XDG_CACHE_HOME/pas`, by default `~/.cache/pas`) under a name that
-says of which source, compiler and machine it is.  It does what `pas.algebra.kernels.NumpyKernel` does, in the same
+A library is kept in the user's cache (`$XDG_CACHE_HOME/pas`, by default `~/.cache/pas`) under a name that
+says of which sources, compiler and machine it is.  It does what the package does with numpy, in the same
 order and without contracting products and sums, so its results are the same to the last bit.  Where there is no
-compiler, or it fails, or the folder may be written by others, there is no such kernel, and numpy serves.
+compiler, or it fails, or the folder may be written by others, there is no such library, and numpy serves.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ OTHERS_WRITE = 0o022
 
 
 class CompiledKernel:
-    """The functions of a compiled library."""
+    """Horner's rule of a compiled library."""
 
-    def __init__(self, library: Path, compiler: str) -> None:
-        self.name = f"compiled by {Path(compiler).name}"
-        self._run = ctypes.CDLL(str(library)).pas_horner
+    def __init__(self, library: ctypes.CDLL, compiler: str) -> None:
+        self.name = f"compiled by {compiler}"
+        self._run = library.pas_horner
         self._run.restype = None
         self._run.argtypes = (ctypes.c_int, ctypes.c_ssize_t, *[ctypes.c_void_p] * 5)
 
@@ -75,29 +75,52 @@ def _order(degree: int) -> NDArray[np.intp]:
 
 def compiled() -> CompiledKernel | None:
     """The compiled kernel; None where it cannot be made."""
-    for name in filter(None, (os.environ.get("CC"), *COMPILERS)):
-        compiler = shutil.which(name)
-        if compiler:
-            try:
-                return CompiledKernel(_library(compiler), compiler)
-            except (OSError, RuntimeError, subprocess.SubprocessError, AttributeError):
-                continue
+    found = library(SOURCE)
+    return None if found is None else CompiledKernel(*found)
+
+
+def library(*sources: Path) -> tuple[ctypes.CDLL, str] | None:
+    """The library of some C sources, made if it was not before, and its compiler's name; None where it cannot be."""
+    for compiler in _compilers():
+        try:
+            place = _place(compiler, sources)
+            if not place.exists():
+                _make(place, compiler, sources)
+            return ctypes.CDLL(str(place)), Path(compiler).name
+        except (OSError, RuntimeError, subprocess.SubprocessError, AttributeError):
+            continue
     return None
 
 
-def _library(compiler: str) -> Path:
-    """The library, compiled if it was not before.  Raises `OSError` or `SubprocessError` where that fails."""
-    source = SOURCE.read_bytes()
+def is_made(*sources: Path) -> bool:
+    """Whether the library of some C sources was made before."""
+    for compiler in _compilers():
+        try:
+            return _place(compiler, sources).exists()
+        except (OSError, RuntimeError):
+            continue
+    return False
+
+
+def _compilers() -> list[str]:
+    found = [shutil.which(name) for name in (os.environ.get("CC"), *COMPILERS) if name]
+    return [compiler for compiler in found if compiler]
+
+
+def _place(compiler: str, sources: tuple[Path, ...]) -> Path:
+    """Where a library is kept.  Raises `OSError` or `RuntimeError` where there is no folder for it."""
     told = "\n".join((compiler, *OPTIONS, platform.machine(), platform.platform())).encode()
-    folder = cache_folder()
-    library = folder / f"horner-{hashlib.sha256(source + told).hexdigest()[:16]}.so"
-    if not library.exists():
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            made = Path(place) / library.name
-            command = [compiler, *OPTIONS, "-o", str(made), str(SOURCE)]
-            subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE)
-            made.replace(library)  # at once, for programs that do the same at the same time
-    return library
+    key = hashlib.sha256(b"".join(source.read_bytes() for source in sources) + told).hexdigest()[:16]
+    return cache_folder() / f"{sources[0].stem}-{key}.so"
+
+
+def _make(place: Path, compiler: str, sources: tuple[Path, ...]) -> None:
+    """Compile a library.  Raises `OSError` or `SubprocessError` where that fails."""
+    with tempfile.TemporaryDirectory(dir=place.parent) as folder:
+        made = Path(folder) / place.name
+        command = [compiler, *OPTIONS, "-o", str(made), *map(str, sources), "-lm"]
+        subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE)
+        made.replace(place)  # at once, for programs that do the same at the same time
 
 
 def cache_folder() -> Path:

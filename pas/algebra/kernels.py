@@ -3,7 +3,7 @@
 The rule runs over z inside y inside x (Higham 2002, section 5.1), every product and sum rounded on its own.  All
 kernels do these in the same order, so they give the same doubles, bit for bit, on every machine; only their speed
 differs.  Numpy serves always; where there is a C compiler, compiled code (see `pas.algebra.compiled`) is made when
-it is first worth it.
+it is first worth it, and used from the first call on once it was made.
 
 The result at a point x errs by at most `2 (n + 3) u / (1 - 2 (n + 3) u)` times the sum of |c| |x|^a over the
 terms c x^a, with u = 2^-53 and the degree n: every term goes through at most that many roundings.
@@ -12,6 +12,7 @@ terms c x^a, with u = 2^-53 and the degree n: every term goes through at most th
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import cache
 from typing import Protocol
 
@@ -148,11 +149,26 @@ def chosen(work: int) -> Kernel:
 
     Raises `ValueError` where the environment asks for a kernel that there is not.
     """
+    return best() if compiling(work, _made) else NUMPY
+
+
+def compiling(work: int, made: Callable[[], bool]) -> bool:
+    """Whether compiled code is to be used, if it can be had, for so many more products; `made` says if it was before.
+
+    Raises `ValueError` where the environment asks for a kernel that there is not.
+    """
     wanted = os.environ.get(VARIABLE, "")
     if wanted not in ("", "numpy", "compiled"):
         raise ValueError(f"the environment variable {VARIABLE} must be numpy or compiled, not {wanted!r}")
     _Work.done += work
-    return best() if wanted == "compiled" or (not wanted and _Work.done >= WORTH_COMPILING) else NUMPY
+    return wanted == "compiled" or (not wanted and (_Work.done >= WORTH_COMPILING or made()))
+
+
+@cache
+def _made() -> bool:
+    from pas.algebra.compiled import SOURCE, is_made
+
+    return is_made(SOURCE)
 
 
 @cache

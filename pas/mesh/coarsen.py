@@ -10,7 +10,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from pas.mesh.field import Floats, Integers
-from pas.mesh.radial import TURNED, Edges, upright
+from pas.mesh.kernels import compiled
+from pas.mesh.radial import TURNED, Edges, dots, upright
 
 SHORT = 0.7
 """Edges this many times as long as they should be are collapsed."""
@@ -31,9 +32,26 @@ def collapsed(
     Edges should be as long as `sizes` (N,) say.  Vertices of the boundary (`rim` >= 0) go only along it, the `fixed`
     (N,) stay.
     """
-    size = len(points)
-    edges = Edges(triangles, size)
-    every = edges.every
+    edges = Edges(triangles, len(points))
+    kernel = compiled(ROUNDS * len(triangles))
+    if kernel is None:
+        target = _target(points, edges, normals, rim, fixed, sizes)
+    else:
+        limits, every = (SHORT, LONGER, TURNED, ROUNDS), (edges.every, len(edges.inner))
+        target = kernel.collapsed(points, triangles, normals, sizes, every, rim, fixed, limits)
+    triangles = target[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    left = np.zeros(len(points), dtype=bool)
+    left[triangles] = True
+    return np.flatnonzero(left), (np.cumsum(left) - 1)[triangles]
+
+
+def _target(
+    points: Floats, edges: Edges, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats
+) -> Integers:
+    """Into which vertex each goes (N,), itself where it stays."""
+    size, every = len(points), edges.every
     ratio = _ratio(points, sizes, every[:, 0], every[:, 1])
     order = np.argsort(ratio, kind="stable")
     order = order[ratio[order] < SHORT]
@@ -41,7 +59,7 @@ def collapsed(
     removed, kept = _directed(every[order], on_rim, rim, fixed)
     may = removed >= 0
     removed, kept, common = removed[may], kept[may], np.where(on_rim[may], 1, 2)
-    around = _Around(points, triangles, normals, sizes, every)
+    around = _Around(points, edges.triangles, normals, sizes, every)
     target, blocked = np.arange(size), np.zeros(size, dtype=bool)
     for _ in range(ROUNDS):
         alone = _apart(every, removed, kept, size)
@@ -55,18 +73,12 @@ def collapsed(
         removed, kept, common = removed[left], kept[left], common[left]
         if not len(removed):
             break
-    triangles = target[triangles]
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    used = np.unique(triangles)
-    number = np.empty(size, dtype=np.intp)
-    number[used] = np.arange(len(used))
-    return used, number[triangles]
+    return target
 
 
 def _ratio(points: Floats, sizes: Floats, a: Integers, b: Integers) -> Floats:
     way = points[b] - points[a]
-    return np.asarray(2 * np.sqrt(np.einsum("ni,ni->n", way, way)) / (sizes[a] + sizes[b]))
+    return np.asarray(2 * np.sqrt(dots(way, way)) / (sizes[a] + sizes[b]))
 
 
 def _directed(edges: Integers, on_rim: np.ndarray, rim: Integers, fixed: np.ndarray) -> tuple[Integers, Integers]:

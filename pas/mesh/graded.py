@@ -17,8 +17,9 @@ from pas.mesh import refine
 from pas.mesh.coarsen import collapsed
 from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
+from pas.mesh.kernels import compiled
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, settled, upright
+from pas.mesh.radial import Edges, centred, dots, flipped, settled, upright
 from pas.mesh.refine import require_room, split, too_many, with_longest
 from pas.mesh.shading import unit_rows
 
@@ -159,19 +160,27 @@ def _sizes(field: SheetField, graph: Graph, tolerance: float, edges: Edges) -> F
     longest = LONGEST * field.reach
     size = np.sqrt(8 * tolerance / np.maximum(graph.bends, 8 * tolerance / longest**2))
     size = np.minimum(size, BENT / np.maximum(graph.bends, BENT / longest))
-    a, b = edges.every.T
-    lengths = _lengths(graph.points, edges.every)
+    return grown(graph.points, edges.every, size)
+
+
+def grown(points: Floats, edges: Integers, sizes: Floats) -> Floats:
+    """Sizes (N,) that grow by at most `GRADE` over the way along edges (E, 2), in three rounds."""
+    kernel = compiled(len(edges))
+    if kernel is not None:
+        return kernel.grown(points, edges, sizes, GRADE)
+    a, b = edges.T
+    ways = GRADE * _lengths(points, edges)
     for _ in range(3):
-        grown = np.full(len(size), np.inf)
-        np.minimum.at(grown, a, size[b] + GRADE * lengths)
-        np.minimum.at(grown, b, size[a] + GRADE * lengths)
-        size = np.minimum(size, grown)
-    return size
+        least = sizes.copy()
+        np.minimum.at(least, a, sizes[b] + ways)
+        np.minimum.at(least, b, sizes[a] + ways)
+        sizes = least
+    return sizes
 
 
 def _lengths(points: Floats, edges: Integers) -> Floats:
     way = points[edges[:, 1]] - points[edges[:, 0]]
-    return np.asarray(np.sqrt((way * way).sum(axis=1)))
+    return np.asarray(np.sqrt(dots(way, way)))
 
 
 def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
@@ -246,7 +255,7 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     edges = Edges(triangles, len(graph.points))
     sizes = _sizes(field, graph, tolerance, edges)
     move = centred(graph.points, triangles, sizes)
-    move -= (move * graph.normals).sum(axis=1, keepdims=True) * graph.normals
+    move -= dots(move, graph.normals)[:, None] * graph.normals
     v, before, after = edges.neighbours
     move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
     move[_fixed(field, graph.rim)] = 0.0

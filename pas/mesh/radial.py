@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.improve import cross
+from pas.mesh.kernels import compiled
 
 FLIPS = 8
 """Passes of flips, each over an independent set of edges."""
@@ -39,12 +39,17 @@ class Edges:
     """
 
     def __init__(self, triangles: Integers, size: int) -> None:
-        self.triangles = triangles
+        self.triangles, self._size = triangles, size
+        kernel = compiled(len(triangles))
+        if kernel is not None:
+            parts, self._keys, self.manifold = kernel.edges(triangles, size)
+            self.inner, self.owners, self.apexes, self.rim, self.rim_owner = parts
+            return
         start, end = triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
         apex, owner = triangles[:, [2, 0, 1]].T.ravel(), np.tile(np.arange(len(triangles)), 3)
         keys = np.minimum(start, end) * size + np.maximum(start, end)
         ordered, order = _sorted(keys)
-        self._keys, self._size = ordered, size
+        self._keys = ordered
         same = ordered[1:] == ordered[:-1]
         i, j = order[:-1][same], order[1:][same]
         self.manifold = not (same[1:] & same[:-1]).any() and bool((start[i] == end[j]).all())
@@ -85,6 +90,11 @@ def _sorted(keys: Integers) -> tuple[Integers, Integers]:
     return ordered, both - ordered * count
 
 
+def dots(u: Floats, v: Floats) -> Floats:
+    """The products (N,) of vectors (N, 3), summed from the first to the third."""
+    return np.asarray(u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1] + u[:, 2] * v[:, 2])
+
+
 def facets(points: Floats, triangles: Integers) -> Floats:
     """The vectors (T, 3) across triangles, twice as long as their area."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
@@ -94,21 +104,27 @@ def facets(points: Floats, triangles: Integers) -> Floats:
 def seen(points: Floats, triangles: Integers) -> np.ndarray:
     """Which triangles (T,) are seen from 0 with their outside away."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
-    volume = np.einsum("ni,ni->n", a, cross(b, c))
-    lengths = np.sqrt(np.einsum("ni,ni->n", a, a) * np.einsum("ni,ni->n", b, b) * np.einsum("ni,ni->n", c, c))
+    volume = dots(a, cross(b, c))
+    lengths = np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))
     return np.asarray(volume > SEEN * SEEN * lengths)
 
 
 def upright(points: Floats, triangles: Integers, normals: Floats) -> Floats:
     """The cosines (T,) between triangles and the sum of the normals (N, 3) at their corners."""
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.upright(points, triangles, normals)
     across = facets(points, triangles)
     total = normals[triangles[:, 0]] + normals[triangles[:, 1]] + normals[triangles[:, 2]]
-    size = np.einsum("ni,ni->n", across, across) * np.einsum("ni,ni->n", total, total)
-    return np.asarray(np.einsum("ni,ni->n", across, total) / np.sqrt(np.maximum(size, 1e-300)))
+    size = dots(across, across) * dots(total, total)
+    return np.asarray(dots(across, total) / np.sqrt(np.maximum(size, 1e-300)))
 
 
 def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = FLIPS) -> Integers:
     """The triangles (T, 3) with edges flipped towards Delaunay's criterion, none away from the surface's normals."""
+    kernel = compiled(passes * len(triangles))
+    if kernel is not None:
+        return kernel.flipped(points, triangles, normals, passes, GAIN, TURNED)
     triangles = triangles.copy()
     for _ in range(passes):
         edges = Edges(triangles, len(points))
@@ -130,8 +146,8 @@ def _beyond(points: Floats, a: Integers, b: Integers, c: Integers, d: Integers) 
     p, q = points[a] - points[c], points[b] - points[c]
     r, s = points[a] - points[d], points[b] - points[d]
     u, v = cross(p, q), cross(r, s)
-    sin_c, sin_d = np.sqrt(np.einsum("ni,ni->n", u, u)), np.sqrt(np.einsum("ni,ni->n", v, v))
-    cos_c, cos_d = np.einsum("ni,ni->n", p, q), np.einsum("ni,ni->n", r, s)
+    sin_c, sin_d = np.sqrt(dots(u, u)), np.sqrt(dots(v, v))
+    cos_c, cos_d = dots(p, q), dots(r, s)
     size = np.sqrt((cos_c**2 + sin_c**2) * (cos_d**2 + sin_d**2))
     return np.asarray(-(sin_c * cos_d + cos_c * sin_d) / np.maximum(size, 1e-300))
 
@@ -158,18 +174,23 @@ def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
 
 def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
     """The way (N, 3) from each vertex to the mean of its triangles' centres, by their area over their size squared."""
-    p = points[triangles]
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.centred(points, triangles, sizes)
+    a, b, c = triangles.T
     across = facets(points, triangles)
-    weight = np.sqrt(np.einsum("ni,ni->n", across, across)) / sizes[triangles].mean(axis=1) ** 2
-    corner = triangles.T.ravel()
-    rows = (corner, np.tile(np.arange(len(triangles)), 3))
-    sums = coo_matrix((np.ones(len(corner)), rows), shape=(len(points), len(triangles))).tocsr()
-    total = sums @ np.concatenate([p.mean(axis=1) * weight[:, None], weight[:, None]], axis=1)
-    return np.asarray(total[:, :3] / np.maximum(total[:, 3:], 1e-300) - points)
+    weight = np.sqrt(dots(across, across)) / ((sizes[a] + sizes[b] + sizes[c]) / 3) ** 2
+    shares = (points[a] + points[b] + points[c]) / 3 * weight[:, None]
+    corner = triangles.ravel()
+    x, y, z, total = (np.bincount(corner, np.repeat(w, 3), len(points)) for w in (*shares.T, weight))
+    return np.asarray(np.stack([x, y, z], axis=1) / np.maximum(total, 1e-300)[:, None] - points)
 
 
 def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats) -> Floats:
     """The points after a move, some where they were before, so that no triangle is turned from the normals."""
+    kernel = compiled(2 * len(triangles))
+    if kernel is not None:
+        return kernel.settled(before, after, triangles, normals, TURNED)
     after = after.copy()
     least = np.minimum(upright(before, triangles, normals), TURNED)
     while True:
@@ -187,5 +208,5 @@ def smallest_angles(points: Floats, triangles: Integers) -> Floats:
     for i in range(3):
         u, v = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
         w = cross(u, v)
-        most = np.maximum(most, np.einsum("ni,ni->n", u, v) / np.sqrt(np.maximum(np.einsum("ni,ni->n", w, w), 1e-300)))
+        most = np.maximum(most, dots(u, v) / np.sqrt(np.maximum(dots(w, w), 1e-300)))
     return np.asarray(np.degrees(np.arctan2(1.0, most)))

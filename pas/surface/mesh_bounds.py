@@ -60,7 +60,7 @@ def bounds(stage: Stage) -> Bounds:
         for here, forms in maker.blocks(corners[rows]):
             part = rows[here]
             most[part] = np.maximum(most[part], np.abs(forms.values).max(axis=0) + maker.value_error)
-            along = sum(normals[part, i] * forms.gradients[i] for i in range(3)).min(axis=0)  # type: ignore[union-attr]
+            along = sum(normals[part, i] * forms.gradients[i] for i in range(3)).min(axis=0)
             least[part] = np.minimum(least[part], along - _slack(forms, loose[part]))
     large = most > most.max(initial=0.0) / 2  # few: these are bounded more closely
     closer = np.zeros(len(most))

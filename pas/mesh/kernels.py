@@ -1,0 +1,126 @@
+"""What makes triangles good ones in compiled code, where there is some: the same meshes, bit for bit, sooner.
+
+The functions here are those of `pas.mesh.radial`, `graded` and `coarsen`, which do the same with numpy.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.compiled import is_made, library
+from pas.algebra.kernels import compiling
+from pas.mesh.field import Floats, Integers
+
+SOURCES = (Path(__file__).with_name("triangles.c"), Path(__file__).with_name("collapses.c"))
+
+EACH = 100
+"""Products for a triangle in one of the functions, about."""
+
+
+class CompiledTriangles:
+    """The functions of the compiled library; arrays are contiguous, numbers as large as pointers."""
+
+    def __init__(self, functions: ctypes.CDLL) -> None:
+        self._functions = functions
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        """Arrays by their addresses, whole numbers and doubles as such; raises `MemoryError` where there is no room."""
+        held = [_held(value) for value in arguments]
+        if getattr(self._functions, name)(*map(_argument, held)):
+            raise MemoryError(f"there is no memory for {name}")
+
+    def upright(self, points: Floats, triangles: Integers, normals: Floats) -> Floats:
+        """See `pas.mesh.radial.upright`."""
+        result = np.empty(len(triangles))
+        self._call("pas_uprights", len(triangles), triangles, points, normals, result)
+        return result
+
+    def edges(self, triangles: Integers, size: int) -> tuple[list[Integers], Integers, bool]:
+        """Inner edges, their owners and apexes, the rim and its owners; the keys of half edges; if it is a manifold."""
+        count = len(triangles)
+        found: list[Integers] = [np.empty((3 * count, 2), dtype=np.intp) for _ in range(4)]
+        owner, keys = np.empty((2, 3 * count), dtype=np.intp)
+        sizes = np.empty(3, dtype=np.intp)
+        self._call("pas_edges", count, triangles, size, *found, owner, keys, sizes)
+        inner, rim, manifold = sizes.tolist()
+        parts = [*(array[:inner] for array in found[:3]), found[3][:rim], owner[:rim]]
+        return parts, keys, bool(manifold)
+
+    def flipped(
+        self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
+    ) -> Integers:
+        """See `pas.mesh.radial.flipped`."""
+        result = triangles.copy()
+        self._call("pas_flipped", len(result), result, len(points), points, normals, passes, gain, turned)
+        return result
+
+    def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:
+        """See `pas.mesh.graded.grown`."""
+        result = sizes.copy()
+        self._call("pas_grown", len(edges), edges, len(points), points, grade, result)
+        return result
+
+    def centred(self, points: Floats, triangles: Integers, sizes: Floats) -> Floats:
+        """See `pas.mesh.radial.centred`."""
+        result = np.empty_like(points)
+        self._call("pas_centred", len(triangles), triangles, len(points), points, sizes, result)
+        return result
+
+    def settled(self, before: Floats, after: Floats, triangles: Integers, normals: Floats, turned: float) -> Floats:
+        """See `pas.mesh.radial.settled`."""
+        result = after.copy()
+        self._call("pas_settled", len(triangles), triangles, len(before), before, result, normals, turned)
+        return result
+
+    def collapsed(
+        self,
+        points: Floats,
+        triangles: Integers,
+        normals: Floats,
+        sizes: Floats,
+        edges: tuple[Integers, int],
+        rim: Integers,
+        fixed: NDArray[np.bool_],
+        limits: tuple[float, float, float, int],
+    ) -> Integers:
+        """Into which vertex each goes (N,); see `pas.mesh.coarsen.collapsed`."""
+        result = np.empty(len(points), dtype=np.intp)
+        every, inner = edges
+        arguments = (len(triangles), triangles, len(points), points, normals, sizes, len(every), inner, every, rim)
+        self._call("pas_collapsed", *arguments, fixed, *limits, result)
+        return result
+
+
+def _held(value: Any) -> Any:
+    """Arrays as the functions take them; those that they write to already are."""
+    if isinstance(value, np.ndarray):
+        return np.ascontiguousarray(value, dtype=np.intp if value.dtype.kind == "i" else None)
+    return value
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return ctypes.c_void_p(value.__array_interface__["data"][0])
+    return ctypes.c_double(value) if isinstance(value, float) else ctypes.c_ssize_t(value)
+
+
+def compiled(work: int) -> CompiledTriangles | None:
+    """The compiled functions for so many more triangles, None where there are none or numpy is wanted."""
+    return _best() if compiling(EACH * work, _made) else None
+
+
+@cache
+def _made() -> bool:
+    return is_made(*SOURCES)
+
+
+@cache
+def _best() -> CompiledTriangles | None:
+    found = library(*SOURCES)
+    return None if found is None else CompiledTriangles(found[0])
