@@ -17,11 +17,15 @@ import subprocess
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, positions
+
+if TYPE_CHECKING:
+    from pas.algebra.tables import PieceTables
 
 SOURCE = Path(__file__).with_name("horner.c")
 
@@ -46,20 +50,37 @@ class CompiledKernel:
         self._run = library.pas_horner
         self._run.restype = None
         self._run.argtypes = (ctypes.c_int, ctypes.c_ssize_t, *[ctypes.c_void_p] * 5)
+        self._tables = library.pas_tables
+        size, address = ctypes.c_ssize_t, ctypes.c_void_p
+        self._tables.argtypes = (size, size, address, size, address, size, address, address, address)
 
     def __call__(self, coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
         """See `pas.algebra.kernels.Kernel`."""
         x, y, z = (np.ascontiguousarray(c, dtype=float) for c in points)
-        table = np.ascontiguousarray(coefficients[:, _order(degree)], dtype=float)
+        table = np.ascontiguousarray(coefficients[:, order_of_rule(degree)], dtype=float)
         for row, column in zip(table, out, strict=True):
             values = column if column.flags.c_contiguous else np.empty(len(x))
-            self._run(degree, len(x), row.ctypes.data, *(a.ctypes.data for a in (x, y, z, values)))
+            self._run(degree, len(x), *map(address_of, (row, x, y, z, values)))
             if values is not column:
                 column[:] = values
 
+    def on_pieces(self, tables: PieceTables, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
+        """See `pas.algebra.tables.PieceTables`."""
+        degrees, rows = tables.ordered
+        arrays = (np.ascontiguousarray(points), np.ascontiguousarray(pieces, dtype=np.intp), out)
+        starts = (address_of(array) for array in arrays)
+        counts = (len(rows), len(degrees), address_of(degrees), rows.shape[1], address_of(rows), len(points))
+        if self._tables(*counts, *starts):
+            raise MemoryError("there is no memory for the points of each piece")
+
+
+def address_of(array: NDArray[Any]) -> int:
+    """Where the numbers of a contiguous array stand."""
+    return int(array.__array_interface__["data"][0])
+
 
 @cache
-def _order(degree: int) -> NDArray[np.intp]:
+def order_of_rule(degree: int) -> NDArray[np.intp]:
     """The order in which the rule meets the coefficients: falling powers of z inside y inside x."""
     where = positions(degree)
     return np.array(

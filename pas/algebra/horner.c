@@ -4,12 +4,17 @@
    points innermost, where the compiler makes vector instructions of them; every operation is rounded on its own. */
 
 #include <stddef.h>
+#include <stdlib.h>
 
 #define BLOCK 64
 
 #if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-__attribute__((target_clones("default", "avx2", "avx512f")))
+#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define FAST
 #endif
+
+FAST
 void pas_horner(int n, ptrdiff_t points, const double *coefficients,
                 const double *x, const double *y, const double *z, double *values)
 {
@@ -36,4 +41,37 @@ void pas_horner(int n, ptrdiff_t points, const double *coefficients,
         }
         for (int r = 0; r < size; r++) values[start + r] = f[r];
     }
+}
+
+/* Values of `count` polynomials, of degrees of their own, on the piece that each point (a row of three) is in.
+
+   The tables of a piece stand one behind the other, `stride` numbers in all; `values` (count, points). */
+int pas_tables(ptrdiff_t pieces, ptrdiff_t count, const ptrdiff_t *degrees, ptrdiff_t stride, const double *tables,
+               ptrdiff_t points, const double *places, const ptrdiff_t *piece_of, double *values)
+{
+    ptrdiff_t *ends = calloc(pieces + 1, sizeof(ptrdiff_t)), *order = malloc((points + 1) * sizeof(ptrdiff_t));
+    double x[BLOCK], y[BLOCK], z[BLOCK], found[BLOCK];
+    const int good = ends && order;
+    for (ptrdiff_t p = 0; good && p < points; p++) ends[piece_of[p] + 1]++;
+    for (ptrdiff_t i = 0; good && i < pieces; i++) ends[i + 1] += ends[i];
+    for (ptrdiff_t p = 0; good && p < points; p++) order[ends[piece_of[p]]++] = p;
+    for (ptrdiff_t i = 0, start = 0; good && i < pieces; start = ends[i++])
+        for (; start < ends[i]; start += BLOCK) {
+            const ptrdiff_t size = ends[i] - start < BLOCK ? ends[i] - start : BLOCK, *rows = order + start;
+            const double *table = tables + i * stride;
+            for (ptrdiff_t r = 0; r < size; r++) {
+                x[r] = places[3 * rows[r]];
+                y[r] = places[3 * rows[r] + 1];
+                z[r] = places[3 * rows[r] + 2];
+            }
+            for (ptrdiff_t k = 0; k < count; k++) {
+                const ptrdiff_t n = degrees[k];
+                pas_horner((int)n, size, table, x, y, z, found);
+                table += (n + 1) * (n + 2) * (n + 3) / 6;
+                for (ptrdiff_t r = 0; r < size; r++) values[k * points + rows[r]] = found[r];
+            }
+        }
+    free(ends);
+    free(order);
+    return good ? 0 : -1;
 }

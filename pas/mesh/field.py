@@ -69,6 +69,9 @@ class SheetField(Field, Protocol):
     def rims(self) -> Sequence[RimCurve]:
         """The curves on which it ends."""
 
+    def on_rims(self, points: Floats, rim: Integers) -> Floats:
+        """Points (N, 3) near curves of `rims` of given numbers (N,) moved onto these."""
+
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 

@@ -149,10 +149,9 @@ def _put(field: SheetField, points: Floats, rim: Integers) -> None:
 
 
 def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
-    for number, curve in enumerate(field.rims):
-        here = np.flatnonzero(rim == number)
-        if len(here):
-            points[here] = curve.at(points[here])
+    here = np.flatnonzero(rim >= 0)
+    if len(here):
+        points[here] = field.on_rims(points[here], rim[here])
 
 
 def _sizes(field: SheetField, graph: Graph, tolerance: float, edges: Edges) -> Floats:

@@ -108,11 +108,8 @@ def _first(field: CellField, grid: Lattice) -> Graph:
         if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:
             continue
         rim = wall_numbers(field, points, triangles)
-        for number, curve in enumerate(field.rims):
-            here = np.flatnonzero(rim == number)
-            if len(here):
-                points[here] = curve.at(points[here])
         inner = rim < 0
+        points[~inner] = field.on_rims(points[~inner], rim[~inner])
         points[inner] = field.near(points[inner])
         if not field.within(points):
             continue

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 STEPS = 20
 """Of Newton's method along gradients."""
 
-SETTLED = 1e-15
-"""Length of a step, in local units, that ends it."""
+SETTLED = 1e-9
+"""Length of a step, in local units, that ends it: the next is about its square."""
 
 INSIDE = 1e-11
 """In barycentric coordinates: how far outside the region a point may be by rounding."""
@@ -80,6 +80,14 @@ class LocalField(PatchField):
             return np.zeros(len(points), dtype=np.intp)
         local = self.surface.local
         return np.asarray(local.piece_of[local.locate(points, tolerance=np.inf)])
+
+    def on_rims(self, points: Floats, rim: Integers) -> Floats:
+        """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
+        result = points.copy()
+        for number in np.unique(rim).tolist():
+            here = np.flatnonzero(rim == number)
+            result[here] = self.rims[number].at(points[here])
+        return result
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""

@@ -1,7 +1,4 @@
-"""Values, gradients and curvatures of the pieces of a surface at many points, in local coordinates.
-
-Values of one piece at many points are one product of matrices for each block of points.
-"""
+"""Values, gradients and curvatures of the pieces of a surface at many points, in local coordinates."""
 
 from __future__ import annotations
 
@@ -10,17 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.algebra.monomials import Floats, monomial_values
+from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
-from pas.limits import checkpoint
+from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.surface.geometry import JETS, derived
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
-
-BLOCK = 2048
-"""Points whose monomials are held at once: they stay in the second level cache up to degree 8."""
 
 CLOSING, CLOSE = 6, 1e-11
 """Steps along gradients, for points very near the surface, and the last that is worth another."""
@@ -38,7 +32,9 @@ class PatchField(ABC):
         self.scale = float(to_fraction(self.frame.scale))
         self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
         self._columns = np.array([p.dense(self.degree) for p in surface.patches])
-        self._jets = np.array([derived(column, self.degree)[:BENDS] for column in self._columns])
+        jets = np.array([derived(column, self.degree)[:BENDS] for column in self._columns])
+        self._bends = PieceTables(jets, tuple(max(self.degree - sum(e), 0) for e in JETS[:BENDS]))
+        self._jets, self._value = self._bends.first(4), self._bends.first(1)
 
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
@@ -48,30 +44,9 @@ class PatchField(ABC):
         """The user's coordinates of points (..., 3)."""
         return self.frame.global_points(points)
 
-    def _products(self, tables: Floats, points: Floats, pieces: Integers) -> Floats:
-        """The tables (pieces, m, C(n+3, 3)) times the monomials at points of given pieces: (m, N)."""
-        result = np.empty((tables.shape[1], len(points)))
-        order = np.argsort(pieces, kind="stable")
-        sizes = np.bincount(pieces, minlength=len(tables))
-        ends = np.cumsum(sizes)
-        ordered = points[order]
-        sorted_result = np.empty_like(result)
-        for start in range(0, len(points), BLOCK):
-            checkpoint()
-            stop = min(start + BLOCK, len(points))
-            monomials = monomial_values(ordered[start:stop], self.degree)
-            for piece in range(int(np.searchsorted(ends, start, side="right")), len(tables)):
-                low, high = max(int(ends[piece] - sizes[piece]), start), min(int(ends[piece]), stop)
-                if low >= stop:
-                    break
-                if high > low:
-                    sorted_result[:, low:high] = tables[piece] @ monomials[:, low - start : high - start]
-        result[:, order] = sorted_result
-        return result
-
     def values(self, points: Floats) -> Floats:
         """The values (N,) at points (N, 3)."""
-        return self._products(self._jets[:, :1], points, self.pieces(points))[0]
+        return self._value(points, self.pieces(points))[0]
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,) of points (N, 3), to first order."""
@@ -80,11 +55,11 @@ class PatchField(ABC):
 
     def gradients(self, points: Floats) -> Floats:
         """The gradients (N, 3) at points (N, 3)."""
-        return self._products(self._jets[:, 1:4], points, self.pieces(points)).T
+        return self._jets_at(points)[1:].T
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
-        jets = self._products(self._jets, points, self.pieces(points))
+        jets = self._bends(points, self.pieces(points))
         g = jets[1:4]
         length = np.maximum(np.sqrt((g * g).sum(axis=0)), 1e-300)
         n = g / length
@@ -120,4 +95,4 @@ class PatchField(ABC):
 
     def _jets_at(self, points: Floats) -> Floats:
         """Values and gradients (4, N) at points (N, 3)."""
-        return self._products(self._jets[:, :4], points, self.pieces(points))
+        return self._jets(points, self.pieces(points))

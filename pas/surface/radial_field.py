@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pas.algebra.monomials import Floats, exponents
+from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
-from pas.surface.patch_field import BLOCK, PatchField
-from pas.surface.rings import Ring, rings_of
+from pas.surface.patch_field import PatchField
+from pas.surface.rings import Rings, rings_of
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -20,8 +21,11 @@ if TYPE_CHECKING:
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
 
-SETTLED = 2e-15
-"""Change of the share of a ray's length that ends the search."""
+SETTLED = 1e-9
+"""Change of the share of a ray's length that ends the search: by Newton's method the next is about its square."""
+
+BLOCK = 2048
+"""Points whose places among the faces are held at once: they stay in the caches."""
 
 OUTWARDS = 1.5
 """The furthest step outwards along a ray of the skeleton, over the distance from it."""
@@ -43,11 +47,13 @@ class RadialField(PatchField):
         super().__init__(surface)
         local = surface.local
         degrees = np.array([sum(e) for e in exponents(self.degree)])
-        self._parts = np.equal.outer(np.arange(self.degree + 1), degrees) * self._columns[:, None]
+        parts = np.equal.outer(np.arange(self.degree + 1), degrees) * self._columns[:, None]
+        self._parts = PieceTables(parts, tuple(range(self.degree + 1)))
         corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
         self._piece = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
-        self.rims: list[Ring] = rings_of(surface)
+        self.rims = rings_of(surface)
+        self._rings = Rings(self.rims)
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""
@@ -56,19 +62,21 @@ class RadialField(PatchField):
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
         total, piece = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
-        flat = self._weights.reshape(-1, 3)
+        flat = self._weights.reshape(-1, 3, 1)
         for start in range(0, len(points), BLOCK):
             here = slice(start, start + BLOCK)
-            weights = (flat @ points[here].T).reshape(-1, 3, len(points[here]))
-            face = weights.min(axis=1).argmax(axis=0)
-            total[here] = weights.sum(axis=1)[face, np.arange(len(face))]
+            x, y, z = points[here].T
+            weights = (flat[:, 0] * x + flat[:, 1] * y + flat[:, 2] * z).reshape(-1, 3, len(x))
+            face = np.minimum(np.minimum(weights[:, 0], weights[:, 1]), weights[:, 2]).argmax(axis=0)
+            chosen = weights[face, :, np.arange(len(face))]
+            total[here] = chosen[:, 0] + chosen[:, 1] + chosen[:, 2]
             piece[here] = self._piece[face]
         return 1.0 / total, piece
 
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:
         """Coefficients (n + 1, N) of f along the rays to points, in multiples of these, and where they leave (N,)."""
         leave, pieces = self.leaving(points)
-        return self._products(self._parts, points, pieces), leave
+        return self._parts(points, pieces), leave
 
     def met(self, points: Floats) -> Floats:
         """Where the rays through points (N, 3) meet the surface, found from there."""
@@ -90,6 +98,10 @@ class RadialField(PatchField):
             rows, share = rows[moving], step[moving]
             low, high, profiles = low[moving], high[moving], profiles[:, moving]
         return points * result[:, None]
+
+    def on_rims(self, points: Floats, rim: Integers) -> Floats:
+        """Points (N, 3) near curves of given numbers (N,) moved onto these."""
+        return self._rings.at(points, rim)
 
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on the rays through points, from the skeleton where those from 0 graze it."""

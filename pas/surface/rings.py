@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from pas.algebra.kernels import evaluate
-from pas.algebra.monomials import Floats
+from pas.algebra.monomials import Floats, count
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.tables import PieceTables
+from pas.mesh.field import Integers
+from pas.mesh.radial import dots
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -17,7 +22,8 @@ if TYPE_CHECKING:
 STEPS = 40
 """Of Newton's method towards the middle of a curve or away from it, none by more than a factor of two."""
 
-SETTLED = 1e-15
+SETTLED = 1e-9
+"""Change of the share of a way from a middle that ends that: the next is about its square."""
 
 OFF = 1e-9
 """Over a curve's size: how far points may be from the curve that is a graph over the angle."""
@@ -36,22 +42,13 @@ class Ring:
     size: float
     fixed: ClassVar[bool] = False
 
+    @cached_property
+    def _alone(self) -> Rings:
+        return Rings([self])
+
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
-        way = points - self.middle
-        way = way - np.outer(way @ self.normal, self.normal)
-        share = np.ones(len(way))
-        for _ in range(STEPS):
-            jets = evaluate(self.middle + share[:, None] * way, self.columns)
-            slope = (jets[:, 1:] * way).sum(axis=1)
-            with np.errstate(all="ignore"):
-                step = share - jets[:, 0] / slope
-            step = np.where(slope > 0, np.clip(step, share / 2, share * 2), share * 2)
-            moved = np.abs(step - share).max(initial=0.0)
-            share = step
-            if moved < SETTLED:
-                break
-        return np.asarray(self.middle + share[:, None] * way)
+        return self._alone.at(points, np.zeros(len(points), dtype=np.intp))
 
     def round(self, number: int) -> Floats:
         """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
@@ -64,7 +61,7 @@ class Ring:
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points in the plane from the curve, to first order."""
-        jets = evaluate(points, self.columns)
+        jets = self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
         slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
         return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-300))
 
@@ -81,6 +78,43 @@ class Ring:
         near = (along > 0) & ((way * way).sum(axis=1) < (1.01 * self.size) ** 2)
         edge = self.at(self.middle + np.where(near[:, None], way, self.size * _across(self.normal)))
         return np.asarray(near & ((way * way).sum(axis=1) <= ((edge - self.middle) ** 2).sum(axis=1)))
+
+
+class Rings:
+    """Several closed curves, for points each of which belongs to one of them."""
+
+    def __init__(self, rings: Sequence[Ring]) -> None:
+        self._middles = np.array([ring.middle for ring in rings]).reshape(-1, 3)
+        self._normals = np.array([ring.normal for ring in rings]).reshape(-1, 3)
+        sizes = [len(ring.columns) for ring in rings]
+        degree = next(n for n in range(max(sizes, default=1)) if count(n) >= max(sizes, default=1))
+        tables = np.zeros((len(rings), 4, count(degree)))
+        for table, ring in zip(tables, rings, strict=True):
+            table[:, : len(ring.columns)] = ring.columns.T
+        self._tables = PieceTables(tables, (degree,) * 4)
+
+    def jets(self, points: Floats, numbers: Integers) -> Floats:
+        """Values and gradients (N, 4) of the functions of curves of given numbers (N,) at points (N, 3)."""
+        return self._tables(points, numbers).T
+
+    def at(self, points: Floats, numbers: Integers) -> Floats:
+        """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
+        middle, normal = self._middles[numbers], self._normals[numbers]
+        way = points - middle
+        way = way - dots(way, normal)[:, None] * normal
+        share, rows, result = np.ones(len(way)), np.arange(len(way)), np.ones(len(way))
+        for _ in range(STEPS):
+            jets = self.jets(middle[rows] + share[:, None] * way[rows], numbers[rows])
+            slope = dots(jets[:, 1:], way[rows])
+            with np.errstate(all="ignore"):
+                step = share - jets[:, 0] / slope
+            step = np.where(slope > 0, np.minimum(np.maximum(step, share / 2), share * 2), share * 2)
+            result[rows] = step
+            moving = ~(np.abs(step - share) < SETTLED)
+            rows, share = rows[moving], step[moving]
+            if not len(rows):
+                break
+        return np.asarray(middle + result[:, None] * way)
 
 
 def _across(normal: Floats) -> Floats:

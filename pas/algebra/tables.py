@@ -1,0 +1,65 @@
+"""Polynomials of many pieces at points in these: several for each piece, such as a function and its derivatives."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.compiled import CompiledKernel, order_of_rule
+from pas.algebra.kernels import Kernel, chosen
+from pas.algebra.monomials import Floats, count
+from pas.limits import checkpoint
+
+BLOCK = 1 << 15
+"""Points worked on between two looks at the clock."""
+
+
+class PieceTables:
+    """The coefficients (P, m, C(n+3, 3)) of m polynomials on each of P pieces, those of number k of degree `degrees[k]`.
+
+    Values are those of Horner's rule (see `pas.algebra.kernels`), the same bits on every machine.
+    """
+
+    def __init__(self, tables: Floats, degrees: tuple[int, ...]) -> None:
+        self._tables, self._degrees = tables, degrees
+
+    def first(self, number: int) -> PieceTables:
+        """The first so many polynomials alone."""
+        return PieceTables(self._tables[:, :number], self._degrees[:number])
+
+    def __call__(self, points: Floats, pieces: NDArray[np.intp]) -> Floats:
+        """The values (m, N) at points (N, 3) of pieces of given numbers (N,)."""
+        result = np.empty((len(self._degrees), len(points)))
+        kernel = chosen(self._tables[0].size * len(points))
+        with np.errstate(all="ignore"):  # what overflows is infinite or NaN, without a word by any kernel
+            for start in range(0, len(points), BLOCK):
+                checkpoint()
+                here = slice(start, start + BLOCK)
+                whole = len(points) <= BLOCK
+                out = result if whole else np.empty((len(result), len(points[here])))
+                if isinstance(kernel, CompiledKernel):
+                    kernel.on_pieces(self, points[here], pieces[here], out)
+                else:
+                    self._one_by_one(kernel, points[here], pieces[here], out)
+                if not whole:
+                    result[:, here] = out
+        return result
+
+    def _one_by_one(self, kernel: Kernel, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
+        """The same by calls for each piece and degree."""
+        for piece in np.flatnonzero(np.bincount(pieces, minlength=len(self._tables))):
+            rows = np.flatnonzero(pieces == piece)
+            places = np.ascontiguousarray(points[rows].T)
+            for degree in sorted(set(self._degrees)):
+                numbers = [k for k, n in enumerate(self._degrees) if n == degree]
+                found = np.empty((len(numbers), len(rows)))
+                kernel(self._tables[piece, numbers, : count(degree)], degree, places, found)
+                out[np.ix_(numbers, rows)] = found
+
+    @cached_property
+    def ordered(self) -> tuple[NDArray[np.intp], Floats]:
+        """The degrees (m,), and the tables of each piece as a row, in the order in which compiled code meets them."""
+        rows = [self._tables[:, k, order_of_rule(n)] for k, n in enumerate(self._degrees)]
+        return np.array(self._degrees, dtype=np.intp), np.ascontiguousarray(np.concatenate(rows, axis=1))
