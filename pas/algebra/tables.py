@@ -17,7 +17,7 @@ BLOCK = 1 << 15
 
 
 class PieceTables:
-    """The coefficients (P, m, C(n+3, 3)) of m polynomials on each of P pieces, those of number k of degree `degrees[k]`.
+    """The coefficients (P, m, C(n+3, 3)) of m polynomials on each of P pieces, number k of degree `degrees[k]`.
 
     Values are those of Horner's rule (see `pas.algebra.kernels`), the same bits on every machine.
     """
@@ -53,7 +53,7 @@ class PieceTables:
             rows = np.flatnonzero(pieces == piece)
             places = np.ascontiguousarray(points[rows].T)
             for degree in sorted(set(self._degrees)):
-                numbers = [k for k, n in enumerate(self._degrees) if n == degree]
+                numbers = np.flatnonzero(np.array(self._degrees) == degree)
                 found = np.empty((len(numbers), len(rows)))
                 kernel(self._tables[piece, numbers, : count(degree)], degree, places, found)
                 out[np.ix_(numbers, rows)] = found

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pas.mesh.graded import Graph
+    from pas.mesh.triangulate import Beginnings
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
@@ -92,6 +96,10 @@ class RayField(SheetField, Protocol):
     """A surface that rays from 0 meet once, but for those through its `rims`, on which it ends."""
 
     @property
+    def first(self) -> Graph:
+        """Its first mesh (see `pas.mesh.star.first`), kept; raises `ArithmeticError` where it is no graph."""
+
+    @property
     def rims(self) -> Sequence[RingCurve]:
         """The curves on which it ends."""
 
@@ -107,6 +115,10 @@ class CellField(SheetField, Protocol):
 
     Of `rims` the first `walls` are those walls; then for each of `edges`, pairs of walls, the ends of curves on it.
     """
+
+    @property
+    def beginnings(self) -> Beginnings:
+        """Its first meshes, kept."""
 
     @property
     def vertices(self) -> Floats:

@@ -41,10 +41,10 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-ROUNDS, LAST, MENDINGS = 24, 4, 12
+ROUNDS, LAST, MENDINGS, FLIPPED = 24, 4, 12, 3
 
 STALLED = 2
-"""Mendings after which there must be fewer triangles to mend than there were."""
+"""Mendings after which edges are no longer flipped, and, twice as many, there must be fewer to mend than there were."""
 
 THINNINGS, SMOOTHED = 40, 6
 """Passes of collapses at most, and how many of them there are between smoothings."""
@@ -278,25 +278,28 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
             world, deviation = field.world(graph.points), max(reached, nearest) * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
         counts.append(int((inside > tolerance).sum() + (along > tolerance).sum()))
-        if len(counts) > MENDINGS or (len(counts) > STALLED and counts[-1] >= counts[-1 - STALLED]):
+        if len(counts) > MENDINGS or (len(counts) > 2 * STALLED and counts[-1] >= counts[-1 - STALLED]):
             raise ArithmeticError("the tolerance was not reached")
         far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
         require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
-        graph, changed = _halved(field, graph, far)
+        graph, changed = _halved(field, graph, far, FLIPPED if len(counts) <= STALLED else 0)
         edges = Edges(graph.triangles, len(graph.points))
         inside, along = distances(field, graph, edges, changed)
         nearest = max(nearest, _farthest(inside[inside <= tolerance], along[along <= tolerance]))
 
 
-def _halved(field: SheetField, graph: Graph, far: Integers) -> tuple[Graph, np.ndarray]:
-    """The mesh with edges (E, 2) halved and others around them flipped; which triangles (T,) are new."""
+def _halved(field: SheetField, graph: Graph, far: Integers, passes: int) -> tuple[Graph, np.ndarray]:
+    """The mesh with edges (E, 2) halved and others around them flipped in so many passes; which triangles (T,) are new.
+
+    A flip may leave an edge that is too far again, so the last mendings do without.
+    """
     graph, parents = _split(field, graph, far)
     near = np.zeros(len(graph.points), dtype=bool)
     near[far] = True
     near[-len(far) :] = True
     around = np.flatnonzero(near[graph.triangles].any(axis=1))
     triangles = graph.triangles.copy()
-    triangles[around] = flipped(graph.points, triangles[around], graph.normals, 3)
+    triangles[around] = flipped(graph.points, triangles[around], graph.normals, passes)
     changed = np.bincount(parents, minlength=int(parents.max()) + 1)[parents] > 1
     changed[around] |= (triangles[around] != graph.triangles[around]).any(axis=1)
     return replace(graph, triangles=triangles), changed

@@ -26,9 +26,7 @@ def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
     Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
     where there would be too many triangles.
     """
-    first = _first(field)
-    require_once(field, first.points[first.rim < 0])
-    graph = remeshed(field, first, AIM * tolerance * fineness(field, tolerance) ** 2)
+    graph = remeshed(field, field.first, AIM * tolerance * fineness(field, tolerance) ** 2)
     require_once(field, graph.points[graph.rim < 0])
     return finished(field, graph, tolerance, most)
 
@@ -39,7 +37,14 @@ def require_once(field: RayField, points: Floats) -> None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
 
 
-def _first(field: RayField) -> Graph:
+def first(field: RayField) -> Graph:
+    """Few triangles seen once from the centre; raises `ArithmeticError` where rays do not meet the surface once."""
+    graph = _seen(field)
+    require_once(field, graph.points[graph.rim < 0])
+    return graph
+
+
+def _seen(field: RayField) -> Graph:
     for level in LEVELS:
         checkpoint("triangulating directions")
         try:

@@ -59,8 +59,8 @@ int pas_uprights(whole count, const whole *triangles, const double *points, cons
     return 0;
 }
 
-/* Half edges by their lower and then their higher vertex: half edge k * count + t leads from corner k of triangle t to
-   the next.  `first` (size + 1) is where those of each lower vertex begin in `order`. */
+/* Half edges by their lower and then their higher vertex: half edge 4 t + k leads from corner k of triangle t to the
+   next.  `first` (size + 1) is where those of each lower vertex begin in `order`. */
 typedef struct {
     whole count, size, *order, *high, *first;
 } Halves;
@@ -72,22 +72,21 @@ static void free_halves(Halves *h)
     free(h->first);
 }
 
-static inline whole from(const whole *triangles, whole count, whole half)
+static inline whole owner_of(whole half) { return half >> 2; }
+
+static inline whole from(const whole *triangles, whole half) { return triangles[3 * (half >> 2) + (half & 3)]; }
+
+static inline whole to(const whole *triangles, whole half)
 {
-    return triangles[3 * (half % count) + half / count];
+    return triangles[3 * (half >> 2) + ((half & 3) == 2 ? 0 : (half & 3) + 1)];
 }
 
-static inline whole to(const whole *triangles, whole count, whole half)
+static inline whole opposite(const whole *triangles, whole half)
 {
-    return triangles[3 * (half % count) + (half / count + 1) % 3];
+    return triangles[3 * (half >> 2) + ((half & 3) == 0 ? 2 : (half & 3) - 1)];
 }
 
-static inline whole opposite(const whole *triangles, whole count, whole half)
-{
-    return triangles[3 * (half % count) + (half / count + 2) % 3];
-}
-
-/* Fill a table whose arrays have room; equal edges stand in the order of their half edges. */
+/* Fill a table whose arrays have room; equal edges stand by corners, then by triangles. */
 static void sort_halves(Halves *h, const whole *triangles)
 {
     const whole count = h->count;
@@ -102,7 +101,7 @@ static void sort_halves(Halves *h, const whole *triangles)
         for (whole t = 0; t < count; t++) {
             const whole a = triangles[3 * t + k], b = triangles[3 * t + (k + 1) % 3];
             const whole place = h->first[a < b ? a : b]++;
-            h->order[place] = k * count + t;
+            h->order[place] = 4 * t + k;
             h->high[place] = a < b ? b : a;
         }
     for (whole v = h->size; v > 0; v--) h->first[v] = h->first[v - 1];
@@ -157,18 +156,18 @@ int pas_edges(whole count, const whole *triangles, whole size, whole *inner, who
             const int start = i == h.first[v] || h.high[i - 1] != h.high[i];
             keys[i] = v * size + h.high[i];
             if (!last) {
-                inner[2 * within] = from(triangles, count, half);
-                inner[2 * within + 1] = to(triangles, count, half);
-                owners[2 * within] = half % count;
-                owners[2 * within + 1] = next % count;
-                apexes[2 * within] = opposite(triangles, count, half);
-                apexes[2 * within + 1] = opposite(triangles, count, next);
-                if (!start || from(triangles, count, half) != to(triangles, count, next)) good = 0;
+                inner[2 * within] = from(triangles, half);
+                inner[2 * within + 1] = to(triangles, half);
+                owners[2 * within] = owner_of(half);
+                owners[2 * within + 1] = owner_of(next);
+                apexes[2 * within] = opposite(triangles, half);
+                apexes[2 * within + 1] = opposite(triangles, next);
+                if (!start || from(triangles, half) != to(triangles, next)) good = 0;
                 within++;
             } else if (start) {
-                rim[2 * alone] = from(triangles, count, half);
-                rim[2 * alone + 1] = to(triangles, count, half);
-                rim_owner[alone++] = half % count;
+                rim[2 * alone] = from(triangles, half);
+                rim[2 * alone + 1] = to(triangles, half);
+                rim_owner[alone++] = owner_of(half);
             }
         }
     sizes[0] = within;
@@ -227,8 +226,8 @@ int pas_flipped(whole count, whole *triangles, whole size, const double *points,
             for (whole i = h.first[v]; i + 1 < h.first[v + 1]; i++) {
                 if (h.high[i] != h.high[i + 1]) continue;
                 const whole one = h.order[i], other = h.order[i + 1];
-                const whole a = from(triangles, count, one), b = to(triangles, count, one);
-                const whole c = opposite(triangles, count, one), d = opposite(triangles, count, other);
+                const whole a = from(triangles, one), b = to(triangles, one);
+                const whole c = opposite(triangles, one), d = opposite(triangles, other);
                 const double value = beyond(points, a, b, c, d);
                 if (!(value > gain) || !flip_allowed(points, normals, a, b, c, d, turned) || has_edge(&h, c, d))
                     continue;
@@ -240,13 +239,13 @@ int pas_flipped(whole count, whole *triangles, whole size, const double *points,
         qsort(wanted, number, sizeof(Ranked), by_value);
         for (whole t = 0; t < count; t++) first[t] = number;
         for (whole rank = number - 1; rank >= 0; rank--)
-            for (int side = 0; side < 2; side++) first[pairs[2 * wanted[rank].row + side] % count] = rank;
+            for (int side = 0; side < 2; side++) first[owner_of(pairs[2 * wanted[rank].row + side])] = rank;
         for (whole rank = 0; rank < number; rank++) {
             const whole one = pairs[2 * wanted[rank].row], other = pairs[2 * wanted[rank].row + 1];
-            const whole s = one % count, t = other % count;
+            const whole s = owner_of(one), t = owner_of(other);
             if (first[s] != rank || first[t] != rank) continue;
-            const whole a = from(triangles, count, one), b = to(triangles, count, one);
-            const whole c = opposite(triangles, count, one), d = opposite(triangles, count, other);
+            const whole a = from(triangles, one), b = to(triangles, one);
+            const whole c = opposite(triangles, one), d = opposite(triangles, other);
             const whole new[6] = {c, a, d, c, d, b};
             memcpy(triangles + 3 * s, new, 3 * sizeof(whole));
             memcpy(triangles + 3 * t, new + 3, 3 * sizeof(whole));

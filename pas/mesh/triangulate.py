@@ -9,6 +9,9 @@ and shows all curves on which it must end.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -52,24 +55,69 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None) -> 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
     than `most` triangles.
     """
-    cells, failed = Subdivision(field), 0
     why = "there is no surface in the region: the function does not change sign"
-    while len(cells.forms):
-        if cells.parts >= 1 << LEAST:
-            bent, hidden = cells.bent()
-            plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > SEARCHED)
-            if plain or _finest(cells):
-                grid = cells.lattice
-                try:
-                    if len(grid.tetrahedra):
-                        return _from(field, grid, tolerance, most)
-                except ArithmeticError as error:
-                    failed += 1
-                    why = f"no good mesh was found: {error}{_singular(field, bent)}"
-        if failed == ATTEMPTS or _finest(cells):
-            break
-        cells.halve()
+    for first in field.beginnings:
+        try:
+            return _from(field, first.graph, tolerance, most)
+        except ArithmeticError as error:
+            why = f"no good mesh was found: {error}{first.trouble}"
     raise MeshError(why)
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
+
+    found: Graph | ArithmeticError
+    trouble: str
+
+    @property
+    def graph(self) -> Graph:
+        """The mesh; raises `ArithmeticError` where it is no good."""
+        if isinstance(self.found, ArithmeticError):
+            raise self.found
+        return self.found
+
+
+class Beginnings:
+    """The first meshes of a surface on lattices, each finer than the one before: found when asked for, and kept."""
+
+    def __init__(self, field: CellField) -> None:
+        self._field = field
+        self._found: list[Beginning] = []
+        self._parts, self._ended = 1, False  # of the next lattice at least; whether there is none
+
+    def __iter__(self) -> Iterator[Beginning]:
+        for number in range(ATTEMPTS):
+            if number == len(self._found):
+                self._look()
+            if number == len(self._found):
+                return
+            yield self._found[number]
+
+    def _look(self) -> None:
+        """Look for the next; the lattices are not kept, which are large."""
+        cells = Subdivision(self._field)
+        while len(cells.forms) and not self._ended:
+            self._ended = _finest(cells)
+            if cells.parts >= max(self._parts, 1 << LEAST):
+                bent, hidden = cells.bent()
+                plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > SEARCHED)
+                grid = cells.lattice if plain or self._ended else None
+                if grid is not None and len(grid.tetrahedra):
+                    self._found.append(_beginning(self._field, grid, bent))
+                    self._parts = 2 * cells.parts
+                    return
+            if not self._ended:
+                cells.halve()
+        self._ended = True
+
+
+def _beginning(field: CellField, grid: Lattice, bent: Floats) -> Beginning:
+    try:
+        return Beginning(_first(field, grid), _singular(field, bent))
+    except ArithmeticError as error:
+        return Beginning(error.with_traceback(None), _singular(field, bent))
 
 
 def _singular(field: CellField, bent: Floats) -> str:
@@ -84,9 +132,8 @@ def _finest(cells: Subdivision) -> bool:
     return cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
 
 
-def _from(field: CellField, grid: Lattice, tolerance: float, most: int | None) -> Mesh:
-    """The mesh that begins with a lattice; raises `ArithmeticError` where that is no good."""
-    graph = _first(field, grid)
+def _from(field: CellField, graph: Graph, tolerance: float, most: int | None) -> Mesh:
+    """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
     coarse = AIM * tolerance * fineness(field, tolerance) ** 2
     graph = remeshed(field, coarsened(field, graph, coarse), coarse)
     if not field.within(graph.points):

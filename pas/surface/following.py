@@ -11,8 +11,6 @@ from pas.mesh.graded import followed
 from pas.mesh.mesh import Mesh
 from pas.mesh.star import require_once, rim_numbers
 from pas.mesh.triangulate import wall_numbers
-from pas.surface.local_field import LocalField
-from pas.surface.radial_field import RadialField
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -36,11 +34,11 @@ def on_surface(surface: PiecewiseSurface, points: Floats, triangles: Integers, t
         local = surface.partition.frame.local_points(points)
         if around_centre(surface):
             try:
-                field = RadialField(surface)
+                field = surface.radial_field
                 rim = rim_numbers(field, local, triangles)
                 require_once(field, local[rim < 0])
                 return followed(field, local, triangles, rim, tolerance / field.scale)
             except ArithmeticError:  # no graph over directions
                 pass
-        cells = LocalField(surface)
+        cells = surface.cell_field
         return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import nearby_forms
 from pas.mesh.field import Integers
+from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
 from pas.surface.patch_field import PatchField
 
@@ -62,6 +63,11 @@ class LocalField(PatchField):
         local = self.surface.local
         exact = [local.corners(cell) for cell in local.cells]
         return nearby_forms([self.surface.patches[p].raw for p in local.piece_of], exact, self.degree)[0]
+
+    @cached_property
+    def beginnings(self) -> Beginnings:
+        """The first meshes on lattices."""
+        return Beginnings(self)
 
     def nearest_walls(self, points: Floats) -> NDArray[np.intp]:
         """The numbers of the walls (N,) whose faces are nearest to points (N, 3)."""

@@ -10,8 +10,6 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
 from pas.surface.following import around_centre
-from pas.surface.local_field import LocalField
-from pas.surface.radial_field import RadialField
 from pas.surface.surface_mesh import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -31,10 +29,10 @@ def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) ->
     if around_centre(surface):
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
-                field = RadialField(surface)
+                field = surface.radial_field
                 return star(field, tolerance / field.scale, most)
         except ArithmeticError:
             pass
-    lattice = LocalField(surface)
+    lattice = surface.cell_field
     with np.errstate(all="ignore"):  # what is not finite is folded, and refused
         return triangulate(lattice, tolerance / lattice.scale, most)

@@ -25,9 +25,11 @@ from pas.surface.curvature_bound import curvature_below
 from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
+from pas.surface.local_field import LocalField
 from pas.surface.meshing import meshed
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
+from pas.surface.radial_field import RadialField
 from pas.surface.surface_mesh import SurfaceMesh
 from pas.verdicts import Verdict
 
@@ -150,6 +152,16 @@ class PiecewiseSurface(InPlace, Shape):
     def evaluator(self) -> Evaluator:
         """What evaluates the surface at many points and along many rays."""
         return Evaluator(self)
+
+    @cached_property
+    def radial_field(self) -> RadialField:
+        """What meshes it as a graph over directions; raises `ArithmeticError` where it is none."""
+        return RadialField(self)
+
+    @cached_property
+    def cell_field(self) -> LocalField:
+        """What meshes it from lattices in the cells."""
+        return LocalField(self)
 
     def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
         """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""

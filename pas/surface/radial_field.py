@@ -5,6 +5,7 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,8 @@ import numpy as np
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
+from pas.mesh.graded import Graph
+from pas.mesh.star import first
 from pas.surface.patch_field import PatchField
 from pas.surface.rings import Rings, rings_of
 
@@ -54,6 +57,11 @@ class RadialField(PatchField):
         self._piece = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
         self.rims = rings_of(surface)
         self._rings = Rings(self.rims)
+
+    @cached_property
+    def first(self) -> Graph:
+        """Few triangles, with which meshes begin."""
+        return first(self)
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""
