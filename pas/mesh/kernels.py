@@ -6,6 +6,7 @@ The functions here are those of `pas.mesh.radial`, `graded` and `coarsen`, which
 from __future__ import annotations
 
 import ctypes
+import threading
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -41,23 +42,21 @@ class CompiledTriangles:
         self._call("pas_uprights", len(triangles), triangles, points, normals, result)
         return result
 
-    def edges(self, triangles: Integers, size: int) -> tuple[list[Integers], Integers, bool]:
-        """Inner edges, their owners and apexes, the rim and its owners; the keys of half edges; if it is a manifold."""
-        count = len(triangles)
-        found: list[Integers] = [np.empty((3 * count, 2), dtype=np.intp) for _ in range(4)]
-        owner, keys = np.empty((2, 3 * count), dtype=np.intp)
-        sizes = np.empty(3, dtype=np.intp)
-        self._call("pas_edges", count, triangles, size, *found, owner, keys, sizes)
+    def edges(self, triangles: Integers, size: int) -> tuple[Integers, Integers, bool]:
+        """All edges (E, 2), the inner ones first, whose owners (I, 2), and whether it is a manifold."""
+        room, sizes = _room(6 * len(triangles) + size + 2), np.empty(3, dtype=np.intp)
+        self._call("pas_edges", len(triangles), triangles, size, room, sizes)
         inner, rim, manifold = sizes.tolist()
-        parts = [*(array[:inner] for array in found[:3]), found[3][:rim], owner[:rim]]
-        return parts, keys, bool(manifold)
+        every, owners = np.empty((inner + rim, 2), dtype=np.intp), np.empty((inner, 2), dtype=np.intp)
+        self._call("pas_listed", len(triangles), triangles, size, room, inner, every, owners)
+        return every, owners, bool(manifold)
 
     def flipped(
         self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
     ) -> Integers:
         """See `pas.mesh.radial.flipped`."""
-        result = triangles.copy()
-        self._call("pas_flipped", len(result), result, len(points), points, normals, passes, gain, turned)
+        result, room = triangles.copy(), _room(6 * len(triangles) + len(points) + 2)
+        self._call("pas_flipped", len(result), result, len(points), room, points, normals, passes, gain, turned)
         return result
 
     def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:
@@ -95,6 +94,21 @@ class CompiledTriangles:
         arguments = (len(triangles), triangles, len(points), points, normals, sizes, len(every), inner, every, rim)
         self._call("pas_collapsed", *arguments, fixed, *limits, result)
         return result
+
+
+class _Workspace(threading.local):
+    """Room for numbers that is used again: fresh memory takes longer than what is done with it."""
+
+    numbers: Integers = np.empty(0, dtype=np.intp)
+
+
+_WORKSPACE = _Workspace()
+
+
+def _room(count: int) -> Integers:
+    if len(_WORKSPACE.numbers) < count:
+        _WORKSPACE.numbers = np.empty(count, dtype=np.intp)
+    return _WORKSPACE.numbers
 
 
 def _held(value: Any) -> Any:

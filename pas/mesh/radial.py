@@ -32,44 +32,59 @@ SEEN = 1e-9
 
 
 class Edges:
-    """The edges of an oriented mesh of T triangles on `size` vertices, the inner ones and the rim.
+    """The edges of an oriented mesh of T triangles on `size` vertices: `every` (E, 2), those of the rim last.
 
-    Directed as in their first triangle: `inner` (I, 2) vertices, `owners` (I, 2) triangles, `apexes` (I, 2) the
-    vertices opposite to the edge in both; `rim` (R, 2) with `rim_owner` (R,).
+    Directed as in their first triangle: `inner` (I, 2) vertices, `owners` (I, 2) triangles; `rim` (R, 2).
     """
 
     def __init__(self, triangles: Integers, size: int) -> None:
         self.triangles, self._size = triangles, size
         kernel = compiled(len(triangles))
-        if kernel is not None:
-            parts, self._keys, self.manifold = kernel.edges(triangles, size)
-            self.inner, self.owners, self.apexes, self.rim, self.rim_owner = parts
-            return
-        start, end = triangles.T.ravel(), triangles[:, [1, 2, 0]].T.ravel()
-        apex, owner = triangles[:, [2, 0, 1]].T.ravel(), np.tile(np.arange(len(triangles)), 3)
-        keys = np.minimum(start, end) * size + np.maximum(start, end)
-        ordered, order = _sorted(keys)
-        self._keys = ordered
+        if kernel is None:
+            self._list()
+        else:
+            self.every, self.owners, self.manifold = kernel.edges(triangles, size)
+
+    def _list(self) -> None:
+        """The same with numpy."""
+        ordered, order = self._halves
+        start, end = self.triangles.T.ravel(), self.triangles[:, [1, 2, 0]].T.ravel()
         same = ordered[1:] == ordered[:-1]
         i, j = order[:-1][same], order[1:][same]
         self.manifold = not (same[1:] & same[:-1]).any() and bool((start[i] == end[j]).all())
-        self.inner = np.stack([start[i], end[i]], axis=1)
-        self.owners = np.stack([owner[i], owner[j]], axis=1)
-        self.apexes = np.stack([apex[i], apex[j]], axis=1)
+        self.owners = np.stack([i, j], axis=1) % max(len(self.triangles), 1)
         alone = order[~(np.append(same, False) | np.append(False, same))]
-        self.rim = np.stack([start[alone], end[alone]], axis=1)
-        self.rim_owner = owner[alone]
+        half = np.concatenate([i, alone])
+        self.every = np.stack([start[half], end[half]], axis=1)
 
     @cached_property
-    def every(self) -> Integers:
-        """The inner edges, then those of the rim (E, 2)."""
-        return np.concatenate([self.inner, self.rim])
+    def _halves(self) -> tuple[Integers, Integers]:
+        """The keys of half edges in order, and their numbers."""
+        start, end = self.triangles.T.ravel(), self.triangles[:, [1, 2, 0]].T.ravel()
+        return _sorted(np.minimum(start, end) * self._size + np.maximum(start, end))
+
+    @property
+    def inner(self) -> Integers:
+        """The edges between two triangles."""
+        return self.every[: len(self.owners)]
+
+    @property
+    def rim(self) -> Integers:
+        """Those of one triangle."""
+        return self.every[len(self.owners) :]
+
+    @property
+    def apexes(self) -> Integers:
+        """The vertices (I, 2) opposite to the inner edges in their owners."""
+        ends = self.inner.sum(axis=1)[:, None]
+        return np.asarray(self.triangles[self.owners].sum(axis=2) - ends)
 
     def has(self, a: Integers, b: Integers) -> np.ndarray:
         """Which pairs of vertices (N,) are edges."""
+        keys = self._halves[0]
         wanted = np.minimum(a, b) * self._size + np.maximum(a, b)
-        place = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        return np.asarray(self._keys[place] == wanted)
+        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return np.asarray(keys[place] == wanted)
 
     @property
     def neighbours(self) -> tuple[Integers, Integers, Integers]:

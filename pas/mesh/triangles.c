@@ -65,13 +65,6 @@ typedef struct {
     whole count, size, *order, *high, *first;
 } Halves;
 
-static void free_halves(Halves *h)
-{
-    free(h->order);
-    free(h->high);
-    free(h->first);
-}
-
 static inline whole owner_of(whole half) { return half >> 2; }
 
 static inline whole from(const whole *triangles, whole half) { return triangles[3 * (half >> 2) + (half & 3)]; }
@@ -119,14 +112,10 @@ static void sort_halves(Halves *h, const whole *triangles)
         }
 }
 
-static int new_halves(Halves *h, whole count, whole size)
+/* A table in room for 6 count + size + 2 numbers. */
+static Halves halves_in(whole *room, whole count, whole size)
 {
-    h->count = count;
-    h->size = size;
-    h->order = malloc((3 * count + 1) * sizeof(whole));
-    h->high = malloc((3 * count + 1) * sizeof(whole));
-    h->first = malloc((size + 2) * sizeof(whole));
-    return h->order && h->high && h->first;
+    return (Halves){count, size, room, room + 3 * count, room + 6 * count};
 }
 
 static int has_edge(const Halves *h, whole a, whole b)
@@ -137,43 +126,41 @@ static int has_edge(const Halves *h, whole a, whole b)
     return 0;
 }
 
-/* `sizes` says how many inner edges there are, how many on the rim, and whether the mesh is a manifold. */
-int pas_edges(whole count, const whole *triangles, whole size, whole *inner, whole *owners, whole *apexes, whole *rim,
-              whole *rim_owner, whole *keys, whole *sizes)
+/* Sort the half edges in `room` and say how many inner edges there are, how many on the rim, and if it is a manifold. */
+int pas_edges(whole count, const whole *triangles, whole size, whole *room, whole *sizes)
 {
-    Halves h;
-    int good = 1;
-    whole within = 0, alone = 0;
-    if (!new_halves(&h, count, size)) {
-        free_halves(&h);
-        return -1;
-    }
+    Halves h = halves_in(room, count, size);
+    sizes[0] = sizes[1] = 0;
+    sizes[2] = 1;
     sort_halves(&h, triangles);
     for (whole v = 0; v < size; v++)
         for (whole i = h.first[v]; i < h.first[v + 1]; i++) {
-            const whole half = h.order[i], next = h.order[i + 1];
             const int last = i + 1 == h.first[v + 1] || h.high[i + 1] != h.high[i];
             const int start = i == h.first[v] || h.high[i - 1] != h.high[i];
-            keys[i] = v * size + h.high[i];
-            if (!last) {
-                inner[2 * within] = from(triangles, half);
-                inner[2 * within + 1] = to(triangles, half);
-                owners[2 * within] = owner_of(half);
-                owners[2 * within + 1] = owner_of(next);
-                apexes[2 * within] = opposite(triangles, half);
-                apexes[2 * within + 1] = opposite(triangles, next);
-                if (!start || from(triangles, half) != to(triangles, next)) good = 0;
-                within++;
-            } else if (start) {
-                rim[2 * alone] = from(triangles, half);
-                rim[2 * alone + 1] = to(triangles, half);
-                rim_owner[alone++] = owner_of(half);
-            }
+            sizes[0] += !last;
+            sizes[1] += last && start;
+            if (!last && (!start || from(triangles, h.order[i]) != to(triangles, h.order[i + 1]))) sizes[2] = 0;
         }
-    sizes[0] = within;
-    sizes[1] = alone;
-    sizes[2] = good;
-    free_halves(&h);
+    return 0;
+}
+
+/* The inner edges, then those of the rim; and the two triangles of each inner one. */
+int pas_listed(whole count, const whole *triangles, whole size, whole *room, whole inner, whole *every, whole *owners)
+{
+    const Halves h = halves_in(room, count, size);
+    whole within = 0, alone = inner;
+    for (whole v = 0; v < size; v++)
+        for (whole i = h.first[v]; i < h.first[v + 1]; i++) {
+            const int last = i + 1 == h.first[v + 1] || h.high[i + 1] != h.high[i];
+            const int start = i == h.first[v] || h.high[i - 1] != h.high[i];
+            if (last && !start) continue;
+            const whole row = last ? alone++ : within++;
+            every[2 * row] = from(triangles, h.order[i]);
+            every[2 * row + 1] = to(triangles, h.order[i]);
+            if (last) continue;
+            owners[2 * row] = owner_of(h.order[i]);
+            owners[2 * row + 1] = owner_of(h.order[i + 1]);
+        }
     return 0;
 }
 
@@ -212,13 +199,13 @@ static int flip_allowed(const double *points, const double *normals, whole a, wh
     return after >= least_of(before, turned);
 }
 
-int pas_flipped(whole count, whole *triangles, whole size, const double *points, const double *normals, whole passes,
-                double gain, double turned)
+int pas_flipped(whole count, whole *triangles, whole size, whole *room, const double *points, const double *normals,
+                whole passes, double gain, double turned)
 {
-    Halves h;
+    Halves h = halves_in(room, count, size);
     Ranked *wanted = malloc((3 * count + 1) * sizeof(Ranked));
     whole *pairs = malloc((6 * count + 1) * sizeof(whole)), *first = malloc((count + 1) * sizeof(whole));
-    int state = new_halves(&h, count, size) && wanted && pairs && first ? 0 : -1;
+    int state = wanted && pairs && first ? 0 : -1;
     for (int pass = 0; state == 0 && pass < passes; pass++) {
         whole number = 0, done = 0;
         sort_halves(&h, triangles);
@@ -253,7 +240,6 @@ int pas_flipped(whole count, whole *triangles, whole size, const double *points,
         }
         if (!done) break;
     }
-    free_halves(&h);
     free(wanted);
     free(pairs);
     free(first);
