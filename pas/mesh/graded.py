@@ -148,6 +148,17 @@ def _put(field: SheetField, points: Floats, rim: Integers) -> None:
     _to_rims(field, points, rim)
 
 
+def _drawn(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
+    """With points near the surface drawn towards it, those of rims onto these."""
+    points, inner = points.copy(), rim < 0
+    gradients, bends = np.empty_like(points), np.empty(len(points))
+    points[inner], gradients[inner], bends[inner] = field.drawn(points[inner])
+    if not inner.all():
+        _to_rims(field, points, rim)
+        gradients[~inner], bends[~inner] = field.bending(points[~inner])
+    return Graph(points, triangles, rim, unit_rows(gradients), bends)
+
+
 def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
     here = np.flatnonzero(rim >= 0)
     if len(here):
@@ -210,7 +221,7 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
         long = _longest(graph.triangles, every, ratio, len(graph.points))
         if not len(long):
             break
-        graph = _relaxed(field, _split(field, graph, long)[0], tolerance)
+        graph = _relaxed(field, _split(field, graph, long, drawn=True)[0], tolerance)
     for _ in range(LAST):
         graph = _relaxed(field, graph, tolerance)
     return graph
@@ -226,8 +237,9 @@ def _longest(triangles: Integers, edges: Integers, ratio: Floats, size: int) -> 
     return edges[np.unique(worst[ratio[worst] > LONG])]
 
 
-def _split(field: SheetField, graph: Graph, chosen: Integers) -> tuple[Graph, Integers]:
-    """The mesh with points on the surface in the middle of chosen edges; and the triangle that each was part of."""
+def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tuple[Graph, Integers]:
+    """The mesh with points in the middle of chosen edges, `drawn` to the surface or quite on it; and the triangle that
+    each was part of."""
     size = len(graph.points)
     points, triangles, parents = split(graph.points, graph.triangles, chosen)
     rim = np.concatenate([graph.rim, np.full(len(points) - size, -1)])
@@ -240,9 +252,12 @@ def _split(field: SheetField, graph: Graph, chosen: Integers) -> tuple[Graph, In
         there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
         rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
     fresh = points[size:].copy()
-    _put(field, fresh, rim[size:])
-    points[size:] = fresh
-    new = looked_at(field, fresh, triangles, rim[size:])
+    if drawn:
+        new = _drawn(field, fresh, triangles, rim[size:])
+    else:
+        _put(field, fresh, rim[size:])
+        new = looked_at(field, fresh, triangles, rim[size:])
+    points[size:] = new.points
     normals, bends = np.concatenate([graph.normals, new.normals]), np.concatenate([graph.bends, new.bends])
     return Graph(points, triangles, rim, normals, bends), parents
 
@@ -258,10 +273,11 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     v, before, after = edges.neighbours
     move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
     move[_fixed(field, graph.rim)] = 0.0
-    points = graph.points + move
-    _put(field, points, graph.rim)
-    points = settled(graph.points, points, triangles, graph.normals)
-    return looked_at(field, points, triangles, graph.rim)
+    new = _drawn(field, graph.points + move, triangles, graph.rim)
+    points = settled(graph.points, new.points, triangles, graph.normals)
+    back = (points != new.points).any(axis=1)
+    normals = np.where(back[:, None], graph.normals, new.normals)
+    return Graph(points, triangles, graph.rim, normals, np.where(back, graph.bends, new.bends))
 
 
 def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
@@ -293,7 +309,7 @@ def _halved(field: SheetField, graph: Graph, far: Integers, passes: int) -> tupl
 
     A flip may leave an edge that is too far again, so the last mendings do without.
     """
-    graph, parents = _split(field, graph, far)
+    graph, parents = _split(field, graph, far, drawn=False)
     near = np.zeros(len(graph.points), dtype=bool)
     near[far] = True
     near[-len(far) :] = True

@@ -11,6 +11,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
+from pas.mesh.radial import dots
 from pas.surface.geometry import JETS, derived
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 CLOSING, CLOSE = 6, 1e-11
 """Steps along gradients, for points very near the surface, and the last that is worth another."""
+
+LEFT = 0.1
+"""Share of a step along the gradient that the next one would have, above which points are not near the surface."""
 
 BENDS = sum(1 for e in JETS if sum(e) <= 2)
 """Entries of a jet up to second derivatives."""
@@ -57,21 +61,44 @@ class PatchField(ABC):
         """The gradients (N, 3) at points (N, 3)."""
         return self._jets_at(points)[1:].T
 
+    @abstractmethod
+    def near(self, points: Floats) -> Floats:
+        """Points (N, 3) of the surface near points inside or outside it."""
+
+    def drawn(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (N, 3) near the surface drawn towards it, and gradients and curvatures there.
+
+        By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
+        """
+        jets = self._jets_at(points)
+        g = jets[1:]
+        way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
+        moved = points + way.T
+        value, gradients, bends = self._bent(moved)
+        square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2]
+        lost = ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
+        if lost.any():
+            moved[lost] = self.near(points[lost])
+            gradients[lost], bends[lost] = self.bending(moved[lost])
+        return moved, gradients, bends
+
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
-        jets = self._bends(points, self.pieces(points))
-        g = jets[1:4]
-        length = np.maximum(np.sqrt((g * g).sum(axis=0)), 1e-300)
-        n = g / length
-        rows = {e: jets[i] for i, e in enumerate(JETS[:BENDS])}
-        h = [[rows[tuple(int(k == i) + int(k == j) for k in range(3))] / length for j in range(3)] for i in range(3)]
-        hn = [sum(h[i][j] * n[j] for j in range(3)) for i in range(3)]
-        nhn = sum(n[i] * hn[i] for i in range(3))
-        trace = h[0][0] + h[1][1] + h[2][2] - nhn
-        square = sum(h[i][j] ** 2 for i in range(3) for j in range(3)) - 2 * sum(v * v for v in hn) + nhn**2
-        # k1 + k2 and k1^2 + k2^2 give the larger size
-        apart = np.sqrt(np.maximum(2 * square - trace**2, 0.0))
-        return g.T, np.asarray((np.abs(trace) + apart) / 2)
+        return self._bent(points)[1:]
+
+    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,)."""
+        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points))
+        length = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-300)
+        nx, ny, nz = gx / length, gy / length, gz / length
+        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
+        along = nx * x + ny * y + nz * z
+        trace = xx + yy + zz - along
+        square = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
+        square += along * along - 2 * (x * x + y * y + z * z)
+        # k1 + k2 and k1^2 + k2^2, times the length, give the larger size
+        apart = np.sqrt(np.maximum(2 * square - trace * trace, 0.0))
+        return f, np.stack([gx, gy, gz], axis=1), np.asarray((np.abs(trace) + apart) / (2 * length))
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
