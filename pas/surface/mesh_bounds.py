@@ -14,14 +14,11 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.radial import facets
-from pas.surface.mesh_stage import ON_WALL, Stage
-from pas.surface.triangle_forms import Forms, TriangleForms, on_corners
+from pas.surface.mesh_stage import LARGER, ON_WALL, Sheet, Stage
+from pas.surface.triangle_forms import Forms, on_corners
 
 ROUNDINGS = 64
 """Of a triangle's unit normal, over its longest edge squared and its area."""
-
-LARGER = 1.0625
-"""By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
 TIMES = (0.65, 0.75, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over the most that |f| by the least slope on them asks for."""
@@ -49,13 +46,12 @@ class Boxes:
         return rows
 
 
-def bounds(stage: Stage) -> Bounds:
+def bounds(sheet: Sheet) -> Bounds:
     """The bounds on all triangles, each for all pieces that it may touch."""
-    most, least = np.zeros(len(stage.triangles)), np.full(len(stage.triangles), np.inf)
-    corners = stage.points[stage.triangles]
+    corners, makers = sheet.corners, sheet.stage.makers
+    most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
     normals, loose = unit_normals(corners)
-    makers = [TriangleForms(patch, stage.degree, stage.reach) for patch in stage.patches]
-    touched = [np.flatnonzero(stage.near(piece, corners)) for piece in range(len(makers))]
+    touched = [np.flatnonzero(sheet.stage.near(piece, corners)) for piece in range(len(makers))]
     for maker, rows in zip(makers, touched, strict=True):
         for here, forms in maker.blocks(corners[rows]):
             part = rows[here]
@@ -88,24 +84,24 @@ def _slack(forms: Forms, loose: Floats) -> Floats:
     return np.asarray(3 * forms.gradient_error + loose * size)
 
 
-def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
     `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
     """
     found, numbers = [np.empty(0)], [np.empty(0, dtype=np.intp)]
-    makers = [TriangleForms(patch, stage.degree, stage.reach) for patch in stage.patches]
+    stage = sheet.stage
     for across, vertices in rims:
-        code = vertices[stage.triangles] @ np.array([1, 2, 4])
+        code = vertices[sheet.triangles] @ np.array([1, 2, 4])
         for pattern in np.flatnonzero(np.bincount(code, minlength=8)[1:]) + 1:
             rows = np.flatnonzero(code == pattern)
             marked = (bool(pattern & 1), bool(pattern & 2), bool(pattern & 4))
-            for piece, maker in enumerate(makers):
-                part = rows[stage.near(piece, stage.points[stage.triangles[rows]])]
+            for piece, maker in enumerate(stage.makers):
+                part = rows[stage.near(piece, sheet.corners[rows])]
                 if not len(part):
                     continue
-                corners = stage.points[stage.triangles[part]]
+                corners = sheet.corners[part]
                 forms = maker.on(corners)
                 normals, loose = unit_normals(corners)
                 normals = normals - (normals @ across.T) @ across
@@ -115,15 +111,15 @@ def along_walls(stage: Stage, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     return np.concatenate(found), np.concatenate(numbers)
 
 
-def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
+def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
     A triangle is moved along its normal, to one side until f < 0 on it, to the other until f > 0: between the two
     places of each of its points there is a zero, as the pieces of f go on beyond the walls as cones about the centre.
     """
+    stage, corners = sheet.stage, sheet.corners
     if stage.center is None:
         return None
-    corners = stage.points[stage.triangles]
     normals = unit_normals(corners)[0]
     longest = (LARGER - 1) * stage.room
     way = np.full(len(corners), np.inf)
@@ -147,9 +143,8 @@ def farthest(stage: Stage, bounds: Bounds) -> Floats | None:
 def _signs(stage: Stage, corners: Floats, sign: int) -> np.ndarray:
     """On which triangles (T, 3, 3) of the enlarged region f surely has a sign."""
     result = np.ones(len(corners), dtype=bool)
-    for piece, patch in enumerate(stage.patches):
+    for piece, maker in enumerate(stage.makers):
         rows = np.flatnonzero(result & stage.near(piece, corners, LARGER))
-        maker = TriangleForms(patch, stage.degree, LARGER * stage.reach)
         for here, values in maker.value_blocks(corners[rows]):
             part = rows[here]
             good = (sign * values).min(axis=0) > maker.value_error

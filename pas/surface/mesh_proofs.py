@@ -33,16 +33,15 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
-from pas.surface.mesh_stage import ON_WALL, SCALED, Stage
-from pas.surface.proofs import face_verdict
-from pas.surface.rests import rests
+from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
+from pas.surface.rests import Rests, rests
 from pas.surface.windings import crossed
 from pas.verdicts import Findings, Point, Status, Verdict
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
 
-CLAIM = "the topology of the surface"
+CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the walls"
 
 OFF = 1e-9
 """Over the region's size: how far vertices may be from the surface."""
@@ -72,16 +71,18 @@ def certify_mesh(surface: PiecewiseSurface, points: Floats, triangles: Integers)
     if not len(triangles) or not edges.manifold:
         verdict = Verdict(Status.REFUTED, "a manifold", "there are no triangles, or some edge does not have one or two")
         return MeshCertificate((verdict,), partly_measured=True)
-    stage = Stage(surface, points, triangles)
-    found = bounds(stage)
-    chain, rims = _border(stage, edges)
+    sheet = Sheet(surface.stage, points, triangles)
+    if np.abs(sheet.points).max() > sheet.stage.reach:
+        return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
+    found = bounds(sheet)
+    chain, rims = _border(sheet, edges)
     if chain.proved:
-        topology, places = _topology(stage, found, rims)
+        topology, places = _topology(sheet, found, rims)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
-    near, distance = _distance(stage, found, closed=not len(edges.rim))
-    verdicts = (chain, _vertices(stage), topology, near)
+    near, distance = _distance(sheet, found, closed=not len(edges.rim))
+    verdicts = (chain, _vertices(sheet), topology, near)
     return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
 
 
@@ -90,10 +91,10 @@ def _point(stage: Stage, place: Floats) -> Point:
     return x, y, z
 
 
-def _vertices(stage: Stage) -> Verdict:
+def _vertices(sheet: Sheet) -> Verdict:
     """How near the vertices are, to first order: what a vertex that was moved fails."""
-    claim = "vertices on the surface"
-    jets = stage.surface.evaluator.jets(stage.world(stage.points))
+    claim, stage = "vertices on the surface", sheet.stage
+    jets = stage.surface.evaluator.jets(stage.world(sheet.points))
     with np.errstate(all="ignore"):
         off = np.abs(jets[:, 0]) / np.sqrt((jets[:, 1:] ** 2).sum(axis=1)) / stage.scale
     worst = int(np.nanargmax(off)) if not np.isnan(off).all() else 0
@@ -101,16 +102,16 @@ def _vertices(stage: Stage) -> Verdict:
         reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
     reason = f"|f| / |grad f| is {off[worst] * stage.scale:.2g} at one"
-    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(stage, stage.points[worst]))
+    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(stage, sheet.points[worst]))
 
 
-def _border(stage: Stage, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
-    claim, points = "a manifold that ends on the walls", stage.points
+    claim, stage, points = BORDER, sheet.stage, sheet.points
     inside = np.zeros(len(points), dtype=bool)
     for cell in range(len(stage.corners)):
         inside |= stage.barycentric(points, np.array([cell]))[0].min(axis=0) >= -1e-11
-    used = np.unique(stage.triangles)
+    used = np.unique(sheet.triangles)
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
         return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
@@ -128,14 +129,14 @@ def _border(stage: Stage, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.
         place = points[used[touches[used]][0]]
         return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", _point(stage, place)), []
     how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
-    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(stage, edges, wall)
+    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(sheet, edges, wall)
 
 
-def _rims(stage: Stage, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
-    on = {}
+    on, stage = {}, sheet.stage
     for number in np.unique(wall).tolist():
-        on[number] = np.zeros(len(stage.points), dtype=bool)
+        on[number] = np.zeros(len(sheet.points), dtype=bool)
         on[number][edges.rim[wall == number]] = True
     normal = {n: stage.walls[stage.wall_of == n][0, :3] for n in on}
     result = [(normal[n][None], vertices) for n, vertices in on.items()]
@@ -146,27 +147,29 @@ def _rims(stage: Stage, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
     return result
 
 
-def _topology(stage: Stage, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
+def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
+    stage = sheet.stage
+
     def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
         at = tuple(_point(stage, place) for place in _spread(places))
         return Verdict(Status.UNDECIDED, CLAIM, reason, at[0] if at else None), at
 
     if stage.center is None:
         return undecided("the region has no centre from which to count", np.empty((0, 3)))
-    faces = range(len(stage.partition.interior_faces))
-    if faces and (stage.surface.order < 1 or not all(face_verdict(stage.surface, i).proved for i in faces)):
+    if not stage.meets_smoothly:
         return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
-    middles = stage.points[stage.triangles].mean(axis=1)
+    middles = sheet.corners.mean(axis=1)
     flat = ~(found.least > 0)
     if flat.any():
         return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", middles[flat])
-    steep, numbers = along_walls(stage, rims)
+    steep, numbers = along_walls(sheet, rims)
     if not (steep > 0).all():
         return undecided("the surface may be tangential to a wall", middles[numbers[~(steep > 0)]])
-    simplices, signs, left, examined = _rests(stage, float(found.most.max()))
+    parts = _rests(sheet, float(found.most.max()))
+    left = np.concatenate([part.open for part in parts])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
-    return _counted(stage, simplices, signs, examined)
+    return _counted(sheet, parts)
 
 
 def _spread(places: Floats, most: int = 8) -> Floats:
@@ -180,33 +183,21 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _rests(stage: Stage, most: float) -> tuple[list[Floats], list[float], Floats, int]:
-    """All simplices, of whatever dimension, in which the flow may rest, their signs; those left open; how many there
-    were."""
-    cell_forms, error = stage.cell_forms
-    size = float(np.abs(cell_forms).max())
-    box = stage.points[stage.triangles]
-    boxes = Boxes(box.min(axis=1), box.max(axis=1))
+def _rests(sheet: Sheet, most: float) -> list[Rests]:
+    """Where the flow may rest, in each of the strata."""
+    size = sheet.stage.size
+    boxes = Boxes(sheet.corners.min(axis=1), sheet.corners.max(axis=1))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
-        result = np.asarray(least * size > most * (1 + 2 * SCALED))
-        near = np.flatnonzero(~result)
-        if len(near) * len(box) <= BOXES:
-            for row in near.tolist():
-                low, high = simplices[row].min(axis=0) - ON_WALL, simplices[row].max(axis=0) + ON_WALL
-                result[row] = not len(boxes.meeting(low, high))
+        result = np.asarray((least > 0) & (least * size > most * (1 + 2 * SCALED)))
+        near = np.flatnonzero((least > 0) & ~result)
+        if len(near) * len(sheet.corners) <= BOXES:
+            low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
+            for row, *ends in zip(near.tolist(), low, high, strict=True):
+                result[row] = not len(boxes.meeting(*ends))
         return result
 
-    simplices: list[Floats] = []
-    signs: list[float] = []
-    left, examined = [np.empty((0, 3))], 0
-    for forms, corners in stage.strata:
-        found = rests(forms / size, corners, stage.degree, free, error)
-        simplices += list(found.simplices)
-        signs += found.signs.tolist()
-        left.append(found.open)
-        examined += found.examined
-    return simplices, signs, np.concatenate(left), examined
+    return [rests(found, sheet.stage.degree, free) for found in sheet.stage.leaves]
 
 
 def _grouped(simplices: list[Floats]) -> list[list[int]]:
@@ -223,16 +214,17 @@ def _grouped(simplices: list[Floats]) -> list[list[int]]:
     return groups
 
 
-def _counted(
-    stage: Stage, simplices: list[Floats], signs: list[float], examined: int
-) -> tuple[Verdict, tuple[Point, ...]]:
+def _counted(sheet: Sheet, parts: list[Rests]) -> tuple[Verdict, tuple[Point, ...]]:
     """Whether the mesh is crossed as the surface is between all places of rest.
 
     None of them is on the mesh, so one of each group with common corners stands for all.
     """
+    stage, examined = sheet.stage, sum(part.examined for part in parts)
+    simplices = [simplex for part in parts for simplex in part.simplices]
+    signs = np.concatenate([part.signs for part in parts])
     groups = _grouped(simplices)
     times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
-    known, inside = np.zeros(len(groups), dtype=bool), np.array([signs[group[0]] < 0 for group in groups])
+    known, inside = np.zeros(len(groups), dtype=bool), signs[[group[0] for group in groups]] < 0
     assert stage.center is not None
     origin = stage.center + stage.room * np.array([0.213, 0.127, -0.171])
     for attempt in range(TRIES):
@@ -241,7 +233,7 @@ def _counted(
             simplex = simplices[groups[row][attempt % len(groups[row])]]
             weights = 1 + 0.618 * np.sin(2.4 * np.arange(1, len(simplex) + 1) + attempt)
             ends[row] = weights @ simplex / weights.sum()
-        times[rows], known[rows] = crossed(stage.points, stage.triangles, origin, ends[rows])
+        times[rows], known[rows] = crossed(sheet.points, sheet.triangles, origin, ends[rows])
         if known.all():
             break
     if not known.all():
@@ -255,17 +247,17 @@ def _counted(
         reason = f"{len(wrong)} of {len(groups)} places are on the wrong side: a component is missing or too many"
         return Verdict(Status.REFUTED, CLAIM, reason, places[0], examined), places
     reason = (
-        f"f rises across all {len(stage.triangles)} triangles, and {len(groups)} parts that hold all its critical "
+        f"f rises across all {len(sheet.triangles)} triangles, and {len(groups)} parts that hold all its critical "
         f"points are on the right side of the mesh; {examined} simplices"
     )
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(stage: Stage, found: Bounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(sheet: Sheet, found: Bounds, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
-    way = farthest(stage, found)
+    stage, way = sheet.stage, farthest(sheet, found)
     if way is None or not np.isfinite(way).all():
-        middles = stage.points[stage.triangles].mean(axis=1)
+        middles = sheet.corners.mean(axis=1)
         place = None if way is None else _point(stage, middles[~np.isfinite(way)][0])
         reason = "the gradient may vanish too near to a triangle"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None

@@ -1,7 +1,7 @@
-"""A surface and a mesh of it in coordinates in which both are known exactly, for proofs.
+"""A surface and meshes of it in coordinates in which both are known exactly, for proofs.
 
 The origin is a point of doubles, so that differences from it are rounded once; polynomials, cells and their B-forms are
-worked out exactly there before they are rounded.
+worked out exactly there before they are rounded.  What depends on the surface alone is worked out once for all meshes.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
 from pas.partition.frame import Frame
+from pas.surface.proofs import face_verdict
+from pas.surface.rests import Leaves, leaves
+from pas.surface.triangle_forms import TriangleForms
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -28,25 +31,35 @@ ON_WALL = 1e-12
 SCALED = 1e-9
 """Relative error of sizes of B-coefficients that are known but for a factor."""
 
+LARGER = 1.0625
+"""By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
+
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
 
 
 class Stage:
-    """The mesh's points (N, 3), triangles (T, 3), and the surface's patches, all in local coordinates."""
+    """The surface's patches and cells in local coordinates."""
 
-    def __init__(self, surface: PiecewiseSurface, points: Floats, triangles: Integers) -> None:
+    def __init__(self, surface: PiecewiseSurface) -> None:
         self.surface, self.partition = surface, surface.partition
         frame = self.partition.frame
-        origin = to_floats(frame.origin)
-        self.frame = Frame(exact_vector(list(origin)), frame.scale)
+        self.origin = np.array(to_floats(frame.origin))
+        self.frame = Frame(exact_vector(self.origin.tolist()), frame.scale)
         same = self.frame.origin == frame.origin
         patches = surface.patches if same else [self.frame.localise(p) for p in surface.polynomials]
         self.patches: tuple[Polynomial, ...] = tuple(patches)
         self.degree, self.scale = max(surface.degree, 1), to_float(frame.scale)
-        self.points = (points - np.array(origin)) / self.scale
-        self.triangles = triangles
-        self.reach = float(max(np.abs(self.points).max(initial=0.0), np.abs(self.corners).max()))
+
+    @cached_property
+    def reach(self) -> float:
+        """The largest size of a coordinate in the region enlarged by `LARGER`."""
+        return LARGER * float(np.abs(self.corners).max())
+
+    @cached_property
+    def makers(self) -> list[TriangleForms]:
+        """What makes the forms of each patch on triangles in the enlarged region."""
+        return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
 
     def world(self, points: Floats) -> Floats:
         """The user's coordinates of points (..., 3)."""
@@ -92,10 +105,14 @@ class Stage:
         """Those on the cells themselves."""
         return self.forms(self.exact)
 
+    @cached_property
+    def _maps(self) -> Floats:
+        whole = np.concatenate([self.corners, np.ones((len(self.corners), 4, 1))], axis=2)
+        return np.asarray(np.linalg.inv(whole.transpose(0, 2, 1)))
+
     def barycentric(self, points: Floats, cells: Integers) -> Floats:
         """Coordinates (c, 4, N) of points (N, 3) in some cells."""
-        whole = np.concatenate([self.corners[cells], np.ones((len(cells), 4, 1))], axis=2)
-        maps = np.linalg.inv(whole.transpose(0, 2, 1))
+        maps = self._maps[cells]
         return np.asarray(maps[:, :, :3] @ points.T + maps[:, :, 3:])
 
     @cached_property
@@ -134,7 +151,7 @@ class Stage:
         return near
 
     def near(self, piece: int, corners: Floats, larger: float = 1.0) -> np.ndarray:
-        """Which triangles (T, 3, 3) may have a point in a piece, of the region or of that so many times as large."""
+        """Which triangles (T, 3, 3) may have a point in a piece, of the region or of one so many times as large."""
         found = np.zeros(len(corners), dtype=bool)
         if len(self.patches) == 1:
             return ~found
@@ -146,6 +163,23 @@ class Stage:
             depth = self.barycentric(points, np.array([cell]))[0].reshape(4, -1, 3)
             found |= ~(depth < -BESIDE).all(axis=2).any(axis=0)
         return found
+
+    @cached_property
+    def leaves(self) -> list[Leaves]:
+        """Where the function may rest in the strata of the region, its forms over the largest coefficient."""
+        error = self.cell_forms[1]
+        return [leaves(forms / self.size, corners, self.degree, error) for forms, corners in self.strata]
+
+    @cached_property
+    def size(self) -> float:
+        """The largest of the cells' B-coefficients."""
+        return float(np.abs(self.cell_forms[0]).max())
+
+    @cached_property
+    def meets_smoothly(self) -> bool:
+        """Whether the pieces are proved to meet with continuous gradients."""
+        faces = range(len(self.partition.interior_faces))
+        return not faces or (self.surface.order > 0 and all(face_verdict(self.surface, i).proved for i in faces))
 
     @cached_property
     def strata(self) -> list[tuple[Floats, Floats]]:
@@ -173,3 +207,12 @@ class Stage:
             if forms:
                 result.append((np.array(forms), np.array(corners)))
         return result
+
+
+class Sheet:
+    """A mesh on a stage: its points (N, 3) in local coordinates, and triangles (T, 3)."""
+
+    def __init__(self, stage: Stage, points: Floats, triangles: Integers) -> None:
+        self.stage, self.triangles = stage, triangles
+        self.points = (points - stage.origin) / stage.scale
+        self.corners = self.points[triangles]

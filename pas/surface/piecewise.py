@@ -26,6 +26,7 @@ from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.joins import Join
 from pas.surface.local_field import LocalField
+from pas.surface.mesh_stage import Stage
 from pas.surface.meshing import meshed
 from pas.surface.placed import InPlace, PlacedContacts
 from pas.surface.proofs import certify
@@ -162,6 +163,11 @@ class PiecewiseSurface(InPlace, Shape):
     def cell_field(self) -> LocalField:
         """What meshes it from lattices in the cells."""
         return LocalField(self)
+
+    @cached_property
+    def stage(self) -> Stage:
+        """What proves meshes of it."""
+        return Stage(self)
 
     def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
         """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""

@@ -24,8 +24,24 @@ HALVINGS, MOST = 150, 6000
 
 
 @dataclass(frozen=True)
+class Leaves:
+    """Simplices (L, d + 1, 3) with B-coefficients (L, m) of one sign; the corners (U, d + 1, 3) of those left open.
+
+    Coefficients are off by what `halved` halvings make of `error`; `examined` counts all simplices.
+    """
+
+    forms: Floats
+    corners: Floats
+    open: Floats
+    halved: int
+    error: float
+    examined: int
+
+
+@dataclass(frozen=True)
 class Rests:
-    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each; the middles (U, 3) of those left open."""
+    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each; the middles (U, 3) of those left open.
+    """
 
     simplices: Floats
     signs: Floats
@@ -33,37 +49,53 @@ class Rests:
     examined: int
 
 
-def rests(
-    forms: Floats,
-    corners: Floats,
-    degree: int,
-    free: Callable[[Floats, Floats], np.ndarray],
-    error: float = UNIT_ROUNDOFF,
-    most: int = MOST,
-) -> Rests:
-    """The places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`.
+Free = Callable[[Floats, Floats], np.ndarray]
+"""Says which simplices (N, d + 1, 3), on which the polynomial's size is at least (N,), are free of what must not be
+in them."""
 
-    `free(bounds, simplices)` says which simplices, on which the polynomial's size is at least so much, are free.
-    """
-    kept, signs, examined = [], [], 0
+
+def leaves(forms: Floats, corners: Floats, degree: int, error: float = UNIT_ROUNDOFF, most: int = MOST) -> Leaves:
+    """Places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`."""
+    kept, places, examined = [forms[:0]], [corners[:0]], 0
     for halved in range(HALVINGS + 1):
         checkpoint(f"looking for critical points ({examined} simplices examined)")
         examined += len(forms)
         bound = rounding_bound(degree, halved, error)
         still = ~_rises(forms, corners, degree, bound)
         forms, corners = forms[still], corners[still]
-        least = np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound
-        sure = np.flatnonzero(least > 0)
-        sure = sure[free(least[sure], corners[sure])]
-        kept.append(corners[sure])
-        signs.append(np.sign(forms[sure, 0]))
-        rest = np.ones(len(forms), dtype=bool)
-        rest[sure] = False
-        forms, corners = forms[rest], corners[rest]
+        sure = _least(forms, bound) > 0
+        kept.append(forms[sure])
+        places.append(corners[sure])
+        forms, corners = forms[~sure], corners[~sure]
         if not len(forms) or len(forms) > most or halved == HALVINGS or corners.shape[1] == 1:
             break
         forms, corners = halves(forms, corners, degree)
-    return Rests(np.concatenate(kept), np.concatenate(signs), corners.mean(axis=1), examined)
+    return Leaves(np.concatenate(kept), np.concatenate(places), corners, halved, error, examined)
+
+
+def rests(found: Leaves, degree: int, free: Free, most: int = MOST) -> Rests:
+    """The places of rest that are free: leaves, or parts of these where they are not."""
+    forms, corners, halved, examined = found.forms, found.corners, found.halved, found.examined
+    kept, signs = [], []
+    while True:
+        bound = rounding_bound(degree, halved, found.error)
+        sure = np.asarray(free(_least(forms, bound), corners))
+        kept.append(corners[sure])
+        signs.append(np.sign(forms[sure, 0]))
+        forms, corners = forms[~sure], corners[~sure]
+        if not len(forms) or len(forms) > most or halved >= HALVINGS or corners.shape[1] == 1:
+            break
+        checkpoint(f"looking for critical points ({examined} simplices examined)")
+        forms, corners = halves(forms, corners, degree)
+        halved, examined = halved + 1, examined + len(forms)
+        still = ~_rises(forms, corners, degree, rounding_bound(degree, halved, found.error))
+        forms, corners = forms[still], corners[still]
+    left = np.concatenate([found.open.mean(axis=1), corners.mean(axis=1)])
+    return Rests(np.concatenate(kept), np.concatenate(signs), left, examined)
+
+
+def _least(forms: Floats, bound: float) -> Floats:
+    return np.asarray(np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound)
 
 
 def _rises(forms: Floats, corners: Floats, degree: int, bound: float) -> np.ndarray:
