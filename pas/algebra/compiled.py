@@ -74,6 +74,35 @@ class CompiledKernel:
             raise MemoryError("there is no memory for the points of each piece")
 
 
+class Functions:
+    """The functions of a compiled library, which return 0, or else there was no memory."""
+
+    def __init__(self, library: ctypes.CDLL) -> None:
+        self._library = library
+
+    def call(self, name: str, *arguments: NDArray[Any] | float) -> None:
+        """Arrays by their addresses, whole numbers as large as pointers, and doubles.
+
+        Arrays to be written must be contiguous.  Raises `MemoryError` where there was no room.
+        """
+        held = [_held(value) for value in arguments]
+        if getattr(self._library, name)(*map(_argument, held)):
+            raise MemoryError(f"there is no memory for {name}")
+
+
+def _held(value: Any) -> Any:
+    """Arrays as the functions take them; those that they write to already are."""
+    if isinstance(value, np.ndarray):
+        return np.ascontiguousarray(value, dtype=np.intp if value.dtype.kind == "i" else None)
+    return value
+
+
+def _argument(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return ctypes.c_void_p(address_of(value))
+    return ctypes.c_double(value) if isinstance(value, float) else ctypes.c_ssize_t(value)
+
+
 def address_of(array: NDArray[Any]) -> int:
     """Where the numbers of a contiguous array stand."""
     return int(array.__array_interface__["data"][0])

@@ -5,16 +5,14 @@ The functions here are those of `pas.mesh.radial`, `graded` and `coarsen`, which
 
 from __future__ import annotations
 
-import ctypes
 import threading
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import is_made, library
+from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
@@ -27,14 +25,8 @@ EACH = 100
 class CompiledTriangles:
     """The functions of the compiled library; arrays are contiguous, numbers as large as pointers."""
 
-    def __init__(self, functions: ctypes.CDLL) -> None:
-        self._functions = functions
-
-    def _call(self, name: str, *arguments: Any) -> None:
-        """Arrays by their addresses, whole numbers and doubles as such; raises `MemoryError` where there is no room."""
-        held = [_held(value) for value in arguments]
-        if getattr(self._functions, name)(*map(_argument, held)):
-            raise MemoryError(f"there is no memory for {name}")
+    def __init__(self, functions: Functions) -> None:
+        self._call = functions.call
 
     def upright(self, points: Floats, triangles: Integers, normals: Floats) -> Floats:
         """See `pas.mesh.radial.upright`."""
@@ -111,19 +103,6 @@ def _room(count: int) -> Integers:
     return _WORKSPACE.numbers
 
 
-def _held(value: Any) -> Any:
-    """Arrays as the functions take them; those that they write to already are."""
-    if isinstance(value, np.ndarray):
-        return np.ascontiguousarray(value, dtype=np.intp if value.dtype.kind == "i" else None)
-    return value
-
-
-def _argument(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return ctypes.c_void_p(value.__array_interface__["data"][0])
-    return ctypes.c_double(value) if isinstance(value, float) else ctypes.c_ssize_t(value)
-
-
 def compiled(work: int) -> CompiledTriangles | None:
     """The compiled functions for so many more triangles, None where there are none or numpy is wanted."""
     return _best() if compiling(EACH * work, _made) else None
@@ -137,4 +116,4 @@ def _made() -> bool:
 @cache
 def _best() -> CompiledTriangles | None:
     found = library(*SOURCES)
-    return None if found is None else CompiledTriangles(found[0])
+    return None if found is None else CompiledTriangles(Functions(found[0]))

@@ -15,7 +15,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.radial import facets
 from pas.surface.mesh_stage import LARGER, ON_WALL, Sheet, Stage
-from pas.surface.triangle_forms import Forms, on_corners
+from pas.surface.triangle_forms import on_corners
 
 ROUNDINGS = 64
 """Of a triangle's unit normal, over its longest edge squared and its area."""
@@ -53,19 +53,19 @@ def bounds(sheet: Sheet) -> Bounds:
     normals, loose = unit_normals(corners)
     touched = [np.flatnonzero(sheet.stage.near(piece, corners)) for piece in range(len(makers))]
     for maker, rows in zip(makers, touched, strict=True):
-        for here, forms in maker.blocks(corners[rows]):
-            part = rows[here]
-            most[part] = np.maximum(most[part], np.abs(forms.values).max(axis=0) + maker.value_error)
-            along = sum(normals[part, i] * forms.gradients[i] for i in range(3)).min(axis=0)
-            least[part] = np.minimum(least[part], along - _slack(forms, loose[part]))
+        most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
+        along, size = maker.slopes(corners[rows], normals[rows])
+        least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
     large = most > most.max(initial=0.0) / 2  # few: these are bounded more closely
     closer = np.zeros(len(most))
     for maker, rows in zip(makers, touched, strict=True):
         part = rows[large[rows]]
-        for here, values in maker.value_blocks(corners[part]):
-            found = np.abs(maker.nearer(values)).max(axis=0) + maker.value_error
-            closer[part[here]] = np.maximum(closer[part[here]], found)
+        closer[part] = np.maximum(closer[part], _largest(maker.ranges(corners[part], closer=True)) + maker.value_error)
     return Bounds(np.where(large, closer, most), least)
+
+
+def _largest(ranges: tuple[Floats, Floats]) -> Floats:
+    return np.maximum(-ranges[0], ranges[1])
 
 
 def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
@@ -78,10 +78,10 @@ def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
     return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
 
 
-def _slack(forms: Forms, loose: Floats) -> Floats:
-    """What derivatives along unit vectors may be off by, which are themselves off by `loose` (T,)."""
-    size = np.sqrt((forms.gradients**2).sum(axis=0).max(axis=0)) + 3 * forms.gradient_error
-    return np.asarray(3 * forms.gradient_error + loose * size)
+def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
+    """What derivatives along unit vectors may be off by, which are themselves off by `loose` (T,): of gradients of
+    some size (T,) whose coefficients err by so much."""
+    return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
 def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
@@ -106,7 +106,9 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
                 normals, loose = unit_normals(corners)
                 normals = normals - (normals @ across.T) @ across
                 chosen = forms.gradients[:, on_corners(stage.degree - 1, marked)]
-                found.append(np.einsum("tx,xkt->kt", normals, chosen).min(axis=0) - _slack(forms, loose))
+                size = np.sqrt((forms.gradients**2).sum(axis=0).max(axis=0))
+                slack = _slack(size, maker.gradient_error, loose)
+                found.append(np.einsum("tx,xkt->kt", normals, chosen).min(axis=0) - slack)
                 numbers.append(part)
     return np.concatenate(found), np.concatenate(numbers)
 
@@ -145,10 +147,8 @@ def _signs(stage: Stage, corners: Floats, sign: int) -> np.ndarray:
     result = np.ones(len(corners), dtype=bool)
     for piece, maker in enumerate(stage.makers):
         rows = np.flatnonzero(result & stage.near(piece, corners, LARGER))
-        for here, values in maker.value_blocks(corners[rows]):
-            part = rows[here]
-            good = (sign * values).min(axis=0) > maker.value_error
-            left = np.flatnonzero(~good)
-            good[left] = (sign * maker.nearer(values[:, left])).min(axis=0) > maker.value_error
-            result[part] &= good
+        for closer in (False, True):
+            low, high = maker.ranges(corners[rows], closer)
+            rows = rows[~((low if sign > 0 else -high) > maker.value_error)]
+        result[rows] = False
     return result

@@ -15,6 +15,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.graded import Graph
 from pas.mesh.star import first
+from pas.surface.kernels import compiled
 from pas.surface.patch_field import PatchField
 from pas.surface.rings import Rings, rings_of
 
@@ -69,6 +70,10 @@ class RadialField(PatchField):
 
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
+        kernel = compiled(3 * self._weights.size * len(points))
+        if kernel is not None:
+            leave, faces = kernel.leaving(self._weights, points)
+            return leave, self._piece[faces]
         total, piece = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
         flat = self._weights.reshape(-1, 3, 1)
         for start in range(0, len(points), BLOCK):

@@ -16,6 +16,7 @@ from math import comb, factorial, prod
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.compiled import order_of_rule
 from pas.algebra.kernels import horner
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
@@ -23,8 +24,9 @@ from pas.algebra.rational import to_float
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
+from pas.surface.kernels import compiled
 
-BLOCK = 2048
+BLOCK = 4096
 """Triangles worked on at once: what is needed of them stays in the caches."""
 
 SAFETY = 2.0
@@ -37,17 +39,16 @@ ELEVATED = 3
 
 @dataclass(frozen=True)
 class Forms:
-    """B-coefficients of f (m, T) and of its gradient (3, k, T) on triangles, each of these off by at most so much."""
+    """B-coefficients of f (m, T) and of its gradient (3, k, T) on triangles."""
 
     values: Floats
     gradients: Floats
-    gradient_error: float
 
 
 class TriangleForms:
     """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`.
 
-    B-coefficients of its values are off by at most `value_error`.
+    B-coefficients are off by at most `value_error`, those of its gradient by `gradient_error`.
     """
 
     def __init__(self, polynomial: Polynomial, degree: int, reach: float) -> None:
@@ -57,25 +58,47 @@ class TriangleForms:
         self.value_error = _rounding(self._value, degree, reach)
         self.gradient_error = _rounding(self._gradient, degree - 1, reach)
 
-    def blocks(self, corners: Floats) -> Iterator[tuple[slice, Forms]]:
-        """The forms on triangles (T, 3, 3), block by block."""
+    def ranges(self, corners: Floats, closer: bool = False) -> tuple[Floats, Floats]:
+        """The least and the largest B-coefficient (T,) of f on triangles (T, 3, 3), `closer` those of a higher degree,
+        which are nearer to its values."""
+        raising = elevation(self.degree, ELEVATED * self.degree) if closer else None
+        low, high = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            yield here, self.on(corners[here])
+            kernel = compiled(self._value.size**2 * len(corners[here]))
+            if kernel is None:
+                forms = _forms(self._value, self.degree, corners[here])[0]
+                forms = forms if raising is None else raising @ forms
+                low[here], high[here] = forms.min(axis=0), forms.max(axis=0)
+            else:
+                table = self._value[0, order_of_rule(self.degree)]
+                low[here], high[here] = kernel.ranges(
+                    self.degree, lattice(self.degree)[:2], raising, table, corners[here]
+                )
+        return low, high
 
-    def value_blocks(self, corners: Floats) -> Iterator[tuple[slice, Floats]]:
-        """The B-coefficients (m, T) of f alone."""
+    def slopes(self, corners: Floats, normals: Floats) -> tuple[Floats, Floats]:
+        """On triangles (T, 3, 3) the least B-coefficient (T,) of the derivative along normals (T, 3), and the largest
+        size (T,) of those of the gradient."""
+        least, sizes = np.empty((2, len(corners)))
+        degree = self.degree - 1
         for here in _blocks(len(corners)):
-            yield here, _forms(self._value, self.degree, corners[here])[0]
-
-    def nearer(self, values: Floats) -> Floats:
-        """B-coefficients of a higher degree of f, which are nearer to its values, from those of its own (m, T)."""
-        return np.asarray(elevation(self.degree, ELEVATED * self.degree) @ values)
+            kernel = compiled(self._value.size**2 * len(corners[here]))
+            if kernel is None:
+                g = _forms(self._gradient, degree, corners[here])
+                n = normals[here].T
+                least[here] = (n[0] * g[0] + n[1] * g[1] + n[2] * g[2]).min(axis=0)
+                sizes[here] = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).max(axis=0)
+            else:
+                table = self._gradient[:, order_of_rule(degree)]
+                least[here], sizes[here] = kernel.slopes(
+                    degree, lattice(degree)[:2], table, corners[here], normals[here]
+                )
+        return least, np.sqrt(sizes)
 
     def on(self, corners: Floats) -> Forms:
         """The forms on triangles (T, 3, 3)."""
         values = _forms(self._value, self.degree, corners)[0]
-        gradients = _forms(self._gradient, self.degree - 1, corners)
-        return Forms(values, gradients, self.gradient_error)
+        return Forms(values, _forms(self._gradient, self.degree - 1, corners))
 
 
 def _blocks(number: int) -> Iterator[slice]:

@@ -1,0 +1,163 @@
+/* Bernstein forms of a polynomial and its gradient on many triangles, as in pas/surface/triangle_forms.py, and the
+   faces through which rays leave a region, as in pas/surface/radial_field.py.
+
+   Compiled together with pas/algebra/horner.c.  A function that finds no memory returns -1. */
+
+#include <stddef.h>
+#include <stdlib.h>
+
+#define BLOCK 64
+
+#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
+#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define FAST
+#endif
+
+typedef ptrdiff_t whole;
+
+void pas_horner(int n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
+                double *values);
+
+/* Rows of a matrix (rows, columns) times blocks of numbers (columns, BLOCK). */
+FAST
+static void times(whole rows, whole columns, const double *matrix, const double *numbers, double *results)
+{
+    for (whole i = 0; i < rows; i++) {
+        double sums[BLOCK];
+        for (int r = 0; r < BLOCK; r++) sums[r] = matrix[i * columns] * numbers[r];
+        for (whole j = 1; j < columns; j++) {
+            const double factor = matrix[i * columns + j];
+            const double *row = numbers + j * BLOCK;
+            for (int r = 0; r < BLOCK; r++) sums[r] += factor * row[r];
+        }
+        for (int r = 0; r < BLOCK; r++) results[i * BLOCK + r] = sums[r];
+    }
+}
+
+FAST
+static void extend(whole rows, const double *numbers, double *low, double *high)
+{
+    for (int r = 0; r < BLOCK; r++) low[r] = high[r] = numbers[r];
+    for (whole i = 1; i < rows; i++)
+        for (int r = 0; r < BLOCK; r++) {
+            const double v = numbers[i * BLOCK + r];
+            low[r] = v < low[r] ? v : low[r];
+            high[r] = v > high[r] ? v : high[r];
+        }
+}
+
+/* Corners (9, BLOCK) of the triangles from `start` on, the last one again and again where there are no more. */
+static void gather(whole count, whole start, const double *corners, double *block)
+{
+    for (whole r = 0; r < BLOCK; r++) {
+        const whole row = start + r < count ? start + r : count - 1;
+        for (int i = 0; i < 9; i++) block[i * BLOCK + r] = corners[9 * row + i];
+    }
+}
+
+/* The values (m, BLOCK) at the lattice points with barycentric coordinates (m, 3). */
+FAST
+static void at_lattice(int n, whole m, const double *lattice, const double *coefficients, const double *block,
+                       double *values)
+{
+    for (whole k = 0; k < m; k++) {
+        double place[3][BLOCK];
+        const double *w = lattice + 3 * k;
+        for (int i = 0; i < 3; i++)
+            for (int r = 0; r < BLOCK; r++)
+                place[i][r] = w[0] * block[i * BLOCK + r] + w[1] * block[(3 + i) * BLOCK + r] +
+                              w[2] * block[(6 + i) * BLOCK + r];
+        pas_horner(n, BLOCK, coefficients, place[0], place[1], place[2], values + k * BLOCK);
+    }
+}
+
+/* The least and the largest B-coefficients of triangles (count, 9), of a higher degree where there is a matrix for it. */
+int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, whole higher, const double *raising,
+               const double *coefficients, whole count, const double *corners, double *low, double *high)
+{
+    double block[9 * BLOCK], least[BLOCK], most[BLOCK];
+    double *room = malloc((2 * m + higher) * BLOCK * sizeof(double));
+    if (!room) return -1;
+    for (whole start = 0; start < count; start += BLOCK) {
+        double *values = room, *forms = room + m * BLOCK, *raised = forms + m * BLOCK;
+        gather(count, start, corners, block);
+        at_lattice((int)n, m, lattice, coefficients, block, values);
+        times(m, m, inverse, values, forms);
+        if (higher) times(higher, m, raising, forms, raised);
+        extend(higher ? higher : m, higher ? raised : forms, least, most);
+        for (whole r = 0; r < BLOCK && start + r < count; r++) {
+            low[start + r] = least[r];
+            high[start + r] = most[r];
+        }
+    }
+    free(room);
+    return 0;
+}
+
+FAST
+static void along(whole m, const double *forms, const double *normals, double *least, double *sizes)
+{
+    for (whole k = 0; k < m; k++) {
+        const double *x = forms + k * BLOCK, *y = x + m * BLOCK, *z = y + m * BLOCK;
+        for (int r = 0; r < BLOCK; r++) {
+            const double slope = normals[r] * x[r] + normals[BLOCK + r] * y[r] + normals[2 * BLOCK + r] * z[r];
+            const double size = x[r] * x[r] + y[r] * y[r] + z[r] * z[r];
+            least[r] = k == 0 || slope < least[r] ? slope : least[r];
+            sizes[r] = k == 0 || size > sizes[r] ? size : sizes[r];
+        }
+    }
+}
+
+/* The least B-coefficient of the derivative along each triangle's normal (count, 3), and the largest squared size of
+   those of the gradient, whose three polynomials stand one behind the other. */
+int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, const double *coefficients, whole count,
+               const double *corners, const double *normals, double *least, double *sizes)
+{
+    const whole stride = (n + 1) * (n + 2) * (n + 3) / 6;
+    double block[9 * BLOCK], unit[3 * BLOCK], some[BLOCK], large[BLOCK];
+    double *room = malloc(4 * m * BLOCK * sizeof(double));
+    if (!room) return -1;
+    for (whole start = 0; start < count; start += BLOCK) {
+        gather(count, start, corners, block);
+        for (whole r = 0; r < BLOCK; r++)
+            for (int i = 0; i < 3; i++)
+                unit[i * BLOCK + r] = normals[3 * (start + r < count ? start + r : count - 1) + i];
+        for (int i = 0; i < 3; i++) {
+            at_lattice((int)n, m, lattice, coefficients + i * stride, block, room);
+            times(m, m, inverse, room, room + (i + 1) * m * BLOCK);
+        }
+        along(m, room + m * BLOCK, unit, some, large);
+        for (whole r = 0; r < BLOCK && start + r < count; r++) {
+            least[start + r] = some[r];
+            sizes[start + r] = large[r];
+        }
+    }
+    free(room);
+    return 0;
+}
+
+/* The multiples of points at which their rays leave the region, and through which face. */
+int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face)
+{
+    for (whole p = 0; p < count; p++) {
+        const double x = points[3 * p], y = points[3 * p + 1], z = points[3 * p + 2];
+        double best = 0, total = 0;
+        whole chosen = -1;
+        for (whole f = 0; f < faces; f++) {
+            double w[3];
+            for (int i = 0; i < 3; i++)
+                w[i] = weights[9 * f + 3 * i] * x + weights[9 * f + 3 * i + 1] * y + weights[9 * f + 3 * i + 2] * z;
+            double least = w[0] < w[1] ? w[0] : w[1];
+            least = least < w[2] ? least : w[2];
+            if (chosen < 0 || least > best) {
+                best = least;
+                chosen = f;
+                total = w[0] + w[1] + w[2];
+            }
+        }
+        multiples[p] = 1.0 / total;
+        face[p] = chosen;
+    }
+    return 0;
+}
