@@ -1,0 +1,102 @@
+"""Meshes by compiled code and by numpy: the same bits, on every machine; numpy serves where there is no compiler."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import EQUAL, solved
+
+import pas
+from pas.algebra.compiled import compiled
+from pas.algebra.kernels import VARIABLE
+from pas.algebra.monomials import count
+from pas.algebra.tables import PieceTables
+from pas.mesh.coarsen import collapsed
+from pas.mesh.radial import Edges, flipped
+
+TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
+
+
+@pytest.fixture
+def compiler():
+    """A C compiler; without one the test is skipped."""
+    if compiled() is None:
+        pytest.skip("there is no C compiler")
+
+
+def bits(mesh):
+    """What tells meshes apart."""
+    return hashlib.sha256(mesh.points.tobytes() + mesh.triangles.tobytes() + mesh.point_normals.tobytes()).hexdigest()
+
+
+CASES = {
+    "corner": lambda: solved(EQUAL, 2).surface.mesh(5e-3),
+    "tangle": lambda: pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(2e-2),
+    "through walls": lambda: pas.Polynomial("x^2 + 2*y^2 - z^2 - 1/4 + x/7").surface((-1,) * 3, (1,) * 3).mesh(1e-2),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.usefixtures("compiler")
+def test_meshes_are_the_same_bits_by_numpy_and_compiled(monkeypatch, name):
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        mesh = CASES[name]()
+        assert mesh.certificate.holds
+        found.append((bits(mesh), mesh.certificate.distance))
+    assert found[0][0] == found[1][0]
+    assert found[0][1] == pytest.approx(found[1][1], rel=1e-9)
+
+
+BITS = f"""
+import hashlib, pas
+mesh = pas.Polynomial("{TANGLE}").surface((-3,) * 3, (3,) * 3).mesh(3e-2)
+print(hashlib.sha256(mesh.points.tobytes() + mesh.triangles.tobytes()).hexdigest())
+"""
+
+
+def test_meshes_in_boxes_are_the_same_bits_on_every_machine():
+    found = set()
+    for machine, kernel in (("Haswell", "numpy"), ("SkylakeX", "compiled"), ("Zen", "numpy")):
+        environment = {**os.environ, "OPENBLAS_CORETYPE": machine, VARIABLE: kernel}
+        done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+@pytest.mark.usefixtures("compiler")
+def test_rough_meshes_are_changed_alike(monkeypatch):
+    mesh = pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(5e-2)
+    rng = np.random.default_rng(3)
+    points = mesh.points + rng.normal(scale=0.05, size=mesh.points.shape)
+    rim, fixed = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        triangles = flipped(points, mesh.triangles, mesh.point_normals)
+        left, smaller = collapsed(points, triangles, mesh.point_normals, rim, fixed, np.full(len(points), 0.6))
+        edges = Edges(triangles[10:], len(points))
+        found.append([triangles, left, smaller, edges.every, edges.owners])
+    assert not np.array_equal(found[0][0], mesh.triangles)
+    assert len(found[0][1]) < 0.9 * len(points)
+    assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+def test_tables_of_pieces(monkeypatch, kernel):
+    monkeypatch.setenv(VARIABLE, kernel)
+    rng = np.random.default_rng(4)
+    coefficients = rng.normal(size=(3, 2, count(2)))
+    coefficients[:, 1, count(1) :] = 0
+    points, pieces = rng.uniform(-1, 1, (200, 3)), rng.integers(3, size=200)
+    values = PieceTables(coefficients, (2, 1))(points, pieces)
+    x, y, z = points.T
+    monomials = np.stack([np.ones(200), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z])
+    assert values == pytest.approx(np.einsum("nkc,cn->kn", coefficients[pieces], monomials), abs=1e-14)
+    assert PieceTables(coefficients[:, 1:], (1,))(points[:0], pieces[:0]).shape == (1, 0)
