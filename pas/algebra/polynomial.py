@@ -126,7 +126,13 @@ class Polynomial:
         """Coefficients rounded to doubles, in the order of `monomials.exponents(degree)`."""
         degree = max(self.degree, 0) if degree is None else degree
         result = np.zeros(count(degree))
-        where = positions(degree)
+        result[: len(self._dense)] = self._dense  # raises where the degree is lower
+        return result
+
+    @cached_property
+    def _dense(self) -> Floats:
+        degree = max(self.degree, 0)
+        result, where = np.zeros(count(degree)), positions(degree)
         for exponent, coefficient in self.raw.to_dict().items():
             result[where[exponent]] = to_float(coefficient)
         return result

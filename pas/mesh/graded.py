@@ -90,10 +90,9 @@ def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
     """The mesh of points (N, 3) near the surface, or on rims with given numbers (N,), moved onto it; see `finished`."""
-    points = points.copy()
-    _put(field, points, rim)
-    graph = looked_at(field, points, triangles, rim)
-    if not upright(points, triangles, graph.normals).min() >= FOLDED:
+    near = _drawn(field, points, triangles, rim)
+    graph = _placed(field, near.points, triangles, rim)
+    if not upright(graph.points, triangles, graph.normals).min() >= FOLDED:
         raise ArithmeticError("some triangles are folded")
     return _mended(field, graph, tolerance, refine.LARGEST)
 

@@ -14,6 +14,7 @@ from pas.algebra.inputs import check_order
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import Join, joins
+from pas.surface.rings import Ring, rings_of
 
 
 class PlacedContacts:
@@ -41,6 +42,12 @@ class PlacedContacts:
     def joins(self) -> tuple[Join, ...]:
         """The contacts in local coordinates, with their places on the partition."""
         return joins(self.local, self.local_contacts)
+
+    @cached_property
+    def rings(self) -> list[Ring]:
+        """The curves on which surfaces end, in local coordinates; raises `ArithmeticError` where one is no graph over
+        the angle about its middle."""
+        return rings_of(self.joins)
 
     @cached_property
     def carriers(self) -> tuple[tuple[int, ...], ...]:

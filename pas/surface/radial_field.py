@@ -17,7 +17,7 @@ from pas.mesh.graded import Graph
 from pas.mesh.star import first
 from pas.surface.kernels import compiled
 from pas.surface.patch_field import PatchField
-from pas.surface.rings import Rings, rings_of
+from pas.surface.rings import Rings
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -56,7 +56,7 @@ class RadialField(PatchField):
         corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
         self._piece = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
-        self.rims = rings_of(surface)
+        self.rims = surface.placed.rings
         self._rings = Rings(self.rims)
 
     @cached_property

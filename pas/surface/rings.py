@@ -17,7 +17,7 @@ from pas.mesh.field import Integers
 from pas.mesh.radial import dots
 
 if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
+    from pas.surface.joins import Join
 
 STEPS = 40
 """Of Newton's method towards the middle of a curve or away from it, none by more than a factor of two."""
@@ -123,10 +123,11 @@ def _across(normal: Floats) -> Floats:
     return np.asarray(first / np.sqrt(first @ first))
 
 
-def rings_of(surface: PiecewiseSurface) -> list[Ring]:
-    """The curves on which a surface ends; raises `ArithmeticError` where one is no graph over the angle."""
+def rings_of(joins: Sequence[Join]) -> list[Ring]:
+    """The curves on which surfaces with contacts in place end; raises `ArithmeticError` where one is no graph over the
+    angle."""
     found = []
-    for join in surface.joins:
+    for join in joins:
         if not join.faces:
             continue
         function = join.contact.surface

@@ -11,6 +11,9 @@ from pas.bench.case import Case, Suite, Work
 UNKNOWNS, ROWS = 60, 1500
 """The size of the programme: that of a GC^2 corner of degree 6."""
 
+FOLLOWED = 5e-3
+"""The tolerance of a mesh that follows a slider, over the region's longest side."""
+
 
 def _programme() -> Any:
     from pas.fairing.qp import Programme
@@ -54,6 +57,19 @@ def _live(order: int, degree: int) -> Work:
     return lambda: found.refit(tension=next(tensions))
 
 
+def _followed(order: int, degree: int) -> Work:
+    """A step of a slider and the mesh that follows it, together."""
+    from pas.pipeline.blend import blend
+    from pas.surface.contacts.pipe import Pipe
+
+    axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    found = blend([Pipe(a, r, 1) for a, r in zip(axes, ("1/3", "1/4", "2/5"), strict=True)], order, degree)
+    found = found.refit(tension=4.5)
+    mesh = found.surface.mesh(FOLLOWED * float(np.ptp(found.surface.partition.points, axis=0).max()))
+    tensions = iter([5.0, 4.0] * 1000)
+    return lambda: mesh.follow(found.refit(tension=next(tensions)).surface)
+
+
 def cases() -> list[Case]:
     """Those of this suite."""
     size = f"quadratic programme, {UNKNOWNS} unknowns, {ROWS} rows"
@@ -61,6 +77,7 @@ def cases() -> list[Case]:
         Case(size, _solved, {"cvxpy": _stated}, "the peer with Clarabel, its statement included"),
         Case("first step of a slider, GC^1, degree 4", lambda: _live(1, 4)),
         Case("first step of a slider, GC^2, degree 6", lambda: _live(2, 6)),
+        Case(f"step of a slider and its mesh, {FOLLOWED:g} of its size, GC^2, degree 6", lambda: _followed(2, 6)),
     ]
 
 
