@@ -20,8 +20,15 @@ from pas.surface.triangle_forms import on_corners
 ROUNDINGS = 64
 """Of a triangle's unit normal, over its longest edge squared and its area."""
 
+CUTS, MANY = 6, 4096
+"""How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
+
 TIMES = (0.65, 0.75, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 4.0)
-"""How far triangles are moved for a change of sign, over the most that |f| by the least slope on them asks for."""
+"""How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
+the share `USUAL` of them."""
+
+USUAL, ENOUGH = 0.98, 1.2
+"""That share; and how many times as far triangles in several pieces are moved, before they are cut."""
 
 
 @dataclass(frozen=True)
@@ -47,21 +54,50 @@ class Boxes:
 
 
 def bounds(sheet: Sheet) -> Bounds:
-    """The bounds on all triangles, each for all pieces that it may touch."""
-    corners, makers = sheet.corners, sheet.stage.makers
+    """The bounds on all triangles, each for all pieces that it may touch.
+
+    Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
+    """
+    normals, loose = unit_normals(sheet.corners)
+    most, least = np.zeros(len(normals)), np.full(len(normals), np.inf)
+    owner, corners, usual = np.arange(len(normals)), sheet.corners, np.inf
+    for depth in range(CUTS + 1):
+        large, small, several = _bounded(sheet.stage, corners, normals[owner], loose[owner])
+        if depth == 0 and not several.all():
+            usual = large[~several].max()
+        again = several & ((small <= 0) | (large > usual)) & (depth < CUTS)
+        np.maximum.at(most, owner[~again], large[~again])
+        np.minimum.at(least, owner[~again], small[~again])
+        if not again.any():
+            break
+        owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
+    return Bounds(most, least)
+
+
+def _bounded(stage: Stage, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
+    """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
+    which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
-    normals, loose = unit_normals(corners)
-    touched = [np.flatnonzero(sheet.stage.near(piece, corners)) for piece in range(len(makers))]
-    for maker, rows in zip(makers, touched, strict=True):
+    touched = stage.touched(corners)
+    several = _times(touched, len(corners)) > 1
+    for maker, rows in zip(stage.makers, touched, strict=True):
         most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
         along, size = maker.slopes(corners[rows], normals[rows])
         least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
-    large = most > most.max(initial=0.0) / 2  # few: these are bounded more closely
+    large = most > most.max(initial=0.0, where=~several if not several.all() else several) / 2  # bounded more closely
     closer = np.zeros(len(most))
-    for maker, rows in zip(makers, touched, strict=True):
+    for maker, rows in zip(stage.makers, touched, strict=True):
         part = rows[large[rows]]
         closer[part] = np.maximum(closer[part], _largest(maker.ranges(corners[part], closer=True)) + maker.value_error)
-    return Bounds(np.where(large, closer, most), least)
+    return np.where(large, closer, most), least, several
+
+
+def quarters(corners: Floats) -> Floats:
+    """The four parts (4 T, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
+    return np.stack(parts, axis=1).reshape(-1, *corners.shape[1:])
 
 
 def _largest(ranges: tuple[Floats, Floats]) -> Floats:
@@ -91,62 +127,98 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
     """
     found, numbers = [np.empty(0)], [np.empty(0, dtype=np.intp)]
-    stage = sheet.stage
+    normals, loose = unit_normals(sheet.corners)
     for across, vertices in rims:
-        code = vertices[sheet.triangles] @ np.array([1, 2, 4])
-        for pattern in np.flatnonzero(np.bincount(code, minlength=8)[1:]) + 1:
-            rows = np.flatnonzero(code == pattern)
-            marked = (bool(pattern & 1), bool(pattern & 2), bool(pattern & 4))
-            for piece, maker in enumerate(stage.makers):
-                part = rows[stage.near(piece, sheet.corners[rows])]
-                if not len(part):
-                    continue
-                corners = sheet.corners[part]
-                forms = maker.on(corners)
-                normals, loose = unit_normals(corners)
-                normals = normals - (normals @ across.T) @ across
-                chosen = forms.gradients[:, on_corners(stage.degree - 1, marked)]
-                size = np.sqrt((forms.gradients**2).sum(axis=0).max(axis=0))
-                slack = _slack(size, maker.gradient_error, loose)
-                found.append(np.einsum("tx,xkt->kt", normals, chosen).min(axis=0) - slack)
-                numbers.append(part)
+        owner = np.flatnonzero(vertices[sheet.triangles].any(axis=1))
+        marks, corners = vertices[sheet.triangles[owner]], sheet.corners[owner]
+        along = normals - (normals @ across.T) @ across
+        for depth in range(CUTS + 1):
+            least, several = _on_sides(sheet.stage, corners, marks, along[owner], loose[owner])
+            again = several & (least <= 0) & (depth < CUTS)
+            found.append(least[~again])
+            numbers.append(owner[~again])
+            if not again.any():
+                break
+            owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
+            marks = quarters(marks[again].astype(float)) == 1  # the middle of a side is on the wall if both ends are
+            kept = marks.any(axis=1)
+            owner, corners, marks = owner[kept], corners[kept], marks[kept]
     return np.concatenate(found), np.concatenate(numbers)
+
+
+def _on_sides(
+    stage: Stage, corners: Floats, marks: np.ndarray, along: Floats, loose: Floats
+) -> tuple[Floats, np.ndarray]:
+    """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
+    (T, 3, 3) that have marks (T, 3); and which triangles may touch several pieces."""
+    least, touched = np.full(len(corners), np.inf), stage.touched(corners)
+    code = marks @ np.array([1, 2, 4])
+    for maker, near in zip(stage.makers, touched, strict=True):
+        for pattern in np.unique(code[near]).tolist():
+            rows = near[code[near] == pattern]
+            gradients = maker.gradients(corners[rows])
+            chosen = gradients[:, on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))]
+            size = np.sqrt((gradients**2).sum(axis=0).max(axis=0))
+            slope = np.einsum("tx,xkt->kt", along[rows], chosen).min(axis=0)
+            least[rows] = np.minimum(least[rows], slope - _slack(size, maker.gradient_error, loose[rows]))
+    return least, _times(touched, len(corners)) > 1
 
 
 def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
-    A triangle is moved along its normal, to one side until f < 0 on it, to the other until f > 0: between the two
-    places of each of its points there is a zero, as the pieces of f go on beyond the walls as cones about the centre.
+    A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
+    f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
+    cones about the centre.
     """
-    stage, corners = sheet.stage, sheet.corners
+    stage = sheet.stage
     if stage.center is None:
         return None
-    normals = unit_normals(corners)[0]
-    longest = (LARGER - 1) * stage.room
-    way = np.full(len(corners), np.inf)
+    normals, longest = unit_normals(sheet.corners)[0], stage.beyond
     with np.errstate(all="ignore"):
         need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
-    common = need[need <= longest].max(initial=0.0)
-    rows = np.flatnonzero(need <= longest)
-    for times in TIMES:
-        checkpoint(f"bounding distances ({len(rows)} triangles)")
-        tried = min(common * times, longest)
-        ends = [corners[rows] + side * tried * normals[rows, None] for side in (-1, 1)]
-        far = np.maximum(*(((end - corners[rows]) ** 2).sum(axis=2).max(axis=1) for end in ends))
-        apart = _signs(stage, ends[0], -1) & _signs(stage, ends[1], 1) & (far <= longest**2)
-        way[rows[apart]] = np.sqrt(far[apart]) * (1 + ROUNDINGS * UNIT_ROUNDOFF)
-        rows = rows[~apart]
-        if not len(rows):
+    known = np.sort(need[need <= longest])
+    usual, most = known[[int(USUAL * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
+    tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
+    way, owner, corners = np.zeros(len(need)), np.arange(len(need)), sheet.corners
+    for depth in range(CUTS + 1):
+        several = _times(stage.touched(corners), len(corners)) > 1
+        for away in tried:
+            checkpoint(f"bounding distances ({len(owner)} triangles)")
+            rows = np.flatnonzero(~several | (away <= ENOUGH * usual) | (depth == CUTS))
+            far, apart = _apart(stage, corners[rows], normals[owner[rows]], away)
+            apart &= far <= longest
+            np.maximum.at(way, owner[rows[apart]], far[apart] * (1 + ROUNDINGS * UNIT_ROUNDOFF))
+            left = np.ones(len(owner), dtype=bool)
+            left[rows[apart]] = False
+            owner, corners, several = owner[left], corners[left], several[left]
+            if not len(owner):
+                return way
+        if depth == CUTS or len(owner) > MANY:
             break
+        owner, corners = np.repeat(owner, 4), quarters(corners)
+    way[owner] = np.inf
     return way
+
+
+def _times(rows: list[Integers], count: int) -> Integers:
+    """How often each of the first numbers stands in some rows."""
+    return np.bincount(np.concatenate(rows), minlength=count)
+
+
+def _apart(stage: Stage, corners: Floats, normals: Floats, way: float) -> tuple[Floats, np.ndarray]:
+    """How far triangles (T, 3, 3) that are moved so far along normals (T, 3) and back get, and between which places f
+    surely changes its sign."""
+    back, forth = (corners + side * way * normals[:, None] for side in (-1, 1))
+    off = np.maximum(((back - corners) ** 2).sum(axis=2), ((forth - corners) ** 2).sum(axis=2))
+    return np.sqrt(off.max(axis=1)), _signs(stage, back, -1) & _signs(stage, forth, 1)
 
 
 def _signs(stage: Stage, corners: Floats, sign: int) -> np.ndarray:
     """On which triangles (T, 3, 3) of the enlarged region f surely has a sign."""
     result = np.ones(len(corners), dtype=bool)
-    for piece, maker in enumerate(stage.makers):
-        rows = np.flatnonzero(result & stage.near(piece, corners, LARGER))
+    for maker, near in zip(stage.makers, stage.touched(corners, LARGER), strict=True):
+        rows = near[result[near]]
         for closer in (False, True):
             low, high = maker.ranges(corners[rows], closer)
             rows = rows[~((low if sign > 0 else -high) > maker.value_error)]

@@ -31,8 +31,11 @@ ON_WALL = 1e-12
 SCALED = 1e-9
 """Relative error of sizes of B-coefficients that are known but for a factor."""
 
-LARGER = 1.0625
+LARGER = 2.0
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
+
+BLOCK = 2048
+"""Triangles whose places in all cells are held at once."""
 
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
@@ -53,8 +56,8 @@ class Stage:
 
     @cached_property
     def reach(self) -> float:
-        """The largest size of a coordinate in the region enlarged by `LARGER`."""
-        return LARGER * float(np.abs(self.corners).max())
+        """The largest size of a coordinate in the region and as far beyond as surfaces are followed."""
+        return float(np.abs(self.corners).max()) + self.beyond
 
     @cached_property
     def makers(self) -> list[TriangleForms]:
@@ -141,6 +144,11 @@ class Stage:
         assert self.center is not None
         return float((self.walls[:, 3] - self.walls[:, :3] @ self.center).min())
 
+    @property
+    def beyond(self) -> float:
+        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`."""
+        return 0.0 if self.center is None else (LARGER - 1) * self.room
+
     def on_face(self, face: int, points: Floats) -> np.ndarray:
         """Which points (N, 3) are on an outer face."""
         plane = self.walls[face]
@@ -150,19 +158,26 @@ class Stage:
         near[rows] = self.barycentric(points[rows], cell)[0].min(axis=0) >= -BESIDE
         return near
 
-    def near(self, piece: int, corners: Floats, larger: float = 1.0) -> np.ndarray:
-        """Which triangles (T, 3, 3) may have a point in a piece, of the region or of one so many times as large."""
-        found = np.zeros(len(corners), dtype=bool)
+    def touched(self, corners: Floats, larger: float = 1.0) -> list[Integers]:
+        """Of each piece, of the region or of one so many times as large, which triangles (T, 3, 3) may have a point in
+        it."""
         if len(self.patches) == 1:
-            return ~found
-        points = corners.reshape(-1, 3)
+            return [np.arange(len(corners))]
         if larger != 1:
             assert self.center is not None
-            points = self.center + (points - self.center) / larger
-        for cell in self.partition.pieces[piece]:
-            depth = self.barycentric(points, np.array([cell]))[0].reshape(4, -1, 3)
-            found |= ~(depth < -BESIDE).all(axis=2).any(axis=0)
-        return found
+            corners = self.center + (corners - self.center) / larger
+        found: list[list[Integers]] = [[] for _ in self.patches]
+        for start in range(0, len(corners), BLOCK):
+            block = corners[start : start + BLOCK]
+            apart = np.logical_and.reduce([self._outside(block[:, i]) for i in range(3)]).any(axis=1)
+            for piece, cells in enumerate(self.partition.pieces):
+                found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
+        return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
+
+    def _outside(self, points: Floats) -> np.ndarray:
+        """Of points (N, 3) in which barycentric coordinates they are outside each cell, (c, 4, N)."""
+        depth = self._maps[:, :, :3].reshape(-1, 3) @ points.T + self._maps[:, :, 3].reshape(-1, 1)
+        return (depth < -BESIDE).reshape(len(self.corners), 4, -1)
 
     @cached_property
     def leaves(self) -> list[Leaves]:

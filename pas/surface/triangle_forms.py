@@ -1,7 +1,8 @@
 """Bernstein forms of a polynomial and its gradient on many triangles, with a bound on their rounding.
 
 Values at the lattice points of each triangle, times the inverse of the Bernstein polynomials' values there, which is
-exact before it is rounded.  With |x| <= r in each coordinate, the points err by 4 u r, values by Horner's rule by
+exact before it is rounded.  With |x| <= r in each coordinate, the points err by 4 u r, and by 2 u r for each time that
+a triangle was cut at middles of its sides, in all by at most 16 u r, values by Horner's rule by
 2 (n + 3) u sum |c| r^|a| (see `pas.algebra.kernels`), the product with m columns by (m + 2) u times the sizes, and so
 does the one that raises the degree.
 """
@@ -9,7 +10,6 @@ does the one that raises the degree.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from math import comb, factorial, prod
 
@@ -37,14 +37,6 @@ ELEVATED = 3
 """Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""
 
 
-@dataclass(frozen=True)
-class Forms:
-    """B-coefficients of f (m, T) and of its gradient (3, k, T) on triangles."""
-
-    values: Floats
-    gradients: Floats
-
-
 class TriangleForms:
     """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`.
 
@@ -66,7 +58,7 @@ class TriangleForms:
         for here in _blocks(len(corners)):
             kernel = compiled(self._value.size**2 * len(corners[here]))
             if kernel is None:
-                forms = _forms(self._value, self.degree, corners[here])[0]
+                forms = self.values(corners[here])
                 forms = forms if raising is None else raising @ forms
                 low[here], high[here] = forms.min(axis=0), forms.max(axis=0)
             else:
@@ -84,7 +76,7 @@ class TriangleForms:
         for here in _blocks(len(corners)):
             kernel = compiled(self._value.size**2 * len(corners[here]))
             if kernel is None:
-                g = _forms(self._gradient, degree, corners[here])
+                g = self.gradients(corners[here])
                 n = normals[here].T
                 least[here] = (n[0] * g[0] + n[1] * g[1] + n[2] * g[2]).min(axis=0)
                 sizes[here] = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).max(axis=0)
@@ -95,10 +87,13 @@ class TriangleForms:
                 )
         return least, np.sqrt(sizes)
 
-    def on(self, corners: Floats) -> Forms:
-        """The forms on triangles (T, 3, 3)."""
-        values = _forms(self._value, self.degree, corners)[0]
-        return Forms(values, _forms(self._gradient, self.degree - 1, corners))
+    def values(self, corners: Floats) -> Floats:
+        """The B-coefficients (m, T) of f on triangles (T, 3, 3)."""
+        return np.asarray(_forms(self._value, self.degree, corners)[0])
+
+    def gradients(self, corners: Floats) -> Floats:
+        """Those of its gradient (3, k, T)."""
+        return _forms(self._gradient, self.degree - 1, corners)
 
 
 def _blocks(number: int) -> Iterator[slice]:
@@ -122,7 +117,7 @@ def _rounding(tables: Floats, degree: int, reach: float) -> float:
     size = float((np.abs(tables) * reach**powers).sum(axis=1).max())
     slope = float((np.abs(tables) * powers * reach ** np.maximum(powers - 1, 0)).sum(axis=1).max())
     places, _, norm = lattice(degree)
-    each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 4 * reach * slope
+    each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 16 * reach * slope
     return SAFETY * norm * UNIT_ROUNDOFF * each
 
 
