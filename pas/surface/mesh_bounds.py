@@ -23,6 +23,9 @@ ROUNDINGS = 64
 CUTS, MANY = 6, 4096
 """How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
 
+CLEAR = 1e-9
+"""In local units: how far what is apart from a triangle is from a plane of it."""
+
 TIMES = (0.65, 0.75, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
 the share `USUAL` of them."""
@@ -51,6 +54,20 @@ class Boxes:
         for axis in (1, 2):
             rows = rows[(self._low[axis, rows] <= high[axis]) & (self._high[axis, rows] >= low[axis])]
         return rows
+
+
+def apart(simplex: Floats, triangles: Floats) -> np.ndarray:
+    """Which triangles (T, 3, 3) a plane separates from a simplex (d + 1, 3): their own, or one through a side of it.
+
+    Others may be apart as well.  The margin `CLEAR` is for rounding, and for corners on walls that are off these.
+    """
+    normals = unit_normals(triangles)[0]
+    heights = [np.einsum("tsx,tx->ts", simplex - triangles[:, :1], side * normals) for side in (-1, 1)]
+    for i in range(3):
+        way = triangles[:, (i + 1) % 3] - triangles[:, i]
+        out = np.cross(way, normals) / np.maximum(np.sqrt((way * way).sum(axis=1)), 1e-300)[:, None]
+        heights.append(np.einsum("tsx,tx->ts", simplex - triangles[:, i, None], out))
+    return np.asarray(np.max([height.min(axis=1) for height in heights], axis=0) > CLEAR)
 
 
 def bounds(sheet: Sheet) -> Bounds:
@@ -182,7 +199,7 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
     way, owner, corners = np.zeros(len(need)), np.arange(len(need)), sheet.corners
     for depth in range(CUTS + 1):
-        several = _times(stage.touched(corners), len(corners)) > 1
+        several = _several(stage, corners, ENOUGH * usual * normals[owner])
         for away in tried:
             checkpoint(f"bounding distances ({len(owner)} triangles)")
             rows = np.flatnonzero(~several | (away <= ENOUGH * usual) | (depth == CUTS))
@@ -199,6 +216,14 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
         owner, corners = np.repeat(owner, 4), quarters(corners)
     way[owner] = np.inf
     return way
+
+
+def _several(stage: Stage, corners: Floats, ways: Floats) -> np.ndarray:
+    """Which triangles (T, 3, 3) may touch several pieces when they are moved along given ways (T, 3) or back."""
+    if len(stage.makers) == 1:
+        return np.zeros(len(corners), dtype=bool)
+    moved = [stage.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
+    return np.asarray(np.maximum(*(_times(rows, len(corners)) for rows in moved)) > 1)
 
 
 def _times(rows: list[Integers], count: int) -> Integers:

@@ -32,7 +32,7 @@ from scipy.sparse.csgraph import connected_components
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
-from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, bounds, farthest
+from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
 from pas.surface.rests import Rests, rests
 from pas.surface.windings import crossed
@@ -165,7 +165,7 @@ def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]
     steep, numbers = along_walls(sheet, rims)
     if not (steep > 0).all():
         return undecided("the surface may be tangential to a wall", middles[numbers[~(steep > 0)]])
-    parts = _rests(sheet, float(found.most.max()))
+    parts = _rests(sheet, found.most * (1 + 2 * SCALED))
     left = np.concatenate([part.open for part in parts])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
@@ -183,18 +183,20 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _rests(sheet: Sheet, most: float) -> list[Rests]:
-    """Where the flow may rest, in each of the strata."""
-    size = sheet.stage.size
+def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
+    """Where the flow may rest, in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
+    size, largest = sheet.stage.size, most.max()
     boxes = Boxes(sheet.corners.min(axis=1), sheet.corners.max(axis=1))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
-        result = np.asarray((least > 0) & (least * size > most * (1 + 2 * SCALED)))
+        result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(sheet.corners) <= BOXES:
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
             for row, *ends in zip(near.tolist(), low, high, strict=True):
-                result[row] = not len(boxes.meeting(*ends))
+                meeting = boxes.meeting(*ends)
+                meeting = meeting[most[meeting] >= least[row] * size]
+                result[row] = apart(simplices[row], sheet.corners[meeting]).all()
         return result
 
     return [rests(found, sheet.stage.degree, free) for found in sheet.stage.leaves]
