@@ -47,9 +47,7 @@ def collapsed(
     return np.flatnonzero(left), (np.cumsum(left) - 1)[triangles]
 
 
-def _target(
-    points: Floats, edges: Edges, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats
-) -> Integers:
+def _target(points: Floats, edges: Edges, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats) -> Integers:
     """Into which vertex each goes (N,), itself where it stays."""
     size, every = len(points), edges.every
     ratio = _ratio(points, sizes, every[:, 0], every[:, 1])

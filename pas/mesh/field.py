@@ -38,9 +38,6 @@ class RimCurve(Protocol):
     def fixed(self) -> bool:
         """Whether its points are ends of curves, which stay where they are."""
 
-    def at(self, points: Floats) -> Floats:
-        """The points of the curve (N, 3) at points (N, 3) near it."""
-
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) in the wall, to first order."""
 
@@ -54,6 +51,9 @@ class RingCurve(RimCurve, Protocol):
     @property
     def middle(self) -> Floats:
         """A point (3,) of the plane inside the curve."""
+
+    def at(self, points: Floats) -> Floats:
+        """The points of the curve (N, 3) at points (N, 3) near it."""
 
     def round(self, number: int) -> Floats:
         """So many points (N, 3) of it in turn."""
@@ -99,8 +99,8 @@ class RayField(SheetField, Protocol):
     """A surface that rays from 0 meet once, but for those through its `rims`, on which it ends."""
 
     @property
-    def first(self) -> Graph:
-        """Its first mesh (see `pas.mesh.star.first`), kept; raises `ArithmeticError` where it is no graph."""
+    def first(self) -> Graph | None:
+        """Its first mesh (see `pas.mesh.star.first`), kept; None where it is no graph."""
 
     @property
     def rims(self) -> Sequence[RingCurve]:

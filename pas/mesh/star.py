@@ -26,6 +26,8 @@ def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
     Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
     where there would be too many triangles.
     """
+    if field.first is None:
+        raise ArithmeticError("a ray from the centre does not meet the surface once")
     graph = remeshed(field, field.first, AIM * tolerance * fineness(field, tolerance) ** 2)
     require_once(field, graph.points[graph.rim < 0])
     return finished(field, graph, tolerance, most)

@@ -19,11 +19,10 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
-from pas.mesh.graded import AIM, Graph, coarsened, fineness, finished, looked_at, remeshed
-from pas.mesh.improve import folded
+from pas.mesh.graded import AIM, FOLDED, Graph, coarsened, fineness, finished, looked_at, remeshed
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges
+from pas.mesh.radial import Edges, upright
 from pas.mesh.topology import edge_table, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
@@ -46,7 +45,7 @@ SNAPS = (0.42, 0.2, 0.0)
 
 
 FOLDS = 0.03
-"""Share of folded triangles, slivers mostly, that coarsening and smoothing may have to mend."""
+"""Share of folded triangles, and of such without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None) -> Mesh:
@@ -161,7 +160,7 @@ def _first(field: CellField, grid: Lattice) -> Graph:
         if not field.within(points):
             continue
         graph = looked_at(field, points, triangles, rim)
-        if folded(points, triangles, graph.normals).mean() <= FOLDS and _shows_curves(field, graph):
+        if (upright(points, triangles, graph.normals) < FOLDED).mean() <= FOLDS and _shows_curves(field, graph):
             return graph
     raise ArithmeticError("triangles are folded, or where the surface ends is not seen")
 

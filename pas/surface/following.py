@@ -32,9 +32,9 @@ def on_surface(surface: PiecewiseSurface, points: Floats, triangles: Integers, t
     """
     with np.errstate(all="ignore"):  # what is not finite is folded, and refused
         local = surface.partition.frame.local_points(points)
-        if around_centre(surface):
+        field = surface.radial_field
+        if field is not None:
             try:
-                field = surface.radial_field
                 rim = rim_numbers(field, local, triangles)
                 require_once(field, local[rim < 0])
                 return followed(field, local, triangles, rim, tolerance / field.scale)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import nearby_forms
 from pas.mesh.field import Integers
+from pas.mesh.radial import dots
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
 from pas.surface.patch_field import PatchField
@@ -89,30 +90,46 @@ class LocalField(PatchField):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
-        result = points.copy()
-        for number in np.unique(rim).tolist():
-            here = np.flatnonzero(rim == number)
-            result[here] = self.rims[number].at(points[here])
-        return result
+        planes, across, back = (table[rim] for table in self._planes)
+        onto = _onto(points, planes, back)
+        return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
+
+    @cached_property
+    def _planes(self) -> tuple[Floats, Floats, Floats]:
+        """Of each wall and edge two planes (R, 2, 4), orthonormal directions (R, 2, 3) that span their normals, and the
+        ways (R, 2, 3) onto both; zeros where there is one."""
+        planes, across, back = (np.zeros((len(self.rims), 2, columns)) for columns in (4, 3, 3))
+        for row, curve in enumerate(self.rims):
+            size = len(curve.planes)
+            planes[row, :size], across[row, :size], back[row, :size] = curve.planes, curve.across, curve.back
+        return planes, across, back
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
-        return self.slid(points, np.empty((0, 3)))
+        return self._slid(points, None)
 
-    def slid(self, points: Floats, fixed: Floats) -> Floats:
-        """Points (N, 3) moved onto the surface at right angles to `fixed` orthonormal directions (k, 3)."""
+    def _slid(self, points: Floats, fixed: Floats | None) -> Floats:
+        """Points (N, 3) moved onto the surface at right angles to two `fixed` orthonormal directions (N, 2, 3) or 0."""
         points, active = points.copy(), np.arange(len(points))
         for _ in range(STEPS):
             jets = self._jets_at(points[active])
             g = jets[1:].T
-            g = g - (g @ fixed.T) @ fixed
-            step = -jets[0][:, None] * g / np.maximum((g * g).sum(axis=1), 1e-300)[:, None]
-            length = np.sqrt((step * step).sum(axis=1))
+            for i in range(0 if fixed is None else 2):
+                way = fixed[active, i]  # type: ignore[index]
+                g = g - dots(g, way)[:, None] * way
+            step = -jets[0][:, None] * g / np.maximum(dots(g, g), 1e-300)[:, None]
+            length = np.sqrt(dots(step, step))
             points[active] += step * np.minimum(1.0, FARTHEST * self.reach / np.maximum(length, 1e-300))[:, None]
             active = active[length > SETTLED]
             if not len(active):
                 break
         return points
+
+
+def _onto(points: Floats, planes: Floats, back: Floats) -> Floats:
+    """Points (N, 3) moved onto their planes (N, 2, 4)."""
+    first, second = (dots(points, planes[:, i, :3]) - planes[:, i, 3] for i in range(2))
+    return np.asarray(points - first[:, None] * back[:, 0] - second[:, None] * back[:, 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,27 +145,19 @@ class Wall:
         return len(self.planes) > 1
 
     @cached_property
-    def _across(self) -> Floats:
+    def across(self) -> Floats:
         """Orthonormal directions (k, 3) that span the normals."""
         return np.linalg.qr(self.planes[:, :3].T)[0].T
 
     @cached_property
-    def _back(self) -> Floats:
+    def back(self) -> Floats:
         """From distances from the planes (N, k) to the shortest ways onto all of them."""
         return np.asarray(np.linalg.pinv(self.planes[:, :3]).T, dtype=float)
-
-    def at(self, points: Floats) -> Floats:
-        """Points of the curve (N, 3) near points near it."""
-        points = self._onto(self.field.slid(self._onto(points), self._across))
-        return self._onto(points)
-
-    def _onto(self, points: Floats) -> Floats:
-        return np.asarray(points - (points @ self.planes[:, :3].T - self.planes[:, 3]) @ self._back)
 
     def distances(self, points: Floats) -> Floats:
         """Distances |f| / |grad f| (N,) of points in the plane, to first order."""
         jets = self.field.jets(points)
-        g = jets[:, 1:] - (jets[:, 1:] @ self._across.T) @ self._across
+        g = jets[:, 1:] - (jets[:, 1:] @ self.across.T) @ self.across
         return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((g * g).sum(axis=1)), 1e-300))
 
     def off(self, points: Floats) -> Floats:

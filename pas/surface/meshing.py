@@ -9,7 +9,6 @@ import numpy as np
 from pas.mesh.mesh import Mesh
 from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
-from pas.surface.following import around_centre
 from pas.surface.surface_mesh import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -26,10 +25,10 @@ def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Sur
 
 
 def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
-    if around_centre(surface):
+    field = surface.radial_field
+    if field is not None:
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
-                field = surface.radial_field
                 return star(field, tolerance / field.scale, most)
         except ArithmeticError:
             pass

@@ -24,6 +24,7 @@ from pas.surface.contact import Contact
 from pas.surface.curvature_bound import curvature_below
 from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.fairness import Fairness, fairness
+from pas.surface.following import around_centre
 from pas.surface.joins import Join
 from pas.surface.local_field import LocalField
 from pas.surface.mesh_stage import Stage
@@ -155,9 +156,13 @@ class PiecewiseSurface(InPlace, Shape):
         return Evaluator(self)
 
     @cached_property
-    def radial_field(self) -> RadialField:
-        """What meshes it as a graph over directions; raises `ArithmeticError` where it is none."""
-        return RadialField(self)
+    def radial_field(self) -> RadialField | None:
+        """What meshes it as a graph over directions, None where it is none."""
+        try:
+            with np.errstate(all="ignore"):  # what is not finite is no graph
+                return RadialField(self) if around_centre(self) else None
+        except ArithmeticError:
+            return None
 
     @cached_property
     def cell_field(self) -> LocalField:

@@ -60,9 +60,12 @@ class RadialField(PatchField):
         self._rings = Rings(self.rims)
 
     @cached_property
-    def first(self) -> Graph:
-        """Few triangles, with which meshes begin."""
-        return first(self)
+    def first(self) -> Graph | None:
+        """Few triangles, with which meshes begin, None where rays show that it is no graph."""
+        try:
+            return first(self)
+        except ArithmeticError:
+            return None
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""

@@ -40,8 +40,7 @@ class Leaves:
 
 @dataclass(frozen=True)
 class Rests:
-    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each; the middles (U, 3) of those left open.
-    """
+    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each; the middles (U, 3) of those left open."""
 
     simplices: Floats
     signs: Floats
