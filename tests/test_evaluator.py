@@ -156,8 +156,13 @@ def test_a_surface_is_evaluated_the_same_with_numpy_and_compiled(monkeypatch):
     found = []
     for kernel in ("numpy", "compiled"):
         monkeypatch.setenv(VARIABLE, kernel)
-        found.append((known.jets(points), known.rays(3 * points, -points).parameters))
-    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*found, strict=True))
+        found.append((known.jets(points), known.rays(3 * points, -points), known.first(3 * points, -points)))
+    (jets, rays, first), (same_jets, same, same_first) = found
+    assert np.array_equal(jets, same_jets, equal_nan=True)
+    assert len(rays.rays) > 1000
+    assert np.array_equal(rays.rays, same.rays) and np.array_equal(rays.sides, same.sides)
+    assert same.parameters == pytest.approx(rays.parameters, rel=1e-14, abs=1e-14)
+    assert same_first == pytest.approx(first, rel=1e-14, abs=1e-14, nan_ok=True)
     monkeypatch.setenv(VARIABLE, "abacus")
     with pytest.raises(ValueError, match=r"PAS_KERNEL must be numpy or compiled, not 'abacus'"):
         known.values(points)

@@ -20,6 +20,7 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.subdivision import halving
 from pas.limits import checkpoint
 from pas.surface.exact_crossings import exact_crossings
+from pas.surface.kernels import compiled
 from pas.surface.ray_forms import Segments, bernstein_values, forms_on, joined, segments_of
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 BLOCK = 1 << 13
 """Rays that are worked on at once."""
+
+EACH = 10_000
+"""Products for a ray, about."""
 
 DEEPEST = 40
 """Halvings of a segment, after which it is left to exact work."""
@@ -103,11 +107,39 @@ def _found(evaluator: Evaluator, origins: Floats, directions: Floats, first: boo
     for start in range(0, len(origins), BLOCK):
         checkpoint("shooting rays")
         here = slice(start, start + BLOCK)
-        rays, parameters, sides = _Search(evaluator, origins[here], directions[here], first).run()
+        rays, parameters, sides = _of_block(evaluator, origins[here], directions[here], first)
         parts.append((rays + start, parameters, sides))
     rays, parameters, sides = (np.concatenate(part) for part in zip(*parts, strict=True))
+    after = (rays[1:] > rays[:-1]) | ((rays[1:] == rays[:-1]) & (parameters[1:] >= parameters[:-1]))
+    if after.all():
+        return rays, parameters, sides
     order = np.lexsort((parameters, rays))
     return rays[order], parameters[order], sides[order]
+
+
+def _of_block(evaluator: Evaluator, origins: Floats, directions: Floats, first: bool) -> Found:
+    """The same of a block of rays, in no order; by compiled code where there is some."""
+    kernel = None if evaluator.scene is None else compiled(EACH * len(origins))
+    if kernel is not None and evaluator.scene is not None:
+        local = evaluator.partition.frame.local_points(origins), directions / evaluator.scale
+        shot = kernel.rays(evaluator.scene, *local, first)
+        if shot is not None:
+            *found, exact = shot
+            parts = [(found[0], found[1], found[2])]
+            for ray in np.flatnonzero(exact).tolist():
+                _, parameters, sides = _exactly(evaluator, origins[ray], directions[ray])
+                parts.append((np.full(len(parameters), ray), parameters, sides))
+            rays, parameters, sides = (np.concatenate(column) for column in zip(*parts, strict=True))
+            return rays, parameters, sides
+    return _Search(evaluator, origins, directions, first).run()
+
+
+def _exactly(evaluator: Evaluator, origin: Floats, direction: Floats) -> Found:
+    """The crossings of one ray, numbered 0, worked out exactly."""
+    checkpoint("working out rays exactly")
+    known = exact_crossings(evaluator, origin, direction)
+    parameters, sides = np.array([t for t, _ in known]), np.array([side for _, side in known], dtype=np.intp)
+    return np.zeros(len(known), dtype=np.intp), parameters, sides
 
 
 @dataclass(frozen=True)
@@ -157,10 +189,8 @@ class _Search:
                 self._cross(segments.some(wanted))
         self._refine()
         for ray in np.flatnonzero(self.exact).tolist():
-            checkpoint("working out rays exactly")
-            known = exact_crossings(self.evaluator, self.origins[ray], self.directions[ray])
-            parameters, sides = np.array([t for t, _ in known]), np.array([side for _, side in known], dtype=np.intp)
-            self.found.append((np.full(len(known), -1 - ray), parameters, sides))
+            zeros, parameters, sides = _exactly(self.evaluator, self.origins[ray], self.directions[ray])
+            self.found.append((zeros - 1 - ray, parameters, sides))
         rays, parameters, sides = (np.concatenate(column) for column in zip(*self.found, strict=True))
         kept = (rays < 0) | ~self.exact[rays]  # numbers of rays that were worked out exactly are marked by -1 - number
         return np.where(rays < 0, -1 - rays, rays)[kept], parameters[kept], sides[kept]

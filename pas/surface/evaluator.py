@@ -25,6 +25,8 @@ from pas.partition.cells import Partition
 from pas.partition.location import BLOCK, Group
 from pas.partition.single_cell import SingleCell
 from pas.surface.crossings import Crossings, crossings, first_crossings
+from pas.surface.kernels import Scene
+from pas.surface.ray_forms import scene_of
 
 HIGHEST_ORDER = 3
 """Of the derivatives that are evaluated."""
@@ -190,6 +192,11 @@ class Evaluator:
     def reach(self) -> float:
         """The largest coordinate of the region in the user's coordinates, in local units."""
         return float(np.abs(self.partition.points).max(initial=0.0)) / self.scale
+
+    @cached_property
+    def scene(self) -> Scene | None:
+        """What compiled code shoots rays at, None where it does not."""
+        return scene_of(self)
 
     @cached_property
     def tables(self) -> _Tables:

@@ -5,6 +5,7 @@ The functions here are those of `pas.surface.triangle_forms` and `radial_field`,
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,13 @@ from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 
-SOURCES = (Path(__file__).with_name("forms.c"), SOURCE)
+SOURCES = (Path(__file__).with_name("forms.c"), Path(__file__).with_name("rays.c"), SOURCE)
+
+ROOM = 4
+"""Crossings of a ray on average, for which there is room."""
+
+HIGHEST = 15
+"""Degree of the polynomials with which rays are shot by compiled code."""
 
 
 class CompiledForms:
@@ -55,6 +62,51 @@ class CompiledForms:
         multiples, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
         self._call("pas_leaving", len(weights), weights, len(points), points, multiples, faces)
         return multiples, faces
+
+
+    def rays(
+        self, scene: Scene, origins: Floats, directions: Floats, first: bool
+    ) -> tuple[Integers, Floats, Integers, np.ndarray] | None:
+        """Rays, parameters and sides of crossings, ray by ray in order, and which rays (N,) are to be worked out
+        exactly; None where there are more crossings than are usual.  Rays (N, 3) are in local coordinates."""
+        room = ROOM * len(origins) + ROOM
+        rays, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, len(origins)))
+        parameters, number = np.empty(room), np.zeros(1, dtype=np.intp)
+        numbers = np.array([len(scene.piece_of), scene.degree, first], dtype=np.intp)
+        bounds = np.array([scene.growth, scene.tolerance, scene.reach, scene.farthest])
+        tables = (scene.tables, scene.sizes, scene.jets)
+        known = (scene.maps, scene.piece_of, *tables, scene.nodes, scene.to_bernstein, scene.largest)
+        try:
+            shot = (len(origins), origins, directions, room, rays, parameters, sides, exact, number)
+            self._call("pas_rays", numbers, bounds, *known, *shot)
+        except MemoryError:
+            return None
+        found = int(number[0])
+        return rays[:found], parameters[:found], sides[:found], exact > 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What rays are shot at: cells by their barycentric `maps` (4, 4, C), of pieces `piece_of` (C,), and polynomials.
+
+    Of each piece `tables` and `sizes` (P, C(n+3, 3)) are the coefficients and their sizes, `jets` (P, C(n+3, 3), 4)
+    those of the function and its gradient, all in the order of the rule; `largest` (P,) are the sizes at coordinates of
+    the size `farthest`.  For the rest see `pas.surface.ray_forms`.
+    """
+
+    degree: int
+    maps: Floats
+    piece_of: Integers
+    tables: Floats
+    sizes: Floats
+    jets: Floats
+    nodes: Floats
+    to_bernstein: Floats
+    largest: Floats
+    farthest: float
+    growth: float
+    tolerance: float
+    reach: float
 
 
 def compiled(work: int) -> CompiledForms | None:

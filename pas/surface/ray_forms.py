@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.compiled import order_of_rule
 from pas.algebra.kernels import horner
-from pas.algebra.monomials import Floats
+from pas.algebra.monomials import Floats, exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.partition.cells import Partition
+from pas.surface.kernels import HIGHEST, Scene
 
 if TYPE_CHECKING:
     from pas.surface.evaluator import Evaluator
@@ -24,6 +26,9 @@ MARGIN = 1 / 8
 
 SPAN_ENTRIES = 1 << 16
 """Barycentric coordinates that are worked on at once (512 KB)."""
+
+RELATIVE = 1e-9
+"""Of sums that are bounds, more than their rounding."""
 
 Rows = NDArray[np.intp]
 
@@ -170,6 +175,28 @@ def _interpolation(degree: int) -> tuple[Floats, Floats, float]:
     basis = np.array([[comb(degree, j) * (1 - s) ** (degree - j) * s**j for j in powers] for s in nodes])
     inverse = np.linalg.inv(basis)
     return nodes, inverse, 2 * float(np.abs(inverse).sum(axis=1).max())
+
+
+def scene_of(evaluator: Evaluator) -> Scene | None:
+    """What compiled code shoots rays at, None without cells or for a degree that is too high."""
+    local, degree = evaluator.partition.local, evaluator.degree
+    if not local.cells or degree > HIGHEST:
+        return None
+    nodes, to_bernstein, growth = _interpolation(degree)
+    order = order_of_rule(degree)
+    jets = np.zeros((len(evaluator.patches), 4, len(order)))
+    for row, (value, gradient) in enumerate(zip(evaluator.tables[0], evaluator.tables[1], strict=True)):
+        jets[row, 0], jets[row, 1:, : gradient.shape[1]] = value[0], gradient
+    jets = jets[:, :, order]
+    tables, piece_of = np.ascontiguousarray(jets[:, 0]), np.asarray(local.piece_of, dtype=np.intp)
+    zero, units = local.barycentric(np.zeros((1, 3))), local.barycentric(np.eye(3))
+    maps = np.concatenate([units - zero, zero], axis=2).transpose(1, 2, 0)
+    polynomials = (tables, np.abs(tables), np.ascontiguousarray(jets.transpose(0, 2, 1)))
+    farthest = float(np.abs(local.points).max()) + MARGIN
+    powers = np.array([sum(e) for e in exponents(degree)])[order]
+    largest = (polynomials[1] * farthest**powers).sum(axis=1) * (1 + RELATIVE)
+    limits = (farthest, growth, evaluator.tolerance, evaluator.reach)
+    return Scene(degree, np.ascontiguousarray(maps), piece_of, *polynomials, nodes, to_bernstein, largest, *limits)
 
 
 def bernstein_values(forms: Floats, shares: Floats) -> Floats:

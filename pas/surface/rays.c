@@ -1,0 +1,354 @@
+/* Where rays cross a piecewise polynomial's zeros, as in pas/surface/crossings.py and ray_forms.py: the same cells, forms
+   and bounds on their rounding, ray by ray.
+
+   What doubles cannot decide of a ray is marked, to be worked out exactly.  A function that finds no memory, or more
+   crossings than it has room for, returns -1. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#define LANES 16   /* points at once, and the highest degree but one */
+#define DEEPEST 40 /* halvings of a part */
+#define STEPS 60   /* of Newton's method */
+#define CLOSE 1e-6 /* the last of them over the part: the next, on the polynomial itself, is about its square */
+#define UNDECIDED 4.0
+#define UNIT 0x1p-53
+#define MARGIN 0.125
+
+#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
+#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define FAST
+#endif
+
+typedef ptrdiff_t whole;
+
+/* Horner's rule as in pas/algebra/horner.c, at LANES points. */
+FAST
+static void at_points(whole n, const double *c, const double *x, const double *y, const double *z, double *values)
+{
+    double f[LANES] = {0}, g[LANES] = {0}, h[LANES];
+    for (whole i = 0; i <= n; i++) {
+        for (whole j = 0; j <= i; j++) {
+            for (int r = 0; r < LANES; r++) h[r] = *c;
+            c++;
+            for (whole k = 1; k <= j; k++, c++)
+                for (int r = 0; r < LANES; r++) h[r] = h[r] * z[r] + *c;
+            for (int r = 0; r < LANES; r++) g[r] = j == 0 ? h[r] : g[r] * y[r] + h[r];
+        }
+        for (int r = 0; r < LANES; r++) f[r] = i == 0 ? g[r] : f[r] * x[r] + g[r];
+    }
+    for (int r = 0; r < LANES; r++) values[r] = f[r];
+}
+
+/* The same for four polynomials of one degree at one point; their coefficients stand side by side. */
+FAST
+static void four_at(whole n, const double *c, double x, double y, double z, double *values)
+{
+    double f[4] = {0}, g[4] = {0}, h[4];
+    for (whole i = 0; i <= n; i++) {
+        for (whole j = 0; j <= i; j++) {
+            for (int r = 0; r < 4; r++) h[r] = c[r];
+            c += 4;
+            for (whole k = 1; k <= j; k++, c += 4)
+                for (int r = 0; r < 4; r++) h[r] = h[r] * z + c[r];
+            for (int r = 0; r < 4; r++) g[r] = j == 0 ? h[r] : g[r] * y + h[r];
+        }
+        for (int r = 0; r < 4; r++) f[r] = i == 0 ? g[r] : f[r] * x + g[r];
+    }
+    for (int r = 0; r < 4; r++) values[r] = f[r];
+}
+
+typedef struct {
+    double enter, leave;
+    whole cell;
+} Span;
+
+typedef struct {
+    whole cells, degree;
+    const double *maps; /* (4, 4, cells): of each barycentric coordinate the factors of x, y, z and the constant */
+    const whole *piece_of;
+    const double *tables, *sizes, *jets; /* of each piece, with signs, without, and with derivatives side by side */
+    const double *nodes, *to_bernstein;
+    const double *largest; /* the sizes of polynomials at coordinates as large as `farthest` */
+    double growth, tolerance, reach, farthest;
+    int first;
+    double *enter, *leave; /* (cells,) */
+    Span *spans;
+} Scene;
+
+/* Where a ray is in each cell. */
+FAST
+static void cross_cells(const Scene *s, const double *o, const double *d, double *enter, double *leave)
+{
+    const whole cells = s->cells;
+    for (whole c = 0; c < cells; c++) {
+        enter[c] = 0;
+        leave[c] = INFINITY;
+    }
+    for (int k = 0; k < 4; k++) {
+        const double *a = s->maps + 4 * k * cells, *b = a + cells, *e = b + cells, *f = e + cells;
+        for (whole c = 0; c < cells; c++) {
+            const double at = a[c] * o[0] + b[c] * o[1] + e[c] * o[2] + f[c] + s->tolerance;
+            const double slope = a[c] * d[0] + b[c] * d[1] + e[c] * d[2];
+            const double met = -at / slope;
+            const double in = slope > 0 ? met : (slope == 0 && at < 0) ? INFINITY : 0;
+            const double out = slope < 0 ? met : INFINITY;
+            enter[c] = in > enter[c] ? in : enter[c];
+            leave[c] = out < leave[c] ? out : leave[c];
+        }
+    }
+}
+
+/* The stretches of a ray in cells, in order, without gaps or overlaps; how many. */
+static whole stretches(const Scene *s, const double *o, const double *d)
+{
+    whole count = 0, kept = 0;
+    double before = -INFINITY;
+    cross_cells(s, o, d, s->enter, s->leave);
+    for (whole c = 0; c < s->cells; c++) {
+        whole i = count;
+        if (!(s->leave[c] > s->enter[c])) continue;
+        for (; i > 0 && s->spans[i - 1].enter > s->enter[c]; i--) s->spans[i] = s->spans[i - 1];
+        s->spans[i] = (Span){s->enter[c], s->leave[c], c};
+        count++;
+    }
+    for (whole i = 0; i < count; i++) {
+        Span span = s->spans[i];
+        const double reached = before;
+        before = span.leave > before ? span.leave : before;
+        if (reached > span.enter) span.enter = reached;
+        if (!(span.leave > span.enter)) continue;
+        whole k = kept++;
+        for (; k > 0 && s->spans[k - 1].enter > span.enter; k--) s->spans[k] = s->spans[k - 1];
+        s->spans[k] = span;
+    }
+    return kept;
+}
+
+/* The Bernstein form on a stretch. */
+static void form_on(const Scene *s, const Span *span, const double *o, const double *d, double *form)
+{
+    const whole n = s->degree, piece = s->piece_of[span->cell], count = (n + 1) * (n + 2) * (n + 3) / 6;
+    double x[LANES], y[LANES], z[LANES], values[LANES];
+    for (int r = 0; r < LANES; r++) {
+        const double t = span->enter + s->nodes[r <= n ? r : n] * (span->leave - span->enter);
+        x[r] = o[0] + t * d[0];
+        y[r] = o[1] + t * d[1];
+        z[r] = o[2] + t * d[2];
+    }
+    at_points(n, s->tables + piece * count, x, y, z, values);
+    for (whole i = 0; i <= n; i++) {
+        form[i] = 0;
+        for (whole k = 0; k <= n; k++) form[i] += s->to_bernstein[i * (n + 1) + k] * values[k];
+    }
+}
+
+/* By how much its coefficients may be off: by the polynomial's size there, or, where that is not `close`, in the cells. */
+static double error_on(const Scene *s, const Span *span, const double *o, const double *d, int close)
+{
+    const whole n = s->degree, piece = s->piece_of[span->cell], count = (n + 1) * (n + 2) * (n + 3) / 6;
+    double far[3], off = 0, size = s->largest[piece];
+    int within = 1;
+    for (int i = 0; i < 3; i++) {
+        const double begin = fabs(o[i] + span->enter * d[i]), end = fabs(o[i] + span->leave * d[i]);
+        const double wide = s->reach + fabs(o[i]) + span->leave * fabs(d[i]);
+        far[i] = (begin > end ? begin : end) + MARGIN;
+        off = wide > off ? wide : off;
+        within &= far[i] <= s->farthest;
+    }
+    if (close || !within) {
+        double x[LANES], y[LANES], z[LANES], values[LANES];
+        for (int r = 0; r < LANES; r++) {
+            x[r] = far[0];
+            y[r] = far[1];
+            z[r] = far[2];
+        }
+        at_points(n, s->sizes + piece * count, x, y, z, values);
+        size = values[0];
+    }
+    return s->growth * ((2 * n + 8) * UNIT + 3 * 4 * UNIT * off / MARGIN) * size;
+}
+
+static double bernstein_at(whole n, const double *form, double t)
+{
+    const double rest = 1 - t;
+    double power = 1, times = 1, result = form[0];
+    for (whole i = 1; i <= n; i++) {
+        power *= t;
+        times = times * (n - i + 1) / i;
+        result = result * rest + times * power * form[i];
+    }
+    return result;
+}
+
+/* The root in [0, 1] of a monotone form whose ends differ in sign. */
+static double root_of(whole n, const double *form)
+{
+    double slopes[LANES], low = 0, high = 1, share = form[0] / (form[0] - form[n]);
+    const int falling = form[0] >= 0;
+    for (whole i = 0; i < n; i++) slopes[i] = n * (form[i + 1] - form[i]);
+    for (int step = 0; step < STEPS; step++) {
+        const double value = bernstein_at(n, form, share);
+        if ((value >= 0) == falling) low = share;
+        else high = share;
+        double after = share - value / bernstein_at(n - 1, slopes, share);
+        if (!(after >= low && after <= high)) after = (low + high) / 2;
+        const double way = fabs(after - share);
+        share = after;
+        if (!(way > CLOSE)) break;
+    }
+    return share;
+}
+
+/* A step of Newton's method on the polynomial itself, within the part. */
+static double polished(const Scene *s, const Span *span, const double *o, const double *d, double low, double width,
+                       double share, int rising)
+{
+    const whole n = s->degree, count = (n + 1) * (n + 2) * (n + 3) / 6;
+    const double way = span->leave - span->enter, t = span->enter + (low + width * share) * way;
+    const double begin = span->enter + low * way, end = span->enter + (low + width) * way;
+    double jet[4];
+    four_at(n, s->jets + 4 * count * s->piece_of[span->cell], o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2], jet);
+    const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2], better = t - jet[0] / slope;
+    if (!isfinite(better) || (slope > 0) != rising) return t;
+    return better < begin ? begin : better > end ? end : better;
+}
+
+typedef struct {
+    double low, width, form[LANES];
+} Part;
+
+typedef struct {
+    whole room, number, ray, *rays, *sides;
+    double *parameters;
+} Found;
+
+static int note(Found *found, double parameter, int side)
+{
+    if (found->number == found->room) return -1;
+    found->rays[found->number] = found->ray;
+    found->parameters[found->number] = parameter;
+    found->sides[found->number++] = side;
+    return 0;
+}
+
+/* What is on a part: 0 no root, 1 one, 2 it is to be halved, 3 it cannot be decided. */
+static int look(whole n, const double *form, double error)
+{
+    double low = form[0], high = form[0], least = INFINITY, most = -INFINITY;
+    for (whole i = 1; i <= n; i++) {
+        const double slope = form[i] - form[i - 1];
+        low = form[i] < low ? form[i] : low;
+        high = form[i] > high ? form[i] : high;
+        least = slope < least ? slope : least;
+        most = slope > most ? slope : most;
+    }
+    if (!(low <= error && high >= -error)) return 0;
+    if (least > 2 * error || most < -2 * error) return (form[0] < 0) != (form[n] < 0);
+    return (-low > high ? -low : high) <= UNDECIDED * error ? 3 : 2;
+}
+
+/* The crossings on a stretch: how many, -1 where there is no room, -2 where it cannot be decided. */
+static whole on_stretch(const Scene *s, const Span *span, const double *o, const double *d, const double *form,
+                        double error, Found *found)
+{
+    const whole n = s->degree;
+    Part parts[DEEPEST + 2];
+    whole number = 1, hits = 0;
+    parts[0].low = 0;
+    parts[0].width = 1;
+    for (whole i = 0; i <= n; i++) parts[0].form[i] = form[i];
+    while (number) {
+        Part part = parts[--number];
+        const int state = look(n, part.form, error);
+        if (state == 0) continue;
+        if (state == 3 || number > DEEPEST || part.width < 0x1p-39) return -2;
+        if (state == 1) {
+            const int rising = part.form[n] > part.form[0];
+            const double share = root_of(n, part.form);
+            if (note(found, polished(s, span, o, d, part.low, part.width, share, rising), rising ? 1 : -1)) return -1;
+            hits++;
+            continue;
+        }
+        Part *right = parts + number, *left = right + 1; /* the left one is looked at first */
+        for (whole k = 0; k <= n; k++) {
+            left->form[k] = part.form[0];
+            right->form[n - k] = part.form[n - k];
+            for (whole i = 0; i < n - k; i++) part.form[i] = (part.form[i] + part.form[i + 1]) / 2;
+        }
+        left->width = right->width = part.width / 2;
+        left->low = part.low;
+        right->low = part.low + part.width / 2;
+        number += 2;
+    }
+    return hits;
+}
+
+static int sign_of(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
+
+/* One ray in some stretches: -1 where there is no room, 1 where it cannot be decided. */
+static int shoot(const Scene *s, whole count, const double *o, const double *d, int close, Found *found)
+{
+    const whole n = s->degree;
+    int before = 0;
+    double reached = NAN;
+    for (whole i = 0; i < count; i++) {
+        const Span *span = s->spans + i;
+        double form[LANES];
+        const double error = error_on(s, span, o, d, close);
+        form_on(s, span, o, d, form);
+        int start = sign_of(form[0], error), end = sign_of(form[n], error), hit = 0;
+        const int begun = start == 0 && span->enter == 0 && end != 0 && before == 0;
+        if ((start == 0 || end == 0) && !begun) return 1;
+        if (reached == span->enter && before != start && !begun) return 1;
+        before = end;
+        reached = span->leave;
+        if (begun) {
+            whole k = 0;
+            while (fabs(form[k]) <= error) k++;
+            const int away = form[k] > 0 ? 1 : -1;
+            form[0] = away * 0x1p-1022;
+            if (note(found, 0.0, away)) return -1;
+            hit = 1;
+        }
+        const whole hits = on_stretch(s, span, o, d, form, error, found);
+        if (hits < 0) return hits == -1 ? -1 : 1;
+        if (s->first && (hits || hit)) break;
+    }
+    return 0;
+}
+
+/* `numbers` holds how many cells, the degree, and whether only first crossings are wanted; `bounds` the growth of errors,
+   the tolerance of cells, the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are counted in `number`, of `room`. */
+int pas_rays(const whole *numbers, const double *bounds, const double *maps, const whole *piece_of, const double *tables,
+             const double *sizes, const double *jets, const double *nodes, const double *to_bernstein,
+             const double *largest, whole count, const double *origins, const double *directions, whole room, whole *rays,
+             double *parameters, whole *sides, whole *exact, whole *number)
+{
+    Scene s = {numbers[0], numbers[1], maps, piece_of, tables, sizes, jets, nodes, to_bernstein, largest, bounds[0],
+               bounds[1], bounds[2], bounds[3], numbers[2] != 0, malloc((numbers[0] + 1) * sizeof(double)),
+               malloc((numbers[0] + 1) * sizeof(double)), malloc((numbers[0] + 1) * sizeof(Span))};
+    Found found = {room, 0, 0, rays, sides, parameters};
+    int state = s.enter && s.leave && s.spans ? 0 : -1;
+    for (whole r = 0; state == 0 && r < count; r++) {
+        const whole begun = found.number;
+        const double *o = origins + 3 * r, *d = directions + 3 * r;
+        const whole spans = stretches(&s, o, d);
+        int result = 1;
+        found.ray = r;
+        for (int close = 0; close < 2 && result == 1; close++) {
+            found.number = begun;
+            result = shoot(&s, spans, o, d, close, &found);
+        }
+        exact[r] = result == 1;
+        if (result == 1) found.number = begun;
+        if (result == -1) state = -1;
+    }
+    *number = found.number;
+    free(s.enter);
+    free(s.leave);
+    free(s.spans);
+    return state;
+}
