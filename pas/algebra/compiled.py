@@ -85,16 +85,19 @@ class Functions:
 
         Arrays to be written must be contiguous.  Raises `MemoryError` where there was no room.
         """
-        held = [_held(value) for value in arguments]
+        held = [_held(value) if isinstance(value, np.ndarray) else value for value in arguments]
         if getattr(self._library, name)(*map(_argument, held)):
             raise MemoryError(f"there is no memory for {name}")
 
 
-def _held(value: Any) -> Any:
-    """Arrays as the functions take them; those that they write to already are."""
-    if isinstance(value, np.ndarray):
-        return np.ascontiguousarray(value, dtype=np.intp if value.dtype.kind == "i" else None)
-    return value
+def _held(array: NDArray[Any]) -> NDArray[Any]:
+    """An array as the functions take it; those that they write to already are."""
+    if array.flags.c_contiguous and array.dtype in _TAKEN:
+        return array
+    return np.ascontiguousarray(array, dtype=np.intp if array.dtype.kind == "i" else None)
+
+
+_TAKEN = (np.dtype(np.float64), np.dtype(np.intp), np.dtype(np.bool_))
 
 
 def _argument(value: Any) -> Any:

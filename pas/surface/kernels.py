@@ -63,7 +63,6 @@ class CompiledForms:
         self._call("pas_leaving", len(weights), weights, len(points), points, multiples, faces)
         return multiples, faces
 
-
     def rays(
         self, scene: Scene, origins: Floats, directions: Floats, first: bool
     ) -> tuple[Integers, Floats, Integers, np.ndarray] | None:

@@ -13,12 +13,10 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.radial import facets
-from pas.surface.mesh_stage import LARGER, ON_WALL, Sheet, Stage
+from pas.mesh.improve import cross
+from pas.mesh.radial import dots
+from pas.surface.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
 from pas.surface.triangle_forms import on_corners
-
-ROUNDINGS = 64
-"""Of a triangle's unit normal, over its longest edge squared and its area."""
 
 CUTS, MANY = 6, 4096
 """How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
@@ -26,7 +24,7 @@ CUTS, MANY = 6, 4096
 CLEAR = 1e-9
 """In local units: how far what is apart from a triangle is from a plane of it."""
 
-TIMES = (0.65, 0.75, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 4.0)
+TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
 the share `USUAL` of them."""
 
@@ -56,18 +54,21 @@ class Boxes:
         return rows
 
 
-def apart(simplex: Floats, triangles: Floats) -> np.ndarray:
-    """Which triangles (T, 3, 3) a plane separates from a simplex (d + 1, 3): their own, or one through a side of it.
+def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
+    """Which simplices (K, d + 1, 3) are parted from triangles (K, 3, 3) with unit normals (K, 3), each from one, by its
+    plane or one through a side of it.
 
     Others may be apart as well.  The margin `CLEAR` is for rounding, and for corners on walls that are off these.
     """
-    normals = unit_normals(triangles)[0]
-    heights = [np.einsum("tsx,tx->ts", simplex - triangles[:, :1], side * normals) for side in (-1, 1)]
+    found = np.zeros(len(simplices), dtype=bool)
+    planes = [(corners[:, 0], normals), (corners[:, 0], -normals)]
     for i in range(3):
-        way = triangles[:, (i + 1) % 3] - triangles[:, i]
-        out = np.cross(way, normals) / np.maximum(np.sqrt((way * way).sum(axis=1)), 1e-300)[:, None]
-        heights.append(np.einsum("tsx,tx->ts", simplex - triangles[:, i, None], out))
-    return np.asarray(np.max([height.min(axis=1) for height in heights], axis=0) > CLEAR)
+        way = corners[:, (i + 1) % 3] - corners[:, i]
+        planes.append((corners[:, i], cross(way, normals) / np.maximum(np.sqrt(dots(way, way)), 1e-300)[:, None]))
+    for point, out in planes:
+        heights = [dots(simplices[:, k] - point, out) for k in range(simplices.shape[1])]
+        found |= np.minimum.reduce(heights) > CLEAR
+    return found
 
 
 def bounds(sheet: Sheet) -> Bounds:
@@ -75,7 +76,7 @@ def bounds(sheet: Sheet) -> Bounds:
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
-    normals, loose = unit_normals(sheet.corners)
+    normals, loose = sheet.normals, sheet.loose
     most, least = np.zeros(len(normals)), np.full(len(normals), np.inf)
     owner, corners, usual = np.arange(len(normals)), sheet.corners, np.inf
     for depth in range(CUTS + 1):
@@ -121,16 +122,6 @@ def _largest(ranges: tuple[Floats, Floats]) -> Floats:
     return np.maximum(-ranges[0], ranges[1])
 
 
-def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
-    """Unit normals (T, 3) of triangles, and by how much each may be turned, by rounding or by putting corners that are
-    off a wall by rounding onto it."""
-    across = facets(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-    area = np.maximum(np.sqrt((across * across).sum(axis=1)), 1e-300)
-    sides = corners - np.roll(corners, 1, axis=1)
-    longest = (sides * sides).sum(axis=2).max(axis=1)
-    return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
-
-
 def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     """What derivatives along unit vectors may be off by, which are themselves off by `loose` (T,): of gradients of
     some size (T,) whose coefficients err by so much."""
@@ -144,7 +135,7 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
     """
     found, numbers = [np.empty(0)], [np.empty(0, dtype=np.intp)]
-    normals, loose = unit_normals(sheet.corners)
+    normals, loose = sheet.normals, sheet.loose
     for across, vertices in rims:
         owner = np.flatnonzero(vertices[sheet.triangles].any(axis=1))
         marks, corners = vertices[sheet.triangles[owner]], sheet.corners[owner]
@@ -191,7 +182,7 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     stage = sheet.stage
     if stage.center is None:
         return None
-    normals, longest = unit_normals(sheet.corners)[0], stage.beyond
+    normals, longest = sheet.normals, stage.beyond
     with np.errstate(all="ignore"):
         need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
     known = np.sort(need[need <= longest])
@@ -203,11 +194,11 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
         for away in tried:
             checkpoint(f"bounding distances ({len(owner)} triangles)")
             rows = np.flatnonzero(~several | (away <= ENOUGH * usual) | (depth == CUTS))
-            far, apart = _apart(stage, corners[rows], normals[owner[rows]], away)
-            apart &= far <= longest
-            np.maximum.at(way, owner[rows[apart]], far[apart] * (1 + ROUNDINGS * UNIT_ROUNDOFF))
+            done = rows[_signs(stage, corners[rows], -away * normals[owner[rows]], -1)]
+            done = done[_signs(stage, corners[done], away * normals[owner[done]], 1)]
+            np.maximum.at(way, owner[done], away + ROUNDINGS * UNIT_ROUNDOFF * (away + stage.reach))
             left = np.ones(len(owner), dtype=bool)
-            left[rows[apart]] = False
+            left[done] = False
             owner, corners, several = owner[left], corners[left], several[left]
             if not len(owner):
                 return way
@@ -219,7 +210,7 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
 
 
 def _several(stage: Stage, corners: Floats, ways: Floats) -> np.ndarray:
-    """Which triangles (T, 3, 3) may touch several pieces when they are moved along given ways (T, 3) or back."""
+    """Which triangles (T, 3, 3) may touch several pieces when they are moved along ways (T, 3) or back."""
     if len(stage.makers) == 1:
         return np.zeros(len(corners), dtype=bool)
     moved = [stage.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
@@ -231,16 +222,9 @@ def _times(rows: list[Integers], count: int) -> Integers:
     return np.bincount(np.concatenate(rows), minlength=count)
 
 
-def _apart(stage: Stage, corners: Floats, normals: Floats, way: float) -> tuple[Floats, np.ndarray]:
-    """How far triangles (T, 3, 3) that are moved so far along normals (T, 3) and back get, and between which places f
-    surely changes its sign."""
-    back, forth = (corners + side * way * normals[:, None] for side in (-1, 1))
-    off = np.maximum(((back - corners) ** 2).sum(axis=2), ((forth - corners) ** 2).sum(axis=2))
-    return np.sqrt(off.max(axis=1)), _signs(stage, back, -1) & _signs(stage, forth, 1)
-
-
-def _signs(stage: Stage, corners: Floats, sign: int) -> np.ndarray:
-    """On which triangles (T, 3, 3) of the enlarged region f surely has a sign."""
+def _signs(stage: Stage, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+    """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
+    corners = corners + ways[:, None]
     result = np.ones(len(corners), dtype=bool)
     for maker, near in zip(stage.makers, stage.touched(corners, LARGER), strict=True):
         rows = near[result[near]]

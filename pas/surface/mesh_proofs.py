@@ -111,7 +111,7 @@ def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.
     inside = np.zeros(len(points), dtype=bool)
     for cell in range(len(stage.corners)):
         inside |= stage.barycentric(points, np.array([cell]))[0].min(axis=0) >= -1e-11
-    used = np.unique(sheet.triangles)
+    used = np.flatnonzero(np.bincount(sheet.triangles.ravel(), minlength=len(points)))
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
         return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
@@ -193,10 +193,13 @@ def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(sheet.corners) <= BOXES:
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
-            for row, *ends in zip(near.tolist(), low, high, strict=True):
-                meeting = boxes.meeting(*ends)
-                meeting = meeting[most[meeting] >= least[row] * size]
-                result[row] = apart(simplices[row], sheet.corners[meeting]).all()
+            met = [boxes.meeting(*ends) for ends in zip(low, high, strict=True)]
+            rows, triangles = np.repeat(near, [len(some) for some in met]), np.concatenate([*met, near[:0]])
+            close = most[triangles] >= least[rows] * size
+            rows, triangles = rows[close], triangles[close]
+            free_of = apart(simplices[rows], sheet.corners[triangles], sheet.normals[triangles])
+            result[near] = True
+            result[rows[~free_of]] = False
         return result
 
     return [rests(found, sheet.stage.degree, free) for found in sheet.stage.leaves]

@@ -15,8 +15,10 @@ import numpy as np
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
-from pas.bernstein.forms import b_form, nearby_forms, on_simplex
+from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
+from pas.mesh.improve import cross
+from pas.mesh.radial import dots
 from pas.partition.frame import Frame
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import Leaves, leaves
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
+
+ROUNDINGS = 64
+"""Of a triangle's unit normal, over its longest edge squared and its area; and of points that are moved."""
 
 SCALED = 1e-9
 """Relative error of sizes of B-coefficients that are known but for a factor."""
@@ -225,9 +230,22 @@ class Stage:
 
 
 class Sheet:
-    """A mesh on a stage: its points (N, 3) in local coordinates, and triangles (T, 3)."""
+    """A mesh on a stage: its points (N, 3) in local coordinates, triangles (T, 3), their corners (T, 3, 3) and unit
+    normals (T, 3), and by how much these may be turned (T,)."""
 
     def __init__(self, stage: Stage, points: Floats, triangles: Integers) -> None:
         self.stage, self.triangles = stage, triangles
         self.points = (points - stage.origin) / stage.scale
-        self.corners = self.points[triangles]
+        self.corners = np.take(self.points, triangles, axis=0)
+        self.normals, self.loose = unit_normals(self.corners)
+
+
+def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
+    """Unit normals (T, 3) of triangles, and by how much each may be turned, by rounding or by putting corners that are
+    off a wall by rounding onto it."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    first, second, third = b - a, c - b, a - c
+    across = cross(first, -third)
+    area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
+    longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
+    return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
