@@ -63,9 +63,16 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     order = np.argsort(low * size + high)
     keys = (low * size + high)[order]
     middles = points[edges].mean(axis=1)[order]
-    marks = np.stack([_lookup(keys, triangles[:, i], triangles[:, (i + 1) % 3], size) for i in range(3)], axis=1)
+    ends = np.zeros(size, dtype=bool)
+    ends[edges] = True
+    a, b, c = (ends[triangles[:, i]] for i in range(3))
+    some = np.flatnonzero((a & b) | (b & c) | (c & a))  # all others stay
+    turned = triangles[some]
+    marks = np.stack([_lookup(keys, turned[:, i], turned[:, (i + 1) % 3], size) for i in range(3)], axis=1)
     count = (marks >= 0).sum(axis=1)
-    pieces, parents = [triangles[count == 0]], [np.flatnonzero(count == 0)]
+    whole = np.ones(len(triangles), dtype=bool)
+    whole[some[count > 0]] = False
+    pieces, parents = [triangles[whole]], [np.flatnonzero(whole)]
     # turned so that the one split edge is the first, or the one unsplit edge the last
     for number in (1, 2, 3):
         rows = count == number
@@ -73,7 +80,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
             axis=1
         )
         turn = (first[:, None] + np.arange(3) + (1 if number == 2 else 0)) % 3
-        a, b, c = np.take_along_axis(triangles[rows], turn, axis=1).T
+        a, b, c = np.take_along_axis(turned[rows], turn, axis=1).T
         p, q, r = (np.take_along_axis(marks[rows], turn, axis=1) + size).T
         if number == 1:
             corners = [(a, p, c), (p, b, c)]
@@ -82,7 +89,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
         else:
             corners = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
         pieces += [np.stack(corner, axis=1) for corner in corners]
-        parents += [np.flatnonzero(rows)] * len(corners)
+        parents += [some[rows]] * len(corners)
     return np.concatenate([points, middles]), np.concatenate(pieces), np.concatenate(parents)
 
 
