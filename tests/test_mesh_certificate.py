@@ -94,6 +94,14 @@ def test_meshes_of_larger_nodes_are_proved():
     proved_near(struts(*ends))
 
 
+@pytest.mark.slow
+def test_triangles_that_fold_are_made_finer():
+    surface = struts((-1, -3, 1), (2, 1, -1), (3, 0, -1))
+    mesh = surface.mesh(1e-2 * float(np.ptp(surface.partition.points, axis=0).max()))
+    assert mesh.is_manifold
+    assert mesh.euler_characteristic == -1
+
+
 def test_the_distance_is_not_below_what_is_measured():
     mesh = torus()
     rng = np.random.default_rng(1)

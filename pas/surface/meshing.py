@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
@@ -13,6 +14,9 @@ from pas.surface.surface_mesh import SurfaceMesh
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
+
+FINER = (1.0, 0.5, 0.25)
+"""Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
 
 
 def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> SurfaceMesh:
@@ -26,12 +30,17 @@ def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Sur
 
 def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
     field = surface.radial_field
-    if field is not None:
+    for share in () if field is None else FINER:
+        assert field is not None
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
-                return star(field, tolerance / field.scale, most)
+                return star(field, share * tolerance / field.scale, most)
         except ArithmeticError:
             pass
+        except MeshError:  # too many triangles
+            if share == 1:
+                raise
+            break
     lattice = surface.cell_field
     with np.errstate(all="ignore"):  # what is not finite is folded, and refused
         return triangulate(lattice, tolerance / lattice.scale, most)
