@@ -450,3 +450,12 @@ def test_the_bound_lies_at_the_largest_curvature(text):
 
 def test_limits_can_be_changed_one_by_one():
     assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
+
+
+def test_a_slider_never_leaves_the_surface_behind():
+    pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+    blend = pas.blend(pipes, 2, 6)
+    for step in range(46):  # at the end steps meet conditions of the sheet that they had not seen
+        before = blend
+        blend = before.refit(tension=f"{4.6 + 2 * np.sin(step * 0.1):.4f}")
+        assert blend.surface.patches != before.surface.patches, step

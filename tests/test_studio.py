@@ -25,12 +25,12 @@ from pas.studio import documents
 from pas.studio.code import program, toml
 from pas.studio.controls import controls
 from pas.studio.desk import Desk
-from pas.studio.documents import DOCUMENTS, TEAPOT, checked, plain_tables, problem_of
-from pas.studio.gallery import GALLERY
+from pas.studio.documents import DOCUMENTS, checked, plain_tables, problem_of
+from pas.studio.gallery import GALLERY, TEAPOT
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, picture
 from pas.studio.server import PAGE, Studio, listening
-from pas.studio.session import Session, request_of
+from pas.studio.session import REST, Session, request_of
 from pas.studio.workers import StoppedError
 
 CORNER = {
@@ -57,8 +57,8 @@ def changed(**problem):
 def desk():
     """A desk that has solved the corner."""
     made = Desk()
-    message, kept = made.solve(CORNER)
-    made.take(*kept)
+    message = made.solve(CORNER)
+    made.take(*made.kept(CORNER))
     return made, message
 
 
@@ -70,11 +70,13 @@ def run(text):
 
 def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     document = changed(**SHAPED)
-    message, _ = Desk().solve(document)
+    desk = Desk()
+    desk.solve(CORNER)  # from the space of which the next one is chosen
+    message = desk.solve(document)
     (tmp_path / "copied.toml").write_text(message.head["toml"])
     for again in (run(message.head["python"]), pas.read_problem(tmp_path / "copied.toml").solve()):
         assert (coefficients(again.surface) == message.arrays["coefficients"]).all()
-    assert message.head["proved"] and message.head["facts"]["fairness"]["sharpness"] < 2
+    assert message.head["proved"] and desk.measure(document).head["facts"]["fairness"]["sharpness"] < 2
     assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
@@ -102,7 +104,7 @@ def test_starting_points_are_documents_with_controls(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GALLERY)
 def test_starting_points_are_solved_and_seen(name):
-    message, _ = Desk().solve(GALLERY[name])
+    message = Desk().solve(GALLERY[name])
     assert not [v for v in message.head["verdicts"] if v["status"] in ("refuted", "fails, measured")]
     assert len(message.packed()) < 4e6
 
@@ -171,7 +173,7 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
         try:
             made.move(changed(**shape), "")
         except (pas.PasError, ValueError):  # a point outside, or a step that is lost from sight
-            made.take(*Desk().solve(CORNER)[1])
+            made.take(*Desk().kept(CORNER))
             continue
         proved = made.prove().head["proved"]
         counts[proved] += 1
@@ -183,9 +185,10 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
 def test_changed_contacts_are_outlined_at_once(desk):
     made, _ = desk
     pipes = [{**CORNER["problem"]["pipes"][0], "radius": "0.3"}, *CORNER["problem"]["pipes"][1:]]
-    outline = made.outline(changed(pipes=pipes))
+    outline = made.move(changed(pipes=pipes))
     assert outline.head["kind"] == "outline" and len(outline.head["beyond"]) == 3
-    assert made.outline(changed(tension="9")) is None
+    assert made.move(changed(pipes=pipes), anew=True).head["kind"] == "picture"
+    assert made.move(changed(tension="9")).head["kind"] == "picture"
 
 
 WRONG_DOCUMENTS = [
@@ -219,9 +222,9 @@ def test_files_are_read_by_their_text_alone(desk, tmp_path):
     made.seen.save(tmp_path / "kept.pas.json")
     opened = made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text())
     assert opened == {"kind": "project", "name": "kept.pas.json", "sliders": {}, "blend": True}
-    message, _ = made.solve(opened)
+    message = made.solve(opened)
     assert 'pas.load("kept.pas.json")' in message.head["python"]
-    moved = made.solve({**opened, "sliders": {"tension": "8"}})[0]
+    moved = made.solve({**opened, "sliders": {"tension": "8"}})
     assert 'refit(steps=None, tension="8")' in moved.head["python"] and moved.head["proved"]
     with pytest.raises(pas.ProjectFileError, match="its content does not match its checksum"):
         made.read("kept.pas.json", (tmp_path / "kept.pas.json").read_text().replace('"degree"', '"grade"', 1))
@@ -258,13 +261,13 @@ REFUTED = changed(
 
 def test_a_refuted_state_says_where_and_is_repaired():
     made = Desk()
-    message, _ = made.solve(REFUTED)
+    message = made.solve(REFUTED)
     failed = [v for v in message.head["verdicts"] if v["status"] == "refuted"]
     assert failed and not message.head["proved"] and all(len(v["witness"]) == 3 for v in failed if v["witness"])
     assert any(v["witness"] for v in failed)
     again = made.repair(REFUTED)
     assert again["problem"]["points"]["near"] == REFUTED["problem"]["points"]["near"]
-    assert made.solve(again)[0].head["proved"]
+    assert made.solve(again).head["proved"]
     with pytest.raises(InputError, match="only blends can be repaired"):
         made.repair({"kind": "teapot", "values": {}})
 
@@ -284,13 +287,17 @@ class Slow:
     """A worker whose answers are given when the test says so."""
 
     def __init__(self):
-        self.asked, self.gates = [], []
+        self.asked, self.gates, self.doing = [], [], ()
 
     async def ask(self, verb, *arguments):
         gate = asyncio.get_running_loop().create_future()
-        self.asked.append((verb, *arguments))
+        self.doing = (verb, *arguments)
+        self.asked.append(self.doing)
         self.gates.append(gate)
-        return await gate
+        try:
+            return await gate
+        finally:
+            self.doing = ()
 
     def stop(self):
         if self.gates and not self.gates[-1].done():
@@ -317,24 +324,42 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         running = asyncio.create_task(session.run())
         for seq in (1, 2, 3):
             await ask("move", seq)
-        assert [a[:2] for a in quick.asked] == [("outline", {"n": 1})]
-        quick.gates[-1].set_result(None)
+        assert [a[:2] for a in quick.asked] == [("move", {"n": 1})]
+        quick.gates[-1].set_result(Message({"kind": "outline"}))
         await settle()
+        assert quick.asked[-1] == ("move", {"n": 1}, "", True)
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await settle()
-        assert quick.asked[-1] == ("outline", {"n": 3})  # 2 was never worked on
-        quick.gates[-1].set_result(None)
-        await settle()
+        assert quick.asked[-1][:2] == ("move", {"n": 3})  # 2 was never worked on
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await ask("rest", 3)
         assert quick.asked[-1] == ("prove",) and final.asked[-1] == ("solve", {"n": 3})
         await ask("move", 4)  # ends the proof of 3
+        quick.gates[-1].set_result(Message({"kind": "moved"}))
         await ask("rest", 4)  # and its final shape
-        assert [m["seq"] for m in sent] == [1, 3] and not [m for m in sent if m["kind"] == "verdicts"]
+        assert [m["seq"] for m in sent] == [1, 1, 3, 4] and not [m for m in sent if m["kind"] == "verdicts"]
         assert final.asked[-1] == ("solve", {"n": 4})
-        final.gates[-1].set_result((Message({"kind": "picture", "final": True}), None))
+        final.gates[-1].set_result(Message({"kind": "picture", "final": True}))
         await settle()
-        assert sent[-1] == {"kind": "picture", "final": True, "shot": 3, "seq": 4}
+        assert sent[-1] == {"kind": "picture", "final": True, "shot": 4, "seq": 4}
+        assert final.asked[-1] == ("kept", {"n": 4})
+        final.gates[-1].set_result(("key", {}))
+        await settle()
+        assert quick.asked[-1] == ("take", "key", {}) and final.asked[-1] == ("measure", {"n": 4})
+        final.gates[-1].set_result(Message({"kind": "measures"}))
+        await settle()
+        assert sent[-1] == {"kind": "measures", "shot": 4}
+        quick.gates[-1].set_result(None)
+        await ask("move", 5)
+        quick.gates[-1].set_result(Message({"kind": "moved"}))
+        await asyncio.sleep(1.5 * REST)
+        for verb in ("prove", "measure"):
+            assert quick.asked[-1] == (verb,)
+            quick.gates[-1].set_result(Message({"kind": verb}))
+            await settle()
+        assert final.asked[-1] == final.doing == ("solve", {"n": 5})  # ahead, while the hand rests
+        await ask("move", 6)
+        assert final.doing == () and sent[-1]["kind"] == "measure"
         running.cancel()
 
     asyncio.run(talk())
@@ -393,9 +418,12 @@ def test_pages_are_served_to_itself_alone(server):
         assert ask(port, path)[0] in (403, 404)
 
 
-def test_the_whole_page_is_small_and_names_no_other_host():
+def test_the_whole_page_is_small_and_names_no_other_host(server):
     files = [path for path in PAGE.iterdir() if path.is_file()]
-    assert sum(path.stat().st_size for path in files) < 80_000
+    bodies = [ask(server[1], f"/{path.name}", **{"Accept-Encoding": "gzip"}) for path in files]
+    assert {headers.get("content-encoding", "identity") for _, headers, _ in bodies} <= {"gzip", "identity"}
+    assert sum(len(body) for _, _, body in bodies) < 80_000  # over the wire, as browsers ask for it
+    assert sum(path.stat().st_size for path in files) < 120_000
     for path in files:
         names = set(re.findall(r"(?:https?|wss?)://([^/\s`'\"]+)", path.read_text(encoding="utf-8")))
         assert names <= {"www.w3.org", "${location.host}"}, path  # the first names SVG, and is never asked

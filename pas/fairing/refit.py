@@ -43,7 +43,7 @@ def refitted(
     live = steps is not None
     state = State(*_seen(fairing, surface, choice, wishes, live), rows)
     search = Search(Exchange(programme, fairing.guard, margins or SLIM), LIVE_LATTICE if live else LATTICE)
-    settling = Settling(search)
+    settling = Settling(search, live)
     if not programme.holds(state.member):
         moved = settling.forced(state)
         if moved is None:

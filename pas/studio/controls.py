@@ -14,7 +14,7 @@ from typing import Any
 
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.rational import rational, to_float
-from pas.studio.documents import TEAPOT, Data
+from pas.studio.gallery import TEAPOT, Data
 from pas.surface.contact import CONTACTS
 
 Control = dict[str, Any]

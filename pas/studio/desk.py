@@ -11,7 +11,8 @@ import hashlib
 import json
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -20,7 +21,6 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.rational import plain, rational
 from pas.errors import InfeasibleError, InputError, NoSolutionError, NotProvedError
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import read_problem
@@ -33,8 +33,9 @@ from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
 from pas.studio.controls import LENGTHS, SHAPE, TENSION, controls
-from pas.studio.documents import Data
+from pas.studio.gallery import Data
 from pas.studio.messages import Message
+from pas.studio.repairs import remedies
 from pas.studio.scene import coefficients, outline, picture, quick
 from pas.studio.sections import hairs
 
@@ -65,7 +66,7 @@ class Desk:
         self.key = self.scene = ""
         self.placed: Any = None
         self.before: Data = {}
-        self.solved: tuple[str, Shape] | None = None
+        self.solved: tuple[Data, Shape] | None = None
 
     def read(self, name: str, text: str) -> Data:
         """The document of a file's text: a problem, or a project, which is open from then on."""
@@ -79,45 +80,73 @@ class Desk:
             shape = self.opened[path.name] = load(path)
             return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
 
-    def solve(self, document: Data) -> tuple[Message, tuple[str, dict[str, Any]] | None]:
-        """The final picture of a document with its verdicts, and what another desk needs to follow from there."""
+    def solve(self, document: Data) -> Message:
+        """The final picture of a document with its verdicts."""
         with limit(PATIENCE, stopped=self.stopped):
             shape = self.shape_of(document)
             message = picture(shape)
             head = {**message.head, **_judged(shape), **_texts(document), "controls": controls(document),
                     "final": True, "scene": scene_of(message), "name": name_of(document)}  # fmt: skip
-        self.solved = (_key(document), shape)
-        kept = (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
-        return Message(head, message.arrays), kept
+        self.solved = (document, shape)
+        return Message(head, message.arrays)
+
+    def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
+        """What another desk needs to follow from a document's shape; None where that cannot be followed."""
+        shape = self.shape_of(document)
+        return (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
 
     def shape_of(self, document: Data) -> Shape:
         """The shape of a document; where it is not proved, the best that was found."""
-        if self.solved is not None and self.solved[0] == _key(document):
-            return self.solved[1]
+        before, shape = self.solved or ({}, None)
+        if shape is not None and before == document:
+            return shape
         try:
-            return documents.solve(documents.checked(document), self.opened)
+            documents.checked(document)
+            return self._refitted(before, document, shape) or documents.solve(document, self.opened)
         except NotProvedError as error:
             if error.blend is None:
                 raise
             found: Shape = error.blend
             return found
 
-    def take(self, key: str, content: dict[str, Any]) -> None:
-        """Begin from a blend that another desk has found; its first step is prepared."""
-        shape: Blend = KINDS["blend"].read(content)
-        self._keep(key, shape)
-        if shape.standing != "refuted":
-            shape.space.fairing(shape.plate)
+    def _refitted(self, before: Data, document: Data, shape: Any) -> Shape | None:
+        """What `pas.blend` finds at a given degree, from the space that it was found in before; else None.
 
-    def move(self, document: Data, scene: str = "") -> Message:
-        """A picture of a shape near that of the document; `scene` is what the page has already."""
+        With the degree given, a blend is the choice in its space, whatever else was tried: so only points and tension
+        may differ from the document `before`.
+        """
+        given = document["kind"] == "problem" and isinstance(document["problem"].get("degree"), int)
+        if not given or not can_follow(shape) or documents.base_of(before) != documents.base_of(document):
+            return None
+        problem: Any = documents.problem_of(document["problem"])
+        if problem.wishes.basis is not None:
+            return None
+        found: Shape = shape.space.fit(problem.wishes)
+        return found
+
+    def take(self, key: str, content: dict[str, Any]) -> None:
+        """Begin from a blend that another desk has found; a step in place prepares the first one."""
+        shape: Blend = KINDS["blend"].read(content)
+        before: Any = self.bases.get(key)
+        if before is not None and before.surface.degree == shape.surface.degree:
+            space = before.space
+            shape = replace(shape, find_space=lambda: space)
+        self._keep(key, shape)
+        with suppress(InfeasibleError):  # then the first move says so
+            self._keep(key, shape.refit())
+
+    def move(self, document: Data, scene: str = "", anew: bool = False) -> Message:
+        """A picture of a shape near that of the document; `scene` is what the page has already.
+
+        Where the blend has to be solved anew, which takes longer, it is the outline of the neighbours, unless `anew`.
+        """
         began = time.perf_counter()
-        message = self._moved(document, scene)
+        documents.checked(document)
+        message = (None if anew else self._outline(document)) or self._moved(document, scene)
         return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
 
     def _moved(self, document: Data, scene: str) -> Message:
         with limit(PATIENCE, stopped=self.stopped):
-            documents.checked(document)
             shape = self._followed(document)
             self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
             if not can_follow(shape):
@@ -130,9 +159,8 @@ class Desk:
             self.placed, self.scene = surface.placed, name.partition(" ")[2]
             return Message({**message.head, "scene": name}, message.arrays)
 
-    def outline(self, document: Data) -> Message | None:
-        """The neighbours alone, where these have changed and the blend has to be solved anew, which takes longer."""
-        documents.checked(document)
+    def _outline(self, document: Data) -> Message | None:
+        """The neighbours alone, where these have changed."""
         key = _key(documents.base_of(document))
         if key == self.key or key in self.bases or document["kind"] != "problem":
             return None
@@ -147,6 +175,15 @@ class Desk:
             raise InputError("nothing was moved yet")
         with limit(PATIENCE, stopped=self.stopped):
             return Message({"kind": "verdicts", **_judged(self.seen)})
+
+    def measure(self, document: Data | None = None) -> Message:
+        """How fair a document's shape is, or that of the last `move`."""
+        with limit(PATIENCE, stopped=self.stopped):
+            shape = self.seen if document is None else self.shape_of(document)
+            told = {} if shape is None else kind_of(shape).facts(shape)
+        limits = getattr(shape, "limits", None)
+        facts = {"fairness": told.get("fairness"), "limits": {} if limits is None else vars(limits)}
+        return Message({"kind": "measures", "facts": facts})
 
     def repair(self, document: Data) -> Data:
         """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
@@ -163,7 +200,7 @@ class Desk:
                 except (NotProvedError, InfeasibleError, NoSolutionError):
                     continue
                 if found.certificate.proved:
-                    self.solved = (_key(other), found)
+                    self.solved = (other, found)
                     return other
         raise InputError(
             "no repair was found: neither by guarding the witness, nor by lighter weights, nor by a higher degree"
@@ -225,28 +262,6 @@ class Desk:
             self.bases.pop(next(iter(self.bases)))
 
 
-def remedies(document: Data, shape: Any) -> Iterator[Data]:
-    """What may be tried in turn: to ask for proofs, to guard the witness, lighter weights, higher degrees."""
-    problem = {name: value for name, value in document["problem"].items() if name not in ("prove", "guard")}
-    document = {**document, "problem": problem}
-    yield document
-    points = problem.get("points", {})
-    failed = [v.witness for v in shape.certificate.verdicts if v.failed and v.witness is not None]
-    for kind in ("outside", "inside") if failed else ():
-        witnesses = [[repr(round(c, 6)) for c in place] for place in failed]
-        yield _with(document, points={**points, kind: [*points.get(kind, []), *witnesses]})
-    if points.get("near") and not isinstance(points.get("near_weight", ""), list):
-        for share in (10, 100):
-            weight = rational(points.get("near_weight", DEFAULT_NEAR_WEIGHT)) / share
-            yield _with(document, points={**points, "near_weight": plain(weight)})
-    for more in (1, 2):
-        yield _with(document, degree=shape.surface.degree + more)
-
-
-def _with(document: Data, **changed: Any) -> Data:
-    return {**document, "problem": {**document["problem"], **changed}}
-
-
 def _texts(document: Data) -> dict[str, Any]:
     """The program and the problem file to copy."""
     kind = documents.DOCUMENTS[document["kind"]]
@@ -271,15 +286,11 @@ def scene_of(message: Message) -> str:
 
 
 def _judged(shape: Shape) -> dict[str, Any]:
-    """The verdicts, and what the kind of shape says of itself."""
-    certificate, facts = shape.certificate, kind_of(shape).facts(shape)
-    told = {name: facts[name] for name in ("degree", "dimension", "fairness", "beyond") if name in facts}
-    limits = getattr(shape, "limits", None)
+    certificate = shape.certificate
     return {
         "proved": certificate.proved,
         "counts": certificate.counts,
         "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
-        "facts": told | ({} if limits is None else {"limits": vars(limits)}),
     }
 
 

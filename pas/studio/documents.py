@@ -28,14 +28,10 @@ from pas.pipeline.result import Blend
 from pas.registry import Registry
 from pas.shape import Shape
 from pas.studio import code
-
-Data = dict[str, Any]
+from pas.studio.gallery import TEAPOT, Data
 
 SLIDERS = ("tension", "points")
 """Parts of a problem of contacts that `Blend.refit` follows."""
-
-TEAPOT = {"lid_height": "7/5", "spout_tilt": "0", "handle_size": "1"}
-"""The teapot's parameters as they are without a word."""
 
 PLACE = re.compile(r"^problem\.toml(, line \d+)?: ")
 """What the reader of files puts before its sentences: a page has no lines."""

@@ -1,10 +1,16 @@
-"""Starting points: documents by name, for a page that is opened without a file."""
+"""Starting points: documents by name, for a page that is opened without a file.
+
+Nothing but plain data, so that the server is there at once.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pas.studio.documents import TEAPOT, Data
+Data = dict[str, Any]
+
+TEAPOT = {"lid_height": "7/5", "spout_tilt": "0", "handle_size": "1"}
+"""The teapot's parameters as they are without a word."""
 
 
 def _pipe(axis: list[Any], radius: str, clip: Any = 1, **more: Any) -> dict[str, Any]:

@@ -10,17 +10,17 @@ import asyncio
 import secrets
 import socket
 import webbrowser
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pas.errors import InputError, MissingLibraryError, PasError
+from pas.errors import InputError, MissingLibraryError
 from pas.studio import session as sessions
-from pas.studio.desk import Desk
+from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
 from pas.studio.session import Session
-from pas.studio.workers import RefusedError, Worker
+from pas.studio.workers import RefusedError, StoppedError, Worker
 
 PAGE = Path(__file__).parent / "page"
 
@@ -64,6 +64,7 @@ class Studio:
         self.file, self.port = file, port
         self.token = secrets.token_urlsafe(24) if token is None else token
         self.spare: tuple[Worker, Worker] | None = None
+        self.first: Data = next(iter(GALLERY.values()))
         self.closing = False
         self.pages: dict[Session, Callable[[Message], Awaitable[None]]] = {}
 
@@ -120,6 +121,33 @@ class Studio:
             session.end()
             if not self.closing:
                 self.spare = self.spare or (Worker(), Worker())
+
+    @contextmanager
+    def begun(self) -> Iterator[None]:
+        """Inside, processes for the first page work; raises `InputError` for a file that is wrong, before all else."""
+        self.spare = Worker(), Worker()
+        try:
+            if self.file is not None:
+                self.first = self.spare[1].call("read", self.file.name, self.file.read_text(encoding="utf-8"))
+            yield
+        except RefusedError as error:
+            raise InputError(str(error)) from None
+        finally:
+            self.end()
+
+    def end(self) -> None:
+        """End all processes."""
+        self.closing = True
+        for session in self.pages:
+            session.end()
+        for worker in self.spare or ():
+            worker.end()
+
+    async def warm(self) -> None:
+        """Solve what the first page shows while its browser starts."""
+        if self.spare is not None:
+            with suppress(RefusedError, StoppedError):  # the page says what is wrong
+                await self.spare[1].ask("solve", self.first)
 
     async def watch(self) -> None:
         """Tell all pages when the file changes."""
@@ -187,15 +215,11 @@ def application(studio: Studio) -> Any:
 
     @asynccontextmanager
     async def lifespan(_: Any) -> AsyncIterator[None]:
-        studio.spare = (Worker(), Worker())
-        watching = asyncio.create_task(studio.watch())
+        tasks = [asyncio.create_task(work) for work in (studio.watch(), studio.warm())]
         yield
-        studio.closing = True
-        watching.cancel()
-        for session in studio.pages:
-            session.end()
-        for worker in studio.spare or ():
-            worker.end()
+        for task in tasks:
+            task.cancel()
+        studio.end()
 
     return Starlette(
         routes=[Route("/", page), Route("/{name}", page), WebSocketRoute("/talk", studio.talk)],
@@ -225,14 +249,19 @@ def serve(file: Path | None, port: int, tell: Callable[[str], Any], browser: boo
     Raises `ValueError` for a port that is in use, `MissingLibraryError` without the libraries of `pas[studio]`,
     and what reading the file raises.
     """
+    if file is not None and not file.name.endswith((".toml", ".pas.json")):
+        raise InputError(f"{file} is neither a problem file (.toml) nor a project (.pas.json)")
+    door = listening(port)
+    studio = Studio(file, door.getsockname()[1])
+    with door, studio.begun():
+        _run(studio, door, tell, browser)
+
+
+def _run(studio: Studio, door: socket.socket, tell: Callable[[str], Any], browser: bool) -> None:
     try:
         import uvicorn
     except ImportError:
         raise MissingLibraryError('the studio needs three small libraries: pip install "pas[studio]"') from None
-    if file is not None:
-        _readable(file)
-    door = listening(port)
-    studio = Studio(file, door.getsockname()[1])
     config = uvicorn.Config(
         application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=sessions.LONGEST_FILE,
         timeout_graceful_shutdown=GRACE, access_log=False,
@@ -240,16 +269,5 @@ def serve(file: Path | None, port: int, tell: Callable[[str], Any], browser: boo
     tell(f"the studio is at {studio.address} (Ctrl-C ends it)")
     if browser and not webbrowser.open(studio.address):
         tell("there is no browser to open here; copy the address into one on this machine")
-    with door, suppress(KeyboardInterrupt):
+    with suppress(KeyboardInterrupt):
         asyncio.run(uvicorn.Server(config).serve(sockets=[door]))
-
-
-def _readable(file: Path) -> None:
-    """Raise what is wrong with a file, before anything is started."""
-    if not file.name.endswith((".toml", ".pas.json")):
-        raise InputError(f"{file} is neither a problem file (.toml) nor a project (.pas.json)")
-    text = file.read_text(encoding="utf-8")
-    try:
-        Desk().read(file.name, text)
-    except PasError as error:
-        raise InputError(str(error)) from None

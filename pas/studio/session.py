@@ -40,8 +40,8 @@ class Session:
         self._moved, self._rested = asyncio.Event(), asyncio.Event()
         self._others: set[asyncio.Task[None]] = set()
         self._taken: asyncio.Task[None] | None = None
-        self._stoppable: set[Worker] = set()
         self._proving = False
+        self._early: dict[str, Any] | None = None
 
     async def run(self) -> None:
         """Work until cancelled."""
@@ -67,9 +67,12 @@ class Session:
             self._moved.set()
             if self._proving:
                 self.quick.stop()
+            if self._early is not None:
+                self.final.stop()
         elif verb == "rest":
-            self._rest, self._move = request, None
-            if self.final in self._stoppable:
+            self._rest, self._move, self._early = request, None, None
+            verb, *document = self.final.doing or ("",)
+            if verb in STOPPABLE and document != [request["document"]]:
                 self.final.stop()
             self._rested.set()
             self._begin(self._prove_once(request))
@@ -93,12 +96,14 @@ class Session:
                 await asyncio.wait_for(self._moved.wait(), REST)
             except TimeoutError:
                 await self._prove_once(request)
+                self._begin(self._ahead(request["document"]))
 
     async def _follow(self, request: Request) -> None:
-        outline = await self.quick.ask("outline", request["document"])
-        if outline is not None:
-            await self._send(outline.numbered(int(request.get("seq", 0))))
-        message = await self.quick.ask("move", request["document"], str(request.get("scene", "")))
+        asked = ("move", request["document"], str(request.get("scene", "")))
+        message = await self.quick.ask(*asked)
+        if message.head["kind"] == "outline":  # of what has to be solved anew, which takes longer
+            await self._send(message.numbered(int(request.get("seq", 0))))
+            message = await self.quick.ask(*asked, True)
         await self._picture(message, request)
         self._seen = self._shot
 
@@ -111,10 +116,19 @@ class Session:
     async def _prove(self, shot: int) -> None:
         self._proving = True
         try:
-            message: Message = await self.quick.ask("prove")
+            for verb in ("prove", "measure"):
+                message: Message = await self.quick.ask(verb)
+                await self._send(Message({**message.head, "shot": shot}))
         finally:
             self._proving = False
-        await self._send(Message({**message.head, "shot": shot}))
+
+    async def _ahead(self, document: dict[str, Any]) -> None:
+        """Solve where the hand rests, before it lets go: the answer is kept by the desk, and sent when asked for."""
+        if self._move is None and self._rest is None and not self.final.doing:
+            self._early = document
+            with suppress(RefusedError, StoppedError):
+                await self.final.ask("solve", document)
+            self._early = None
 
     async def _resting(self) -> None:
         while True:
@@ -125,18 +139,13 @@ class Session:
                 await self._answer(request, self._solve(request))
 
     async def _solve(self, request: Request) -> None:
-        message, kept = await self._stoppably(self.final, "solve", request["document"])
-        await self._picture(message, request)
-        if kept is not None and self._rest is None:
+        document = request["document"]
+        await self._picture(await self.final.ask("solve", document), request)
+        shot = self._shot
+        if (kept := await self.final.ask("kept", document)) is not None and self._rest is None:
             self._taken = asyncio.create_task(self._take(kept))
-
-    async def _stoppably(self, worker: Worker, verb: str, *arguments: Any) -> Any:
-        """Ask for what a newer state makes worthless."""
-        self._stoppable.add(worker)
-        try:
-            return await worker.ask(verb, *arguments)
-        finally:
-            self._stoppable.discard(worker)
+        measures = await self.final.ask("measure", document)
+        await self._send(Message({**measures.head, "shot": shot}))
 
     async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
         with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
@@ -166,7 +175,7 @@ class Session:
                 await self.quick.ask("read", name, text)
             await self._send(Message({"kind": "document", "document": document}))
         elif verb == "repair":
-            document = await self._stoppably(self.final, "repair", request["document"])
+            document = await self.final.ask("repair", request["document"])
             await self._send(Message({"kind": "repaired", "document": document}))
         elif verb == "export":
             await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
@@ -174,6 +183,9 @@ class Session:
             message = await self.final.ask(verb, request["document"])
             await self._send(message.numbered(int(request.get("seq", 0))))
 
+
+STOPPABLE = {"solve", "measure", "repair"}
+"""What is worthless once another document is final."""
 
 VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs", "safe"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}

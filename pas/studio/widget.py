@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any, cast
 from pas.errors import MissingLibraryError, PasError
 from pas.shape import Shape
 from pas.studio.desk import Desk, can_follow
-from pas.studio.documents import Data
-from pas.studio.gallery import GALLERY
+from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
 from pas.studio.server import PAGE
 
@@ -100,10 +99,9 @@ def widget_class() -> type[Any]:
         def _answers(self, request: dict[str, Any]) -> list[Message]:
             verb, document = request.get("do"), request.get("document", {})
             if verb == "move":
-                return [self.desk.move(document, str(request.get("scene", "")))]
+                return [self.desk.move(document, str(request.get("scene", "")), True)]
             if verb == "rest":
-                message, _ = self.desk.solve(document)
-                return [message]
+                return [self.desk.solve(document), self.desk.measure(document)]
             if verb == "export":
                 return [self.desk.export(document, str(request.get("format")))]
             if verb in ("combs", "safe"):
@@ -118,7 +116,7 @@ def widget_class() -> type[Any]:
         def _tell(self, message: Message, request: dict[str, Any]) -> None:
             shown = message.head["kind"] in ("picture", "moved")
             self._shot += shown
-            head = {**message.head, "seq": int(request.get("seq", 0)), **({"shot": self._shot} if shown else {})}
+            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot}
             table, parts = Message(head, message.arrays).parts()
             self.send(table, parts)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import ctypes
+import gc
 import multiprocessing
 import os
 import signal
@@ -17,6 +18,10 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from pas.errors import LimitError, PasError
+
+THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+"""Matrices here are small, and several processes and the browser compute at once: more threads only wait for one
+another."""
 
 SPAWN = multiprocessing.get_context("spawn")
 
@@ -33,15 +38,18 @@ class StoppedError(Exception):
 
 
 class Worker:
-    """One process with one desk; one thing is done at a time."""
+    """One process with one desk; one thing is done at a time, and `doing` says what: a verb and its arguments."""
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
+        self.doing: tuple[Any, ...] = ()
         self._start()
 
     def _start(self) -> None:
         self._stop: Any = SPAWN.RawValue(ctypes.c_bool, False)
         self._pipe, other = SPAWN.Pipe()
+        for name, number in THREADS.items():  # libraries read it when they are loaded
+            os.environ.setdefault(name, number)
         self._process = SPAWN.Process(target=work, args=(other, self._stop), daemon=True)
         self._process.start()
         other.close()
@@ -49,14 +57,18 @@ class Worker:
     async def ask(self, verb: str, *arguments: Any) -> Any:
         """What the desk's method gives; raises `RefusedError`, and `StoppedError` after `stop`."""
         async with self._lock:
-            self._stop.value = False
-            return await asyncio.to_thread(self._ask, verb, arguments)
+            self.doing, self._stop.value = (verb, *arguments), False
+            try:
+                return await asyncio.to_thread(self.call, verb, *arguments)
+            finally:
+                self.doing = ()
 
     def stop(self) -> None:
         """End what is being done, at its next look."""
         self._stop.value = True
 
-    def _ask(self, verb: str, arguments: tuple[Any, ...]) -> Any:
+    def call(self, verb: str, *arguments: Any) -> Any:
+        """The same for who waits, while nobody else asks."""
         try:
             self._pipe.send((verb, arguments))
             outcome, value = self._pipe.recv()
@@ -88,6 +100,7 @@ def work(pipe: Connection, stop: Any) -> None:
     from pas.studio.desk import Desk
 
     desk = Desk(lambda: bool(stop.value))
+    gc.freeze()  # what is loaded is never looked through again
     while True:
         try:
             verb, arguments = pipe.recv()

@@ -100,9 +100,11 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		$.overall.textContent = `${head.proved ? SIGNS.proved : bad ? SIGNS.refuted : SIGNS.undecided} ${word}`;
 		$.overall.className = `overall ${head.proved ? "proved" : bad ? "refuted" : "undecided"}`;
 		$.help.hidden = !bad; $.back.disabled = !s.lastProved;
-		measures(head.facts || {}); overlay();
+		$.fairness.classList.add("old"); overlay();
 	}
-	function measures(facts) {
+	function measures({ shot, facts }) {
+		if (shot !== s.shot || s.shown !== s.seq) return;
+		$.fairness.classList.remove("old");
 		const f = facts.fairness, limits = facts.limits || {};
 		$.measured.hidden = !f; if (!f) return;
 		$.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
@@ -113,7 +115,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
 	// ---- what comes from the other side
 	function receive(head, arrays) {
-		({ picture, moved, outline, verdicts: judged, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
+		({ picture, moved, outline, verdicts: judged, measures, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
 	}
 	function picture(head, arrays) {
 		if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
@@ -139,7 +141,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
 	function arrived(head) {
-		s.shot = head.shot; s.shown = head.seq; s.spent = head.spent || 0;
+		s.shot = head.shot; s.shown = head.seq; s.came = performance.now(); s.spent = head.spent || 0;
 		if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving …"); }
 	}
 	function judged(head) { if (head.shot !== s.shot || s.shown !== s.seq) return; judge(head); say(`seen now: ${head.proved ? "all proved" : head.counts}`); }

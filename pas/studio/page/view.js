@@ -40,7 +40,7 @@ export class View {
 		const began = performance.now();
 		this.sized(this.coarse); this.caster.draw(this.camera, { ...this.look, jitter: [0, 0] }); this.caster.finish(); this.frames++;
 		const spent = performance.now() - began;
-		this.spent = spent;
+		this.spent = spent; this.drawn = began + spent;
 		if (spent > SLOW && this.coarse > 0.4) this.coarse *= 0.7; else if (spent < SLOW / 4 && this.coarse < 1) this.coarse = Math.min(1, this.coarse / 0.7);
 		this.overlay(this);
 		clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
