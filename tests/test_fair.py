@@ -454,8 +454,9 @@ def test_limits_can_be_changed_one_by_one():
 
 def test_a_slider_never_leaves_the_surface_behind():
     pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
-    blend = pas.blend(pipes, 2, 6)
-    for step in range(46):  # at the end steps meet conditions of the sheet that they had not seen
+    blend = replace(pas.blend(pipes, 2, 6), choice=None)  # as it comes from a file
+    for step in range(45):  # at the end steps meet conditions of the sheet that they had not seen
         before = blend
         blend = before.refit(tension=f"{4.6 + 2 * np.sin(step * 0.1):.4f}")
-        assert blend.surface.patches != before.surface.patches, step
+        pairs = zip(blend.surface.patches, before.surface.patches, strict=True)
+        assert max(np.abs(one.dense(6) - two.dense(6)).max() for one, two in pairs) > 1e-3, step

@@ -27,8 +27,9 @@ DAMPING, LEAST_DAMPING, SLOWER, FASTER = 1e-4, 1e-9, 8.0, 6.0
 ENOUGH, NOISE = 3e-4, 1e-7
 """A step that lowers the objective by a smaller share is the last one; by less than the other, it is none."""
 
-SHORTEST = 1 / 16
-"""The shortest part of a step that is gone."""
+LOSS = 1e-2
+"""The share of the objective that a live step may lose to rows that it adds: they ask for a margin that the member
+itself has not, so that it would stay where it is, after all trials."""
 
 FAR_BEYOND, HOPELESS = 3.0, 0.03
 """Where what is beyond the limits is more than so many times the energy, limits are not met: a step that lowers the
@@ -50,14 +51,11 @@ class State:
 
 
 class Settling:
-    """The way down landscapes under the conditions of a search.
-
-    A `live` one, of single steps for sliders, goes a part of a step where rows that it adds leave no way down: they are
-    asked with a margin that the member itself has not, so that the surface would stay where it is, after all trials.
-    """
+    """The way down landscapes under the conditions of a search; `live` ones take single steps for sliders."""
 
     def __init__(self, search: Search, live: bool = False) -> None:
-        self.search, self.programme, self.live = search, search.programme, live
+        self.search, self.programme = search, search.programme
+        self.loss = 1 + LOSS if live else 0.0
 
     def steps(self, state: State, number: int = STEPS) -> Iterator[State]:
         """Clean members of less and less energy, until one is as good as settled."""
@@ -103,35 +101,22 @@ class Settling:
     def _step(self, state: State, damping: float) -> tuple[State | None, float]:
         normal, slope = self._linearised(state)
         size = np.trace(normal) / len(normal)
-        rows, cuts, aim = state.rows, 0, state.member
+        rows, cuts = state.rows, 0
         most = (1 - NOISE) * self._objective(state.look)
         for _ in range(TRIES):
             matrix = normal + damping * size * np.eye(len(normal))
             new = self.programme.step(matrix, slope - matrix @ state.member, rows)
             look = None if new is None else state.landscape.look(new, state.look)
             if new is None or look is None or not self._objective(look) < most:
-                if cuts and self.live:
-                    return self._part(state, aim, most), damping
                 damping *= SLOWER
                 continue
             edges, sheet = self.search.failures(new)
             if not len(edges) + len(sheet):
                 return State(state.landscape, look, rows), damping
-            aim = new
             rows, cuts = rows + edges + sheet, cuts + 1
+            most = max(most, self.loss * self._objective(state.look))
             if cuts > 2:
                 damping *= SLOWER / 2
             if cuts == CUTS:
                 break
         return None, damping
-
-    def _part(self, state: State, aim: Floats, most: float) -> State | None:
-        """The longest part of the way to a member of less energy on which all are clean; None where there is none."""
-        share = 0.5
-        while share >= SHORTEST:
-            trial = state.member + share * (aim - state.member)
-            look = state.landscape.look(trial, state.look)
-            if look is not None and self._objective(look) < most and not any(map(len, self.search.failures(trial))):
-                return State(state.landscape, look, state.rows)
-            share /= 2
-        return None
