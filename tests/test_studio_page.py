@@ -169,6 +169,28 @@ def test_every_pixel_is_where_the_ray_meets_the_surface(page):
         assert (bent > 1e-3).sum() <= 6  # on faces, where curvature jumps at GC^1, either piece may be taken
 
 
+MORE_VIEWS = (*VIEWS, (1, 1, 1), (1, 0, -1), (-0.3, 0.8, 0.1), (0.2, -0.9, 0.35), (-1, -1, -0.4), (0.7, 0.1, -0.7))
+PIPES = [
+    {"axis": list(a), "radius": r, "clip": 1} for a, r in (((1, 0, 0), "1/3"), ((0, 1, 0), "1/4"), ((0, 0, 1), "2/5"))
+]
+NODE = [{"axis": list(a), "radius": "1/3", "clip": "auto"} for a in ((1, 0, 0), (-1, 2, 0), (0, -1, 3), (-1, -1, -2))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "degree", "pipes"), [(2, 6, PIPES), (3, 8, PIPES), (1, 5, NODE)])
+def test_rays_that_graze_and_walls_between_cells_are_seen_as_exactly(page, order, degree, pipes):
+    before = page.problem
+    page.page.evaluate(OPEN, {"order": order, "degree": degree, "pipes": pipes})
+    page.until(FINAL, 60)
+    surface = pas.blend([pas.Pipe(**pipe) for pipe in pipes], order, degree).surface
+    for view in MORE_VIEWS:
+        holes, extras, far, _ = compared(page, surface, view, 400, 300)
+        assert (holes, extras) == (0, 0) and len(far) > 4000
+        assert np.median(far) < 1e-6 and far.max() < 1e-3, view
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
+
+
 def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     before = page.problem
     slider = page.page.locator("#c-problem-tension-s")

@@ -76,7 +76,7 @@ export class Caster {
 	}
 	change(polynomials) { // the same cells with other coefficients
 		this.polynomials = polynomials;
-		for (const b of this.bodies) { const { degree, values } = polynomials[b.number]; b.degree = degree; b.moved = shifted(values, degree, b.middle); b.turned = new Float64Array(values.length); b.packed = new Float32Array(4 * Math.ceil(values.length / 4)); }
+		for (const b of this.bodies) { const { degree, values } = polynomials[b.number]; b.degree = degree; b.moved = shifted(values, degree, b.middle); b.turned = new Float64Array(values.length); b.packed = new Float32Array(4 * Math.ceil(values.length / 4)); b.rest = new Float32Array(b.packed.length); }
 	}
 	upload(data, parts, indices) {
 		const gl = this.gl, array = gl.createVertexArray(), buffer = gl.createBuffer(), stride = 4 * parts.reduce((s, [, n]) => s + n, 0);
@@ -117,13 +117,13 @@ export class Caster {
 		this.programs.set(key, made);
 		return made;
 	}
-	bodyProgram(degree, mode, aside) { // the text is made once
-		const key = `${degree} ${mode} ${aside}`;
-		if (!this.programs.has(key)) this.programs.set(key, this.program(BODY_VERTEX, bodyFragment(degree, mode, aside), ["corner"]));
+	bodyProgram(degree, mode, aside, fine) { // the text is made once
+		const key = `${degree} ${mode} ${aside} ${fine}`;
+		if (!this.programs.has(key)) this.programs.set(key, this.program(BODY_VERTEX, bodyFragment(degree, mode, aside, fine), ["corner"]));
 		return this.programs.get(key);
 	}
 	turn(degree) { if (!this.turns.has(degree)) this.turns.set(degree, new Turn(degree)); return this.turns.get(degree); }
-	// Draws everything: `look` has mode, range, section (a plane or null), colors, jitter, background.
+	// Draws everything: `look` has mode, range, section (a plane or null), colors, jitter, background, and fine at rest.
 	draw(camera, look, width = this.canvas.width, height = this.canvas.height) {
 		const gl = this.gl, frame = camera.frame(width / height), middle = -dot(frame.eye, frame.ahead);
 		const near = middle - MARGIN * this.reach, far = middle + MARGIN * this.reach, jitter = look.jitter || [0, 0];
@@ -138,18 +138,18 @@ export class Caster {
 		const sorted = this.bodies.map((b) => [dot(minus(b.middle, f.eye), f.ahead), b]).sort((a, b) => a[0] - b[0] || 0);
 		for (const [deep, b] of sorted) {
 			if (deep <= 0) continue;
-			const eye = minus(f.eye, b.middle), W = times(eye, -1 / deep), P = this.bodyProgram(b.degree, look.mode, b.aside), at = P.at;
+			const eye = minus(f.eye, b.middle), W = times(eye, -1 / deep), P = this.bodyProgram(b.degree, look.mode, b.aside, Boolean(look.fine) && !b.aside), at = P.at;
 			if (last !== P) {
 				gl.useProgram(P.program); last = P;
 				gl.uniform1f(at.near, f.near); gl.uniform1f(at.far, f.far); gl.uniform2fv(at.pixels, f.pixels); gl.uniform2fv(at.jitter, f.jitter); gl.uniform3fv(at.light, f.light);
 				gl.uniform3fv(at.ahead, f.ahead); gl.uniform3fv(at.rightwards, times(f.side, f.across)); gl.uniform3fv(at.upwards, times(f.up, f.tan));
-				gl.uniform1f(at.range, look.range || 1);
+				gl.uniform1f(at.range, look.range || 1); gl.uniform1f(at.one, 1);
 				const c = b.aside ? look.colors.aside : look.colors.surface; gl.uniform3fv(at.outside, c.outside); gl.uniform3fv(at.inside, c.inside);
 			}
 			const rows = transposed([f.side, f.up, W]), inv = inverse(f.side, f.up, W);
-			this.turn(b.degree).set(rows).apply(b.moved, b.turned); b.packed.set(b.turned); gl.uniform4fv(at.A, b.packed);
+			this.turn(b.degree).set(rows).apply(b.moved, b.turned); b.packed.set(b.turned); b.turned.forEach((x, i) => { b.rest[i] = x - b.packed[i]; }); gl.uniform4fv(at.A, b.packed); gl.uniform4fv(at.B, b.rest);
 			const planes = look.section ? [...b.planes, look.section] : b.planes, slack = (k) => b.slacks[k] || 0;
-			gl.uniform4fv(at.planes, planes.flatMap((p, k) => [dot(p, f.side), dot(p, f.up), dot(p, W), p[3] + dot(p, b.middle) + slack(k)])); gl.uniform1i(at.sides, planes.length);
+			gl.uniform4fv(at.planes, planes.flatMap((p, k) => [dot(p, f.side), dot(p, f.up), dot(p, W), p[3] + dot(p, b.middle) + slack(k)])); gl.uniform1i(at.sides, planes.length); gl.uniform1i(at.inner, b.aside ? 0 : b.slacks.reduce((bits, s, k) => bits | (s > 0 ? 1 << k : 0), 0));
 			gl.uniform4f(at.view, deep * f.across, deep * f.tan, dot(eye, f.side), dot(eye, f.up)); gl.uniform1f(at.bend, 1 / deep); gl.uniform1f(at.distance0, deep);
 			gl.uniform1f(at.number, b.aside ? -1 - b.number : b.cell);
 			gl.uniformMatrix3fv(at.inverse, false, columns(...transposed(inv))); gl.uniformMatrix3fv(at.toWorld, false, columns(...inv));
@@ -185,7 +185,7 @@ export class Caster {
 		gl.bindTexture(gl.TEXTURE_2D, texture); gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
 		gl.bindRenderbuffer(gl.RENDERBUFFER, depth); gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
 		gl.bindFramebuffer(gl.FRAMEBUFFER, target); gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0); gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
-		this.draw(camera, { ...look, mode: PROBE, jitter: [0, 0], background: [0, 0, 0, NOTHING] }, width, height);
+		this.draw(camera, { ...look, mode: PROBE, fine: true, jitter: [0, 0], background: [0, 0, 0, NOTHING] }, width, height);
 		gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, found);
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null); gl.deleteTexture(texture); gl.deleteRenderbuffer(depth); gl.deleteFramebuffer(target);
 		return found;

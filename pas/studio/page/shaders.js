@@ -49,13 +49,14 @@ function alongRay(n) { // coefficients of the polynomial on the ray through (u, 
 	return `void along(float u, float v, out float p[N+1]) {\n${lines.join("\n")}\n}`;
 }
 
-function bernstein(n) { // from powers of t to Bernstein form on [t, t + h]
+function bernstein(n) { // from powers of t to Bernstein form on [t, t + h]; it errs least where both are on one side of 0
 	const lines = [];
 	for (let i = 0; i < n; i++) for (let k = n - 1; k >= i; k--) lines.push(`p[${k}]+=t*p[${k + 1}];`);
 	lines.push("float s=1.0;");
 	for (let k = 1; k <= n; k++) lines.push(`s*=h; p[${k}]*=s*${(1 / binomial(n, k)).toFixed(12)};`);
 	for (let i = 1; i <= n; i++) for (let k = n; k >= i; k--) lines.push(`p[${k}]+=p[${k - 1}];`);
-	return `void bernstein(inout float p[N+1], float t, float h) {\n${lines.join("\n")}\n}`;
+	const swaps = Array.from({ length: (n + 1) >> 1 }, (_, k) => `s=p[${k}]; p[${k}]=p[${n - k}]; p[${n - k}]=s;`).join(" ");
+	return `void bernstein(inout float p[N+1], float t, float h) {\n${lines.join("\n")}\n}\nvoid reversed(inout float p[N+1]) { float s; ${swaps} }`;
 }
 
 function zeros(n) {
@@ -80,8 +81,10 @@ float bracketed(float p[N+1]) { // one variation: Newton, bisection where a step
 	}
 	return x;
 }
-float first(float p[N+1]) { // the first zero in [0, 1], or 2
-	float b[N+1]=p, low=0.0, high=1.0, x=2.0; int v=variations(b);
+float first(float p[N+1], float from) { // the first zero in [from, 1], or 2
+	float b[N+1]=p, low=from, high=1.0, x=2.0;
+	for (int i=0; i<int(from>0.0); i++) right(b, from);
+	int v=variations(b);
 	for (int i=0; i<64 && v!=1; i++) {
 		if (v==0 || high-low<1e-6) { if (high>=1.0) return 2.0; low=high; high=1.0; b=p; right(b, low); }
 		else { left(b, 0.5); high=0.5*(low+high); }
@@ -109,6 +112,87 @@ function jet(n, second) { // value, gradient and second derivatives by nested Ho
 	g=vec3(fx,fy,fz); h=mat3(fxx,fxy,fxz, fxy,fyy,fyz, fxz,fyz,fzz); }`;
 }
 
+const NUMBERS = `
+#define STEPS 16 // of a search
+#define DONE 5
+#define AFTER 1e-3 // where a search goes on, as a share of the ray
+#define GRAZING 0.04 // of the squared cosine
+#define DOUBT 16.0 // times what a polynomial errs
+#define SURE 1e-3 // a step after which none is needed
+#define WALL 1e-3 // how far before a wall a zero may be
+#define NOISE 4e-7 // what a polynomial errs, over the sum of its absolute terms`;
+
+// The value at a place to about twice the digits: sums and products with their rounding errors (Dekker 1971), nested
+// Horner.  "one" is 1, which compilers do not know: they would simplify the errors away.
+const PRECISE = `
+vec2 sum(float a, float b) { float s=(a+b)*one, v=(s-a)*one; return vec2(s, (a-(s-v)*one)+(b-v)); }
+vec2 split(float a) { float c=4097.0*a*one, h=c-(c-a)*one; return vec2(h, a-h); }
+vec2 step2(vec2 f, float x, vec2 halves, vec2 c) { // f x + c
+	float m=f.x*x*one; vec2 h=split(f.x), s=sum(m, c.x);
+	return sum(s.x, s.y+(((h.x*halves.x-m)+h.x*halves.y+h.y*halves.x)+h.y*halves.y)+f.y*x+c.y);
+}
+float precise(vec3 q) {
+	vec2 f=vec2(0.0), X=split(q.x), Y=split(q.y), Z=split(q.z);
+	for (int l=N; l>=0; l--) { vec2 r=vec2(0.0);
+		for (int j=N-l; j>=0; j--) { vec2 s=vec2(0.0);
+			for (int i=N-l-j; i>=0; i--) { int e=i+j+l, k=j+l, a=e*(e+1)*(e+2)/6+k*(k+1)/2+l; s=step2(s, q.x, X, vec2(A[a>>2][a&3], B[a>>2][a&3])); }
+			r=step2(r, q.y, Y, s); }
+		f=step2(f, q.z, Z, r); }
+	return f.x+f.y;
+}`;
+
+// The first zero on the ray, or none: quickly, while anything moves.  A single pixel where a ray grazes may be wrong.
+const QUICK = `
+	float x=2.0;
+	if (t1>t0) {
+		float p[N+1]; along(uv.x,uv.y,p); bernstein(p,t0,t1-t0);
+		for (int i=0; i<int(variations(p)>0); i++) x=first(p, 0.0);
+	}
+	if (x>1.0) discard;
+	float t=t0+(t1-t0)*x, e; vec3 g; mat3 h;
+	for (int i=0; i<int(x<=1.0); i++) jet(p0+t*d,e,g,h);
+	e/=dot(g,d); t-=abs(e)<NEAR?e:0.0; // nested Horner errs less than the Bernstein form of a long ray`;
+
+// The same with care, for pictures at rest.  The ray is gone through in two parts, from the middle of the cell both ways: powers
+// of large numbers of both signs cancel.  So that no zero is missed, the polynomial is moved towards zero by more than it
+// errs, and at walls to the next cell neither side leaves a zero to the other.
+//
+// From a place near a zero, a ray that meets the surface at an angle takes one Newton step, one that grazes it several
+// with precise values.  One that might as well miss it goes to where it comes nearest, and on from there.
+const SEARCH = `
+	float a[N+1], t=0.0, e, x; vec3 g; mat3 h; int stage=0;
+	along(uv.x,uv.y,a);
+	for (int part=0; part<2 && stage<DONE; part++) {
+		float ta=part==0?t0:max(t0,0.0), tb=part==0?min(t1,0.0):t1;
+		if (!(tb>ta)) continue;
+		float p[N+1]=a, noise=0.0, far0=max(abs(ta),abs(tb)), low=0.0;
+		for (int k=N; k>=0; k--) noise=noise*far0+abs(a[k]);
+		noise*=NOISE; bernstein(p, part==0?tb:ta, part==0?ta-tb:tb-ta);
+		if (part==0) reversed(p);
+		for (int k=1; k<N; k++) p[k]-=p[0]<0.0?-noise:noise;
+		if ((door>0 || ta!=t0) && abs(p[0])<noise) p[0]=p[1]<0.0?noise:-noise;
+		x=variations(p)>0?0.0:2.0; stage=0;
+		for (int i=0; i<STEPS && stage<DONE && x<=1.0; i++) {
+			if (stage==0) { x=first(p, low); t=ta+(tb-ta)*x; if (x>1.0) break; }
+			vec3 q=p0+t*d; jet(q,e,g,h);
+			float slope=dot(g,d), bent=0.5*dot(d,h*d), next=t-0.5*slope/bent;
+			if (stage==0) {
+				if (slope*slope<DOUBT*abs(bent)*noise && next>t0 && next<t1) { stage=1; low=x; t=next; }
+				else if (slope*slope<GRAZING*dot(g,g)*dot(d,d)) stage=2;
+				else { e/=slope; t-=abs(e)<NEAR?e:0.0; stage=abs(e)<SURE?DONE:2; }
+			} else {
+				e=precise(q);
+				if (stage==1) {
+					float m=(e-0.25*slope*slope/bent)/bent, s=sqrt(max(0.0,-m));
+					stage=2; t=next-s<t0?next+s:next-s;
+					if (m>0.0 || t>t1) { stage=0; low=2.0*(next-ta)/(tb-ta)-low+AFTER; x=low; }
+				} else { t-=clamp(e/slope,-NEAR,NEAR); stage++; }
+			}
+			if (stage>=DONE && t<ta-WALL) { stage=0; low=max(low,x)+AFTER; x=low; }
+		}
+	}
+	if (stage<DONE) discard;`;
+
 const CURVED = `
 	mat3 H=toWorld*h*transpose(toWorld); float l=length(g);
 	float mean=(l*l*(H[0][0]+H[1][1]+H[2][2])-dot(g,H*g))/(2.0*l*l*l);
@@ -116,38 +200,35 @@ const CURVED = `
 	float gauss=dot(g,adj*g)/(l*l*l*l);`;
 
 // Of the surface or of a neighbour (`aside`, which has no colours by curvature), in one of MODES or as PROBE.
-export function bodyFragment(n, mode, aside) {
+// With `fine`, as exactly as single pixels ask for.
+export function bodyFragment(n, mode, aside, fine) {
+	const care = fine && !aside;
 	const curved = mode === PROBE || (!aside && (mode === "mean" || mode === "gauss"));
 	return `#version 300 es
 precision highp float; precision highp int;
 #define N ${n}
 #define NEAR 2e-2
-uniform vec4 A[${Math.ceil(exponents(n).length / 4)}];
-uniform vec4 planes[${PLANES}]; uniform int sides;
+${care ? NUMBERS : ""}
+uniform vec4 A[${Math.ceil(exponents(n).length / 4)}], B[${Math.ceil(exponents(n).length / 4)}];
+uniform float one;
+uniform vec4 planes[${PLANES}]; uniform int sides, inner;
 uniform mat3 toWorld; uniform vec4 view; uniform float bend, distance0, near, far, range, number; uniform vec2 pixels, jitter; uniform vec3 ahead, rightwards, upwards, outside, inside, light;
 out vec4 color;
 ${LOOK}
 ${alongRay(n)}
 ${bernstein(n)}
 ${zeros(n)}
-${jet(n, curved)}
+${jet(n, curved || care)}
+${care ? PRECISE : ""}
 void main() {
 	vec2 s=(gl_FragCoord.xy+jitter)/pixels*2.0-1.0, uv=s*view.xy+view.zw;
 	vec3 p0=vec3(uv,0.0), d=vec3(bend*uv,1.0);
-	float t0=-1e9, t1=1e9;
+	float t0=-1e9, t1=1e9; int door=0;
 	for (int k=0; k<sides; k++) {
 		vec4 q=planes[k]; float a=q.w+dot(q.xyz,p0), b=dot(q.xyz,d), t=-a/b;
-		if (b>0.0) t0=max(t0,t); else if (b<0.0) t1=min(t1,t); else if (a<0.0) t1=-1e9;
+		if (b>0.0) { if (t>t0) { t0=t; door=(inner>>k)&1; } } else if (b<0.0) t1=min(t1,t); else if (a<0.0) t1=-1e9;
 	}
-	float x=2.0;
-	if (t1>t0) {
-		float p[N+1]; along(uv.x,uv.y,p); bernstein(p,t0,t1-t0);
-		for (int i=0; i<int(variations(p)>0); i++) x=first(p);
-	}
-	if (x>1.0) discard;
-	float t=t0+(t1-t0)*x, e; vec3 g; mat3 h;
-	for (int i=0; i<int(x<=1.0); i++) jet(p0+t*d,e,g,h);
-	e/=dot(g,d); t-=abs(e)<NEAR?e:0.0; // nested Horner errs less than the Bernstein form of a long ray
+${care ? SEARCH : QUICK}
 	float deep=distance0+t;
 	gl_FragDepth=clamp(far*(deep-near)/(deep*(far-near)),0.0,1.0);
 	g=toWorld*g;

@@ -49,7 +49,7 @@ export class View {
 		const share = Math.min(2, devicePixelRatio || 1), context = this.still.getContext("2d");
 		this.sized(share);
 		if (step === 0) { this.still.width = this.live.width; this.still.height = this.live.height; }
-		this.caster.draw(this.camera, { ...this.look, jitter: SMOOTH[step] });
+		this.caster.draw(this.camera, { ...this.look, fine: true, jitter: SMOOTH[step] });
 		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
 		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
 		context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
@@ -60,7 +60,7 @@ export class View {
 		const out = new OffscreenCanvas(width, height), add = out.getContext("2d");
 		const before = [this.live.width, this.live.height];
 		this.live.width = width; this.live.height = height; add.globalCompositeOperation = "lighter"; add.globalAlpha = 1 / SMOOTH.length;
-		for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, jitter }); add.drawImage(this.live, 0, 0); }
+		for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, fine: true, jitter }); add.drawImage(this.live, 0, 0); }
 		[this.live.width, this.live.height] = before; this.ask();
 		add.globalCompositeOperation = "destination-over"; add.globalAlpha = 1; add.fillStyle = background; add.fillRect(0, 0, width, height);
 		return out.convertToBlob({ type: "image/png" });
