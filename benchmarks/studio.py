@@ -20,6 +20,7 @@ from time import perf_counter, sleep
 import numpy as np
 
 import pas
+from pas.studio.gallery import GALLERY
 from pas.studio.server import PAGE
 
 SOFTWARE = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox"]
@@ -30,8 +31,9 @@ CASES = ((1, 4), (2, 5), (2, 6), (3, 7), (3, 8))
 
 VIEWS = ((0.62, -0.62, 0.48), (1, 1, 1), (1, 0, 0.001), (1, 0, -1), (1, 2, 0.05), (-0.3, 0.8, 0.1))
 FINAL = "!!(globalThis.studio && studio.state.final?.seq === studio.state.seq)"
-MOVES = """async (n) => { const s = studio.state, v = studio.view, out = []; for (let i = 0; i < n; i++) {
-  const began = performance.now(); studio.act.move(["problem", "tension"], (4.6 + 2 * Math.sin(i * 0.1)).toFixed(4));
+MOVES = """async ([n, path, middle]) => { const s = studio.state, v = studio.view, out = [];
+  for (let i = 0; i < n; i++) { const began = performance.now();
+    studio.act.move(path, (middle * (1 + 0.4 * Math.sin(i * 0.1))).toFixed(4));
   do await new Promise(requestAnimationFrame); while (s.shown < s.seq || v.drawn < s.came);
   out.push([v.drawn - began, s.came - began, v.spent, s.spent]); } return out; }"""
 """It waits from frame to frame: a page that looks without a pause takes a core from those that it waits for."""
@@ -103,7 +105,7 @@ def speed(page, degree: int, moves: int) -> None:
         page.set_viewport_size({"width": width + 350, "height": height})
         page.evaluate("studio.view.now()")
         sleep(0.5)
-        rows = np.array(page.evaluate(MOVES, moves))[2:]
+        rows = np.array(page.evaluate(MOVES, [moves, ["problem", "tension"], 4.6]))[2:]
         total, came, drawn, spent = rows.T
         print(
             f"load {getloadavg()[0]:.1f}; degree {degree}, {width} x {height}: slider to picture median "
@@ -117,6 +119,18 @@ def speed(page, degree: int, moves: int) -> None:
     lamps, whole = np.median(page.evaluate(RESTS, 6), axis=0) / 1000
     print(
         f"degree {degree}: lamps of what is seen {lamps:.2f} s after a move, the fair shape with proofs {whole:.2f} s"
+    )
+
+
+def generatrix(page, moves: int) -> None:
+    """The same for a shape value of a blend by a generatrix, which the page draws by itself."""
+    page.evaluate("(document) => studio.openDocument(document)", GALLERY["Round an obstacle"])
+    final(page)
+    sleep(1)
+    rows = np.array(page.evaluate(MOVES, [moves, ["problem", "shape", "l1"], 2]))[2:]
+    median, most = np.quantile(rows[:, 0], [0.5, 0.99])
+    print(
+        f"load {getloadavg()[0]:.1f}; generatrix, 800 x 600: slider to picture median {median:.0f} ms, 99% {most:.0f}"
     )
 
 
@@ -152,6 +166,7 @@ def main() -> None:
                 accuracy(page, order, degree)
                 if degree in (5, 6, 7):
                     speed(page, degree, options.moves)
+            generatrix(page, options.moves)
             browser.close()
     finally:
         server.terminate()

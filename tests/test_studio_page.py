@@ -15,6 +15,7 @@ import pytest
 from conftest import ROOT
 
 import pas
+import pas.studio.documents
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
@@ -399,6 +400,26 @@ def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio)
 
 UNNAMED = """[...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && e.type !== "file" &&
   !e.textContent.trim() && !e.getAttribute("aria-label") && !document.querySelector(`label[for="${e.id}"]`)).length"""
+
+
+def test_shape_values_are_drawn_by_the_page_alone(page):
+    from pas.studio.gallery import GALLERY
+
+    before, problem = page.problem, GALLERY["Round an obstacle"]["problem"]
+    page.page.evaluate(OPEN, problem)
+    page.until(FINAL)
+    at_once = page.ask("""(() => { studio.act.move(["problem", "shape", "l1"], "3/2"); const v = studio.state;
+      return [v.shown === v.seq, v.shot, Array.from(v.scene.meshes[v.scene.head.main].points.subarray(0, 14400))]; })()""")
+    assert at_once[:2] == [True, 0] and page.page.locator(".lamps .proved").count() == 0
+    page.until(f"{SEEN} && studio.state.shot > 0")  # after a pause, for the verdicts
+    blend = pas.studio.documents.problem_of({**problem, "shape": {**problem["shape"], "l1": "3/2"}}).solve()
+    origin, scale = page.ask("[studio.state.scene.origin, studio.state.scene.scale]")
+    exact = (blend.mesh(size=(120, 40)).points - origin) / scale
+    assert np.abs(np.array(at_once[2]).reshape(-1, 3) - exact).max() < 1e-6
+    page.ask("studio.act.commit()")
+    page.until(FINAL)
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
 
 
 def test_narrow_windows_and_dark_ones_have_all_controls(page):

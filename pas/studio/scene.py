@@ -18,6 +18,7 @@ from pas.blending.place import ended, places
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.scene import Picture, scene_of
 from pas.shape import Shape, kind_of
+from pas.studio.legs import legs
 from pas.studio.messages import Message
 from pas.surface.fairness_limits import neighbour
 from pas.surface.joins import Join
@@ -146,6 +147,7 @@ def _meshes(shape: Shape) -> Message:
             bent = layer.principal()[layer.mesh.shading_points]
             both = np.stack([bent.mean(axis=1), bent.prod(axis=1)], axis=1)
             arrays[f"bent {number}"] = np.nan_to_num(both, nan=FLAT, posinf=FLAT, neginf=FLAT).astype(np.float32)
+    more, parts = legs(shape)
     units = [layer.unit for layer in layers if layer.unit is not None]
     head = {
         "kind": "picture",
@@ -157,8 +159,9 @@ def _meshes(shape: Shape) -> Message:
         "main": [layer.aside for layer in layers].index(False) if not all(layer.aside for layer in layers) else 0,
         "curved": curved,
         "triangles": sum(len(layer.mesh.triangles) for layer in layers),
+        **more,
     }
-    return Message(head, arrays)
+    return Message(head, arrays | parts)
 
 
 def quick(shape: Shape) -> Message:

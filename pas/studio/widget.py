@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK = Path(__file__).parent / "notebook"
 
-ORDER = ("algebra", "shaders", "cast", "scene", "controls", "curvature", "view", "studio", "widget")
+ORDER = ("algebra", "shaders", "cast", "sheet", "scene", "controls", "curvature", "view", "studio", "widget")
 """Modules of the page, each after those that it imports."""
 
 IMPORT = re.compile(r'^import \{(?P<names>[^}]*)\} from "\./(?P<module>\w+)\.js";$', re.M)

@@ -1,6 +1,7 @@
 // What is drawn, from messages.
 import { box, tetrahedra } from "./cast.js";
 import { count, size } from "./algebra.js";
+import { sheet } from "./sheet.js";
 
 const rows = (flat, n) => Array.from({ length: flat.length / n }, (_, i) => Array.from(flat.subarray(n * i, n * i + n)));
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
@@ -46,6 +47,7 @@ export class Scene {
 		return true;
 	}
 	triangles(head, arrays) {
+		this.legs = arrays.legs;
 		this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
 		this.meshes = head.colors.map((color, i) => {
 			const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
@@ -53,6 +55,12 @@ export class Scene {
 			for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
 			return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
 		});
+	}
+	// The main part of a blend by a generatrix for other shape values; false where the server has to be asked.
+	generated(values) {
+		const made = this.head.legs && sheet(this.head.legs, this.legs, { ...this.head.legs.values, ...values });
+		if (made) this.movedMesh({ "points 0": made.points, "normals 0": made.normals, "triangles 0": made.triangles });
+		return Boolean(made);
 	}
 	movedMesh(arrays) { // the main part alone, in the shape's own coordinates
 		const p = arrays["points 0"], points = new Float32Array(p.length), n = p.length / 3, tints = new Float32Array(5 * n), color = rgb(this.head.colors[this.head.main]);

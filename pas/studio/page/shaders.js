@@ -114,7 +114,8 @@ function jet(n, second) { // value, gradient and second derivatives by nested Ho
 
 const NUMBERS = `
 #define STEPS 16 // of a search
-#define DONE 5
+#define LAST 5
+#define DONE 6
 #define AFTER 1e-3 // where a search goes on, as a share of the ray
 #define GRAZING 0.04 // of the squared cosine
 #define DOUBT 16.0 // times what a polynomial errs
@@ -176,10 +177,11 @@ const SEARCH = `
 			if (stage==0) { x=first(p, low); t=ta+(tb-ta)*x; if (x>1.0) break; }
 			vec3 q=p0+t*d; jet(q,e,g,h);
 			float slope=dot(g,d), bent=0.5*dot(d,h*d), next=t-0.5*slope/bent;
-			if (stage==0) {
+			if (stage==LAST) stage=DONE; // its gradient and second derivatives are those at the zero
+			else if (stage==0) {
 				if (slope*slope<DOUBT*abs(bent)*noise && next>t0 && next<t1) { stage=1; low=x; t=next; }
 				else if (slope*slope<GRAZING*dot(g,g)*dot(d,d)) stage=2;
-				else { e/=slope; t-=abs(e)<NEAR?e:0.0; stage=abs(e)<SURE?DONE:2; }
+				else { e/=slope; t-=abs(e)<NEAR?e:0.0; stage=abs(e)<SURE?LAST:2; }
 			} else {
 				e=precise(q);
 				if (stage==1) {

@@ -11,6 +11,7 @@ const SIGNS = { proved: "✓", refuted: "✗", undecided: "?", "holds, measured"
 const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign" };
 const GHOST = 300; // milliseconds after which an old picture is shown as a ghost
 const options = (names) => names.map((name) => make("option", {}, name));
+const PAUSE = 120; // milliseconds of rest after which the verdicts on what the page drew by itself are asked for
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -73,10 +74,22 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
 	function change(doc, settled) {
 		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
-		if (!settled) channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "" });
+		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "" });
+		clearTimeout(s.asking);
+		if (!settled && drawnHere(doc)) s.asking = setTimeout(move, PAUSE); else if (!settled) move();
 		ghostLater();
 	}
-	function rest() { channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
+	// Whether the page could draw by itself what has changed: of blends by a generatrix, their shape values.
+	function drawnHere(doc) {
+		const usual = s.scene?.head.legs?.values, shape = doc.problem?.shape;
+		if (!usual || !shape || !same(bare(doc, usual), bare(s.solved, usual))) return false;
+		const values = Object.keys(usual).filter((name) => name in shape).map((name) => [name, number(shape[name])]);
+		if (!s.scene.generated(Object.fromEntries(values))) return false;
+		view.caster.setMeshes(s.scene.meshes); view.ask(); s.shot = 0; s.shown = s.seq; s.came = performance.now(); say("moving …");
+		return true;
+	}
+	const bare = (doc, names) => Object.keys(names).reduce((d, name) => put(d, ["problem", "shape", name], undefined), doc);
+	function rest() { clearTimeout(s.asking); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
 	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
 	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
 	function step(from, to) { if (!from.length) return; to.push(s.doc); go(from.pop()); }
@@ -126,7 +139,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc);
 			$.code.textContent = head.python;
 			if (head.seq === s.seq) {
-				judge(head); if (head.proved) s.lastProved = s.doc;
+				s.solved = s.doc; judge(head); if (head.proved) s.lastProved = s.doc;
 				say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
 			}
 			buttons(); if (pressed("combs")) askCombs();
