@@ -294,6 +294,34 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
     assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
 
 
+def test_a_turn_is_filmed_and_pieces_are_outlined(page):
+    page.until("!studio.view.still.hidden")
+    camera, before = page.ask("studio.view.camera.towards"), page.ask(DARK)
+    page.page.click("text=Cells")
+    assert page.ask(DARK) > before + 0.01
+    page.page.click("text=Cells")
+    film = page.ask(FILM)
+    assert film["type"] == "video/webm" and film["size"] > 3000 and film["head"] == [0x1A, 0x45, 0xDF, 0xA3]
+    assert page.ask("studio.view.camera.towards") == camera
+
+
+@pytest.mark.slow
+def test_a_film_is_saved(page):
+    with page.page.expect_download() as download:
+        page.page.click("text=Turntable")
+    assert download.value.suggested_filename == "pipes.webm"
+
+
+FILM = """(async () => { const film = await studio.view.film("#fff", 8);
+  return { type: film.type, size: film.size, head: [...new Uint8Array(await film.slice(0, 4).arrayBuffer())] }; })()"""
+
+DARK = """(() => { for (let i = 0; i < 4; i++) studio.view.now(); const c = studio.view.live, g = studio.view.caster.gl;
+  const a = new Uint8Array(4 * c.width * c.height); let dark = 0, all = 0;
+  g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+  for (let i = 0; i < a.length; i += 4) if (a[i + 3] && a[i] > 2 * a[i + 2]) { all++; dark += a[i] < 80; }
+  return dark / all; })()"""
+"""The share of dark pixels on the surface."""
+
 OPEN = "(problem) => studio.openDocument({ kind: 'problem', problem }, false)"
 UNGUARDED = {
     "prove": False,

@@ -1,5 +1,5 @@
 // Draws a scene: cells by casting rays (see shaders.js), triangle meshes, and lines, with one depth.
-import { Turn, cross, dot, inverse, minus, plus, shifted, times, unit } from "./algebra.js";
+import { Turn, cross, dot, inverse, minus, plus, shifted, size, times, unit } from "./algebra.js";
 import { BODY_VERTEX, LINE_FRAGMENT, LINE_VERTEX, MESH_VERTEX, PROBE, bodyFragment, meshFragment } from "./shaders.js";
 
 const GROWN = 4e-3; // of proxies, which lose single pixels along edges else; the fragment clips
@@ -31,15 +31,19 @@ function body(degree, number, planes, slacks, faces, aside) {
 }
 
 export function tetrahedra(vertices, cells, pieces, shared) {
+	const behind = new Map(), across = (cell, k) => cell.filter((_, i) => i !== k).sort((a, b) => a - b).join(); // pieces at a wall
+	cells.forEach((cell, c) => { for (let k = 0; k < 4; k++) { const wall = across(cell, k); behind.set(wall, (behind.get(wall) || new Set()).add(pieces[c])); } });
 	return cells.map((cell, c) => {
 		const v = cell.map((i) => vertices[i]), planes = [], faces = [];
+		let seams = 0;
 		for (let k = 0; k < 4; k++) {
+			if (behind.get(across(cell, k)).size > 1) seams |= 1 << k;
 			const [a, b, d] = [0, 1, 2, 3].filter((i) => i !== k).map((i) => v[i]);
 			const normal = cross(minus(b, a), minus(d, a)), scale = 1 / dot(normal, minus(v[k], a));
 			planes.push([...times(normal, scale), -dot(normal, a) * scale]);
 			faces.push([a, b, d]);
 		}
-		return { ...body(0, pieces[c], planes, shared[c].map((s) => (s ? SLACK : 0)), faces, false), cell: c };
+		return { ...body(0, pieces[c], planes, shared[c].map((s) => (s ? SLACK : 0)), faces, false), cell: c, seams, heights: planes.map((p) => 1 / size(p)) };
 	});
 }
 
@@ -149,7 +153,9 @@ export class Caster {
 			const rows = transposed([f.side, f.up, W]), inv = inverse(f.side, f.up, W);
 			this.turn(b.degree).set(rows).apply(b.moved, b.turned); b.packed.set(b.turned); b.turned.forEach((x, i) => { b.rest[i] = x - b.packed[i]; }); gl.uniform4fv(at.A, b.packed); gl.uniform4fv(at.B, b.rest);
 			const planes = look.section ? [...b.planes, look.section] : b.planes, slack = (k) => b.slacks[k] || 0;
-			gl.uniform4fv(at.planes, planes.flatMap((p, k) => [dot(p, f.side), dot(p, f.up), dot(p, W), p[3] + dot(p, b.middle) + slack(k)])); gl.uniform1i(at.sides, planes.length); gl.uniform1i(at.inner, b.aside ? 0 : b.slacks.reduce((bits, s, k) => bits | (s > 0 ? 1 << k : 0), 0));
+			gl.uniform4fv(at.planes, planes.flatMap((p, k) => [dot(p, f.side), dot(p, f.up), dot(p, W), p[3] + dot(p, b.middle) + slack(k)])); gl.uniform1i(at.sides, planes.length);
+			if (!b.aside) { gl.uniform1i(at.seams, look.wire ? b.seams : 0); gl.uniform4fv(at.heights, b.heights); }
+			 gl.uniform1i(at.inner, b.aside ? 0 : b.slacks.reduce((bits, s, k) => bits | (s > 0 ? 1 << k : 0), 0));
 			gl.uniform4f(at.view, deep * f.across, deep * f.tan, dot(eye, f.side), dot(eye, f.up)); gl.uniform1f(at.bend, 1 / deep); gl.uniform1f(at.distance0, deep);
 			gl.uniform1f(at.number, b.aside ? -1 - b.number : b.cell);
 			gl.uniformMatrix3fv(at.inverse, false, columns(...transposed(inv))); gl.uniformMatrix3fv(at.toWorld, false, columns(...inv));

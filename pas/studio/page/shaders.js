@@ -201,6 +201,11 @@ const CURVED = `
 	mat3 adj=mat3(cross(H[1],H[2]),cross(H[2],H[0]),cross(H[0],H[1]));
 	float gauss=dot(g,adj*g)/(l*l*l*l);`;
 
+// Lines where the surface passes from one piece to the next; "heights" are those of the cell over its faces.
+const SEAMS = `
+	float pixel=2.0*deep*length(upwards)/pixels.y;
+	for (int k=0; k<4; k++) if (((seams>>k)&1)==1) color.rgb*=mix(.3, 1.0, smoothstep(.5, 1.5, abs(planes[k].w+dot(planes[k].xyz,p0+t*d))*heights[k]/pixel));`;
+
 // Of the surface or of a neighbour (`aside`, which has no colours by curvature), in one of MODES or as PROBE.
 // With `fine`, as exactly as single pixels ask for.
 export function bodyFragment(n, mode, aside, fine) {
@@ -213,7 +218,7 @@ precision highp float; precision highp int;
 ${care ? NUMBERS : ""}
 uniform vec4 A[${Math.ceil(exponents(n).length / 4)}], B[${Math.ceil(exponents(n).length / 4)}];
 uniform float one;
-uniform vec4 planes[${PLANES}]; uniform int sides, inner;
+uniform vec4 planes[${PLANES}]; uniform int sides, inner, seams; uniform vec4 heights;
 uniform mat3 toWorld; uniform vec4 view; uniform float bend, distance0, near, far, range, number; uniform vec2 pixels, jitter; uniform vec3 ahead, rightwards, upwards, outside, inside, light;
 out vec4 color;
 ${LOOK}
@@ -238,7 +243,8 @@ ${care ? SEARCH : QUICK}
 ${curved ? CURVED : ""}
 ${mode === PROBE ? "color=vec4(deep,mean,gauss,number); return;" : `
 	float f=dot(n,to); vec3 base=f<0.0?inside:outside; vec3 m=f<0.0?-n:n; f=abs(f);
-	${mode === "zebra" ? "color=vec4(stripes(n,base,f),1.0);" : curved ? `color=vec4(diverging(${mode}/range)*(.66+.36*f),1.0);` : "color=vec4(lit(base,m,to,.22),1.0);"}`}
+	${mode === "zebra" ? "color=vec4(stripes(n,base,f),1.0);" : curved ? `color=vec4(diverging(${mode}/range)*(.66+.36*f),1.0);` : "color=vec4(lit(base,m,to,.22),1.0);"}
+${aside ? "" : SEAMS}`}
 }`;
 }
 

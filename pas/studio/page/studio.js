@@ -48,7 +48,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => drawDiagram() })), ($.diagram = make("div", { class: "diagram" })))),
 			section("Shape", ($.controls = make("div", {}))),
 			section("The same in code", row(button("python", "Copy as Python", () => copy("python")), button("toml", "Copy as TOML", () => copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
-			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options(EXPORTS))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
+			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options(EXPORTS))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), button("film", "Turntable", () => film(), { title: "one turn as a WebM film" }), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
 		)),
 	);
 
@@ -183,6 +183,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function back() { if (s.lastProved) openDocument(s.lastProved, false); }
 	function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
 	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, getComputedStyle($.main).getPropertyValue("--paper") || "#fff"), `${$.title.textContent || "shape"}.png`); }
+	async function film() {
+		if (!globalThis.MediaRecorder) { say("this browser cannot record films", true); return; }
+		$.film.disabled = true; say("one turn is recorded …");
+		download(await view.film(getComputedStyle($.main).getPropertyValue("--paper")), `${$.title.textContent || "shape"}.webm`);
+		$.film.disabled = false; say("the turn was saved");
+	}
 	async function copy(kind) {
 		const text = s.final[kind]; $.code.textContent = text;
 		try { await navigator.clipboard.writeText(text); say(`copied as ${kind === "python" ? "Python" : "TOML"}`); } catch { getSelection().selectAllChildren($.code); say("select and copy the text; this browser does not let a page do it", true); }
@@ -203,7 +209,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		$.cutting.hidden = !on; plane[axis] = axis === 1 ? 1 : -1; plane[3] = (-plane[axis] * Number($.cutAt.value) * view.caster.reach) / 100;
 		view.look.section = on ? plane : null; view.ask();
 	}
-	function wireNow() { view.setLines("wire", pressed("wire") && s.scene ? s.scene.edges.flatMap((e) => e.flatMap((p) => [...p, 0.25, 0.35, 0.5, 0.7])) : null, 0); }
+	function wireNow() { view.look.wire = pressed("wire"); view.setLines("wire", pressed("wire") && s.scene ? s.scene.edges.flatMap((e) => e.flatMap((p) => [...p, 0.25, 0.35, 0.5, 0.7])) : null, 0); }
 	function combsNow() { if (pressed("combs")) askCombs(); else { view.setLines("combs", null); $.curve.hidden = true; } }
 	function askCombs() { if (s.final?.seq === s.seq) channel.send({ do: "combs", seq: s.seq, document: s.doc }); }
 	function combed(head, arrays) {

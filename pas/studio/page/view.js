@@ -4,6 +4,7 @@ import { plus, unit } from "./algebra.js";
 
 const SLOW = 60; // milliseconds of a frame from which moving ones are drawn coarser
 const STILL = 220; // milliseconds of rest before the picture is smoothed
+const FILM = 90, FRAME = 40; // frames of a turn, and milliseconds of each
 const SMOOTH = [[0.25, 0.125], [-0.25, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, -0.25], [-0.375, 0.25]];
 
 export const VIEWS = { Oblique: [0.62, -0.62, 0.48], Front: [0, -1, 0], Back: [0, 1, 0], Left: [-1, 0, 0], Right: [1, 0, 0], Top: [0, 0, 1], Bottom: [0, 0, -1] };
@@ -64,6 +65,25 @@ export class View {
 		[this.live.width, this.live.height] = before; this.ask();
 		add.globalCompositeOperation = "destination-over"; add.globalAlpha = 1; add.fillStyle = background; add.fillRect(0, 0, width, height);
 		return out.convertToBlob({ type: "image/png" });
+	}
+	// One turn about the vertical as a film: a blob of WebM.
+	async film(background, frames = FILM) {
+		const { towards, up } = this.camera, wait = (t) => new Promise((r) => setTimeout(r, t)), out = document.createElement("canvas"), add = out.getContext("2d");
+		this.sized(1); out.width = this.live.width; out.height = this.live.height;
+		const stream = out.captureStream(0), recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 6e6 }), parts = [];
+		recorder.ondataavailable = (e) => parts.push(e.data); recorder.start();
+		for (let i = 0; i < frames; i++) {
+			const began = performance.now(), a = (2 * Math.PI * i) / frames, c = Math.cos(a), s = Math.sin(a);
+			this.camera.towards = [c * towards[0] - s * towards[1], s * towards[0] + c * towards[1], towards[2]]; this.camera.up = [0, 0, 1];
+			clearTimeout(this.resting); this.sized(1); this.caster.draw(this.camera, { ...this.look, jitter: [0, 0] });
+			add.fillStyle = background; add.fillRect(0, 0, out.width, out.height); add.drawImage(this.live, 0, 0);
+			stream.getVideoTracks()[0].requestFrame(); this.overlay(this);
+			await wait(Math.max(4, FRAME - (performance.now() - began)));
+		}
+		const done = new Promise((r) => { recorder.onstop = r; });
+		recorder.stop(); await done; stream.getTracks().forEach((track) => track.stop());
+		this.camera.towards = towards; this.camera.up = up; this.ask();
+		return new Blob(parts, { type: "video/webm" });
 	}
 	turn(right, up) {
 		const f = this.camera.frame(1), way = plus(plus(this.camera.towards, f.side, -right), f.up, up);
