@@ -137,6 +137,12 @@ def test_a_packed_message_is_what_the_page_reads():
     assert list(data[4 + length + 24 :][:5]) == [0, 1, 2, 3, 4]
 
 
+def inside(local, cell, point):
+    """The least barycentric coordinate of a point in a cell."""
+    corners = np.vstack([local.points[list(cell)].T, np.ones(4)])
+    return np.linalg.solve(corners, [*point, 1]).min()
+
+
 def test_a_moved_slider_sends_coefficients_alone(desk):
     made, first = desk
     one = made.move(changed(tension="5"), "")
@@ -145,6 +151,16 @@ def test_a_moved_slider_sends_coefficients_alone(desk):
     assert two.head["scene"] == one.head["scene"] == first.head["scene"]
     assert len(two.packed()) < 3000
     assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.1
+    mesh = made.move(changed(tension="5.6"), one.head["scene"], mesh=True).arrays
+    local = made.seen.surface.local
+    values = [
+        patch.at(p.tolist())
+        for p in mesh["points 0"][:40].astype(float)
+        for patch in [
+            made.seen.surface.patches[local.piece_of[int(np.argmax([inside(local, c, p) for c in local.cells]))]]
+        ]
+    ]
+    assert np.abs(np.array(values, float)).max() < 1e-6 and len(mesh["triangles 0"]) > 300
     verdicts = made.prove()
     assert verdicts.head["proved"] and len(verdicts.head["verdicts"]) == len(first.head["verdicts"])
 
@@ -327,7 +343,7 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         assert [a[:2] for a in quick.asked] == [("move", {"n": 1})]
         quick.gates[-1].set_result(Message({"kind": "outline"}))
         await settle()
-        assert quick.asked[-1] == ("move", {"n": 1}, "", True)
+        assert quick.asked[-1] == ("move", {"n": 1}, "", False, True)
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await settle()
         assert quick.asked[-1][:2] == ("move", {"n": 3})  # 2 was never worked on

@@ -469,6 +469,36 @@ def test_shape_values_are_drawn_by_the_page_alone(page):
     page.until(FINAL)
 
 
+SHARE = """(() => { for (let i = 0; i < 4; i++) studio.view.now();
+  const c = studio.view.live, g = studio.view.caster.gl;
+  const a = new Uint8Array(4 * c.width * c.height); let all = 0, drawn = 0;
+  g.readPixels(0, 0, c.width, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+  for (let i = 0; i < a.length; i += 4) if (a[i + 3] && a[i] > 2 * a[i + 2]) { all++; drawn += a[i]; }
+  return [all / a.length * 4, drawn / all]; })()"""
+"""Of the surface: how much of the picture it takes, and how bright it is."""
+
+
+def test_where_rays_are_too_slow_a_mesh_moves(page):
+    cast = page.ask(SHARE)
+    page.ask("""(() => { const caster = studio.view.caster, finish = caster.finish;
+      caster.finish = () => { const began = performance.now(); while (performance.now() - began < 170); };
+      for (let i = 0; i < 8; i++) studio.view.now();
+      caster.finish = finish; })()""")
+    page.until("studio.view.tooSlow && studio.view.caster.substitute.length > 0")
+    assert page.ask(SHARE) == pytest.approx(cast, rel=0.03)
+    for value in ("5", "5.5", "6"):
+        page.ask(f"studio.act.move(['problem', 'tension'], '{value}')")
+        page.until(SEEN)
+    assert page.ask("studio.view.caster.substitute.length") == 1  # moved with it
+    meshed = page.ask(SHARE)
+    page.ask("studio.view.tooSlow = false")
+    assert page.ask(SHARE) == pytest.approx(meshed, rel=0.03)
+    page.ask("studio.act.commit()")
+    page.until(FINAL)
+    page.page.click("text=Undo")
+    page.until(FINAL)
+
+
 def test_narrow_windows_and_dark_ones_have_all_controls(page):
     page.page.set_viewport_size({"width": 420, "height": 800})
     page.page.emulate_media(color_scheme="dark")

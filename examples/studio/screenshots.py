@@ -55,10 +55,18 @@ def curvature(page: Any) -> None:
     page.click(".bar >> text=Section")
 
 
+def pieces(page: Any) -> None:
+    """A node of six pipes with its cells, and where the surface passes from piece to piece."""
+    page.click(".bar >> text=Section")
+    page.click(".bar >> text=Mean curvature")
+    page.click(".bar >> text=Cells")
+    start(page, "Six-way node")
+
+
 def refuted(page: Any) -> None:
     """What a surface looks like that is refuted: the place is marked, and a repair offered."""
     page.emulate_media(color_scheme="light")
-    page.click(".bar >> text=Section")
+    page.click(".bar >> text=Cells")
     page.click(".bar >> text=Shaded")
     start(page, "Corner of three pipes")
     page.evaluate(
@@ -78,7 +86,13 @@ def combs(page: Any) -> None:
     page.evaluate("document.querySelector('.diagram').scrollIntoView({ block: 'center' })")
 
 
-STEPS: dict[str, Callable[[Any], None]] = {"corner": corner, "curvature": curvature, "refuted": refuted, "combs": combs}
+STEPS: dict[str, Callable[[Any], None]] = {
+    "corner": corner,
+    "curvature": curvature,
+    "pieces": pieces,
+    "refuted": refuted,
+    "combs": combs,
+}
 
 
 def main(folder: Path = PICTURES, size: tuple[int, int] = (1150, 720)) -> list[Path]:

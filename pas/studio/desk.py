@@ -36,8 +36,11 @@ from pas.studio.controls import LENGTHS, SHAPE, TENSION, controls
 from pas.studio.gallery import Data
 from pas.studio.messages import Message
 from pas.studio.repairs import remedies
-from pas.studio.scene import coefficients, outline, picture, quick
+from pas.studio.scene import coefficients, outline, picture, quick, triangles
 from pas.studio.sections import hairs
+from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
+from pas.surface.surface_mesh import SurfaceMesh
 
 PATIENCE = 120.0
 """Seconds after which a shape that is not found is given up."""
@@ -66,6 +69,7 @@ class Desk:
         self.key = self.scene = ""
         self.placed: Any = None
         self.before: Data = {}
+        self.meshed: tuple[PlacedContacts, SurfaceMesh] | None = None
         self.solved: tuple[Data, Shape] | None = None
 
     def read(self, name: str, text: str) -> Data:
@@ -135,17 +139,17 @@ class Desk:
         with suppress(InfeasibleError):  # then the first move says so
             self._keep(key, shape.refit())
 
-    def move(self, document: Data, scene: str = "", anew: bool = False) -> Message:
-        """A picture of a shape near that of the document; `scene` is what the page has already.
+    def move(self, document: Data, scene: str = "", mesh: bool = False, anew: bool = False) -> Message:
+        """A picture of a shape near that of the document; `scene` is what the page has already; with a `mesh` or not.
 
         Where the blend has to be solved anew, which takes longer, it is the outline of the neighbours, unless `anew`.
         """
         began = time.perf_counter()
         documents.checked(document)
-        message = (None if anew else self._outline(document)) or self._moved(document, scene)
+        message = (None if anew else self._outline(document)) or self._moved(document, scene, mesh)
         return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
 
-    def _moved(self, document: Data, scene: str) -> Message:
+    def _moved(self, document: Data, scene: str, mesh: bool) -> Message:
         with limit(PATIENCE, stopped=self.stopped):
             shape = self._followed(document)
             self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
@@ -153,11 +157,28 @@ class Desk:
                 return quick(shape)
             surface = shape.surface  # type: ignore[attr-defined]  # of blends
             if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
-                return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface)})
+                parts = triangles(self._meshed(surface), surface) if mesh else {}
+                return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface), **parts})
             message = picture(shape)
             name = scene_of(message)
             self.placed, self.scene = surface.placed, name.partition(" ")[2]
             return Message({**message.head, "scene": name}, message.arrays)
+
+    def mesh(self, document: Data) -> Message:
+        """The mesh of a document's blend, in its local coordinates; raises `InputError` for other kinds."""
+        shape: Any = self.shape_of(document)
+        if not can_follow(shape):
+            raise InputError("only blends are drawn otherwise than by their meshes")
+        with limit(PATIENCE, stopped=self.stopped):
+            return Message({"kind": "mesh"}, triangles(self._meshed(shape.surface), shape.surface))
+
+    def _meshed(self, surface: PiecewiseSurface) -> SurfaceMesh:
+        """A mesh of a surface, moved from the last one where that is of a surface near by."""
+        before, mesh = self.meshed or (None, None)
+        near = mesh is not None and before is surface.placed
+        mesh = mesh.follow(surface) if near and mesh is not None else surface.mesh()
+        self.meshed = surface.placed, mesh
+        return mesh
 
     def _outline(self, document: Data) -> Message | None:
         """The neighbours alone, where these have changed."""

@@ -21,8 +21,8 @@ SIZE = (120, 40)
 def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     """An entry for the head and an array; empty for other kinds of shapes and where shape values are functions of s.
 
-    The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', and the middle curve and its derivative
-    where there is one.
+    The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
+    its derivative where there is one.
     """
     if not isinstance(shape, GeneratrixBlend):
         return {}, {}

@@ -24,6 +24,7 @@ from pas.surface.fairness_limits import neighbour
 from pas.surface.joins import Join
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
+from pas.surface.surface_mesh import SurfaceMesh
 
 BEYOND = 0.22
 """How far neighbours are shown beyond their clips, over the extent of the region."""
@@ -162,6 +163,20 @@ def _meshes(shape: Shape) -> Message:
         **more,
     }
     return Message(head, arrays | parts)
+
+
+def triangles(mesh: SurfaceMesh, surface: PiecewiseSurface) -> dict[str, Any]:
+    """The arrays of a mesh of a surface, all in local coordinates: for machines that cast rays too slowly."""
+    points, corners, normals = mesh.shading
+    frame = surface.partition.frame
+    scale = to_float(frame.scale)
+    bent = np.nan_to_num(surface.curvatures(points) * [scale, scale**2], nan=FLAT, posinf=FLAT, neginf=FLAT)
+    return {
+        "points 0": ((points - to_floats(frame.origin)) / scale).astype(np.float32),
+        "normals 0": normals.astype(np.float32),
+        "triangles 0": corners.astype(np.uint32),
+        "bent 0": bent.astype(np.float32),
+    }
 
 
 def quick(shape: Shape) -> Message:

@@ -99,7 +99,7 @@ class Session:
                 self._begin(self._ahead(request["document"]))
 
     async def _follow(self, request: Request) -> None:
-        asked = ("move", request["document"], str(request.get("scene", "")))
+        asked = ("move", request["document"], str(request.get("scene", "")), bool(request.get("mesh")))
         message = await self.quick.ask(*asked)
         if message.head["kind"] == "outline":  # of what has to be solved anew, which takes longer
             await self._send(message.numbered(int(request.get("seq", 0))))
@@ -179,7 +179,7 @@ class Session:
             await self._send(Message({"kind": "repaired", "document": document}))
         elif verb == "export":
             await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
-        elif verb in ("combs", "safe"):
+        elif verb in ("combs", "safe", "mesh"):
             message = await self.final.ask(verb, request["document"])
             await self._send(message.numbered(int(request.get("seq", 0))))
 
@@ -187,7 +187,7 @@ class Session:
 STOPPABLE = {"solve", "measure", "repair"}
 """What is worthless once another document is final."""
 
-VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs", "safe"}
+VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs", "safe", "mesh"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}
 
 

@@ -99,12 +99,12 @@ def widget_class() -> type[Any]:
         def _answers(self, request: dict[str, Any]) -> list[Message]:
             verb, document = request.get("do"), request.get("document", {})
             if verb == "move":
-                return [self.desk.move(document, str(request.get("scene", "")), True)]
+                return [self.desk.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)]
             if verb == "rest":
                 return [self.desk.solve(document), self.desk.measure(document)]
             if verb == "export":
                 return [self.desk.export(document, str(request.get("format")))]
-            if verb in ("combs", "safe"):
+            if verb in ("combs", "safe", "mesh"):
                 return [getattr(self.desk, verb)(document)]
             if verb == "repair":
                 return [Message({"kind": "repaired", "document": self.desk.repair(document)})]

@@ -64,7 +64,7 @@ export class Caster {
 		const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true, powerPreference: "high-performance" });
 		if (!gl) throw new Error("This browser has no WebGL 2, with which the picture is drawn.");
 		this.gl = gl; this.canvas = canvas; this.programs = new Map(); this.turns = new Map();
-		this.bodies = []; this.polynomials = []; this.meshes = []; this.lines = []; this.reach = 2;
+		this.bodies = []; this.polynomials = []; this.meshes = []; this.lines = []; this.substitute = []; this.reach = 2;
 		gl.enable(gl.DEPTH_TEST); gl.depthFunc(gl.LEQUAL);
 	}
 	// The surface's cells and its neighbours' boxes; `polynomials` by number.
@@ -79,7 +79,7 @@ export class Caster {
 		this.bodies = bodies; this.reach = reach; this.change(polynomials);
 	}
 	change(polynomials) { // the same cells with other coefficients
-		this.polynomials = polynomials;
+		this.polynomials = polynomials; this.drop(this.substitute); this.substitute = [];
 		for (const b of this.bodies) { const { degree, values } = polynomials[b.number]; b.degree = degree; b.moved = shifted(values, degree, b.middle); b.turned = new Float64Array(values.length); b.packed = new Float32Array(4 * Math.ceil(values.length / 4)); b.rest = new Float32Array(b.packed.length); }
 	}
 	upload(data, parts, indices) {
@@ -92,8 +92,11 @@ export class Caster {
 	}
 	drop(list) { for (const m of list) { this.gl.deleteBuffer(m.buffer); this.gl.deleteBuffer(m.order); this.gl.deleteVertexArray(m.array); } }
 	setMeshes(meshes) { // of { points, normals, triangles, tints }, tints of red, green, blue, mean and Gauss curvature
-		this.drop(this.meshes);
-		this.meshes = meshes.map((m) => {
+		this.drop(this.meshes); this.meshes = this.uploaded(meshes);
+	}
+	setSubstitute(mesh) { this.drop(this.substitute); this.substitute = this.uploaded([mesh]); } // of the cells
+	uploaded(meshes) {
+		return meshes.map((m) => {
 			const n = m.points.length / 3, data = new Float32Array(11 * n);
 			for (let i = 0; i < n; i++) { data.set(m.points.subarray(3 * i, 3 * i + 3), 11 * i); data.set(m.normals.subarray(3 * i, 3 * i + 3), 11 * i + 3); data.set(m.tints.subarray(5 * i, 5 * i + 5), 11 * i + 6); }
 			return this.upload(data, [["corner", 3], ["normal", 3], ["tint", 3], ["bent", 2]], m.triangles);
@@ -127,21 +130,23 @@ export class Caster {
 		return this.programs.get(key);
 	}
 	turn(degree) { if (!this.turns.has(degree)) this.turns.set(degree, new Turn(degree)); return this.turns.get(degree); }
-	// Draws everything: `look` has mode, range, section (a plane or null), colors, jitter, background, and fine at rest.
+	// Draws everything: `look` has mode, range, section (a plane or null), colors, jitter, background,
+	// `fine` at rest, `meshed` where the mesh of the surface is drawn in place of it.
 	draw(camera, look, width = this.canvas.width, height = this.canvas.height) {
 		const gl = this.gl, frame = camera.frame(width / height), middle = -dot(frame.eye, frame.ahead);
 		const near = middle - MARGIN * this.reach, far = middle + MARGIN * this.reach, jitter = look.jitter || [0, 0];
 		const light = plus(times(frame.up, 0.9), times(frame.side, -0.7)), bar = { ...frame, near, far, jitter, light, pixels: [width, height] };
 		gl.viewport(0, 0, width, height); gl.clearColor(...(look.background || [0, 0, 0, 0])); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-		this.drawBodies(bar, look); if (look.mode === PROBE) return;
-		this.drawMeshes(bar, look); this.drawLines(bar);
+		const meshed = look.meshed && this.substitute.length > 0;
+		this.drawBodies(bar, look, meshed); if (look.mode === PROBE) return;
+		this.drawMeshes(bar, look, meshed ? this.substitute : this.meshes); this.drawLines(bar);
 	}
-	drawBodies(f, look) {
+	drawBodies(f, look, meshed) {
 		const gl = this.gl; let last = null;
 		if (this.cells) gl.bindVertexArray(this.cells.array);
 		const sorted = this.bodies.map((b) => [dot(minus(b.middle, f.eye), f.ahead), b]).sort((a, b) => a[0] - b[0] || 0);
 		for (const [deep, b] of sorted) {
-			if (deep <= 0) continue;
+			if (deep <= 0 || (meshed && !b.aside)) continue;
 			const eye = minus(f.eye, b.middle), W = times(eye, -1 / deep), P = this.bodyProgram(b.degree, look.mode, b.aside, Boolean(look.fine) && !b.aside), at = P.at;
 			if (last !== P) {
 				gl.useProgram(P.program); last = P;
@@ -168,11 +173,11 @@ export class Caster {
 		gl.uniform2f(at.tan0, f.across, f.tan); gl.uniform1f(at.near, f.near); gl.uniform1f(at.far, f.far); gl.uniform2fv(at.jitter, f.jitter); gl.uniform2fv(at.pixels, f.pixels);
 		return at;
 	}
-	drawMeshes(f, look) {
-		if (!this.meshes.length) return;
+	drawMeshes(f, look, meshes) {
+		if (!meshes.length) return;
 		const gl = this.gl, at = this.common(this.program(MESH_VERTEX, meshFragment(look.mode), ["corner", "normal", "tint", "bent"]), f);
 		gl.uniform3fv(at.light, f.light); gl.uniform4fv(at.cut, look.section || [0, 0, 0, 1]); gl.uniform1f(at.range, look.range || 1);
-		for (const m of this.meshes) { gl.bindVertexArray(m.array); gl.drawElements(gl.TRIANGLES, m.count, gl.UNSIGNED_INT, 0); }
+		for (const m of meshes) { gl.bindVertexArray(m.array); gl.drawElements(gl.TRIANGLES, m.count, gl.UNSIGNED_INT, 0); }
 	}
 	drawLines(f) {
 		if (!this.lines.length) return;
@@ -181,6 +186,7 @@ export class Caster {
 		for (const l of this.lines) { gl.uniform1f(at.lift, l.lift); gl.bindVertexArray(l.array); gl.drawArrays(gl.LINES, 0, l.count); }
 		gl.disable(gl.BLEND);
 	}
+	clear() { this.gl.clearColor(0, 0, 0, 0); this.gl.clear(this.gl.COLOR_BUFFER_BIT); }
 	finish() { this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4)); }
 	// Depth, mean and Gauss curvature and the cell's number of each pixel, lowest row first: NOTHING where there is none,
 	// and negative for neighbours.

@@ -68,6 +68,11 @@ export class Scene {
 		for (let i = 0; i < n; i++) tints.set([...color, NaN, NaN], 5 * i);
 		this.meshes[this.head.main] = { points, normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
 	}
+	substitute(arrays, color) { // the mesh of the surface
+		const n = arrays["points 0"].length / 3, bent = arrays["bent 0"], tints = new Float32Array(5 * n);
+		for (let i = 0; i < n; i++) tints.set([...color, bent[2 * i], bent[2 * i + 1]], 5 * i);
+		return { points: arrays["points 0"], normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
+	}
 	get polynomials() { return [...this.surface, ...this.beyond]; }
 	moved(values) { this.surface = pieces(values, this.head.degree); }
 	load(caster) { caster.scene(this.bodies, this.polynomials, this.reach); caster.setMeshes(this.meshes); }

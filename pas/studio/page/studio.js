@@ -2,7 +2,7 @@
 // `receive(listener of head and arrays)` and, where connections come and go, `onstate(listener)`.
 import { number, Panel, get, make, put, svg, KINDS } from "./controls.js";
 import { Scene } from "./scene.js";
-import { View, VIEWS } from "./view.js";
+import { COLORS, View, VIEWS } from "./view.js";
 import { diagram, hairLines, legend, liveliest } from "./curvature.js";
 
 const MODES = { shaded: "Shaded", zebra: "Zebra", mean: "Mean curvature", gauss: "Gauss curvature" };
@@ -55,6 +55,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
 	let view;
 	try { view = new View($.place, () => overlay()); } catch (error) { say(error.message, true); return { destroy() {} }; }
+	view.onslow = () => { if (s.final?.seq === s.seq && s.scene.how === "cast") channel.send({ do: "mesh", seq: s.seq, document: s.doc }); };
 	view.onpick = (x, y) => { const p = view.pick(x, y); s.picked = p; if (p) say(`at ${s.scene.world(p.point).map(short).join(", ")}: mean curvature ${short(p.mean / s.scene.scale)}, Gauss curvature ${short(p.gauss / s.scene.scale ** 2)}`); };
 
 	// ---- the document
@@ -74,7 +75,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
 	function change(doc, settled) {
 		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
-		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "" });
+		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "", mesh: view.tooSlow && s.scene?.how === "cast" });
 		clearTimeout(s.asking);
 		if (!settled && drawnHere(doc)) s.asking = setTimeout(move, PAUSE); else if (!settled) move();
 		ghostLater();
@@ -128,7 +129,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
 	// ---- what comes from the other side
 	function receive(head, arrays) {
-		({ picture, moved, outline, verdicts: judged, measures, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
+		({ picture, moved, outline, verdicts: judged, measures, mesh: meshed, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
 	}
 	function picture(head, arrays) {
 		if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
@@ -142,7 +143,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 				s.solved = s.doc; judge(head); if (head.proved) s.lastProved = s.doc;
 				say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
 			}
-			buttons(); if (pressed("combs")) askCombs();
+			buttons(); if (pressed("combs")) askCombs(); if (view.tooSlow) view.onslow();
 			if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
 		}
 	}
@@ -150,7 +151,11 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		if (head.seq < s.shown || !s.scene) return;
 		if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients); view.caster.change(s.scene.polynomials); }
 		else { s.scene.movedMesh(arrays); view.caster.setMeshes(s.scene.meshes); }
-		arrived(head); view.ask();
+		arrived(head); meshed(head, arrays); view.ask();
+	}
+	function meshed(head, arrays) { // in place of rays, while anything moves, where these are too slow
+		if (!arrays["points 0"] || head.seq !== s.shown || s.scene?.how !== "cast") return;
+		view.caster.setSubstitute(s.scene.substitute(arrays, COLORS.surface.outside)); view.ask();
 	}
 	function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
 	function arrived(head) {

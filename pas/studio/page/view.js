@@ -3,6 +3,7 @@ import { Camera, Caster } from "./cast.js";
 import { plus, unit } from "./algebra.js";
 
 const SLOW = 60; // milliseconds of a frame from which moving ones are drawn coarser
+const TOO_SLOW = 150, CRAWLS = 3; // milliseconds of a coarse frame, and frames, from which moving ones are drawn from a mesh
 const STILL = 220; // milliseconds of rest before the picture is smoothed
 const FILM = 90, FRAME = 40; // frames of a turn, and milliseconds of each
 const SMOOTH = [[0.25, 0.125], [-0.25, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, -0.25], [-0.375, 0.25]];
@@ -20,7 +21,7 @@ export class View {
 		this.live.className = "live"; this.still.className = "still"; this.live.tabIndex = 0; this.live.setAttribute("role", "img");
 		this.live.setAttribute("aria-label", "The surface. Drag or use the arrow keys to turn it, plus and minus to zoom, Home to go back.");
 		this.place = place; this.overlay = overlay; this.camera = new Camera(); this.caster = new Caster(this.live);
-		this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = 0; this.pointers = new Map(); this.lineSets = {};
+		this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = this.crawls = 0; this.tooSlow = false; this.pointers = new Map(); this.lineSets = {};
 		this.onpick = null; this.listen();
 		this.observer = new ResizeObserver(() => this.ask()); this.observer.observe(place);
 	}
@@ -39,10 +40,12 @@ export class View {
 	}
 	now() {
 		const began = performance.now();
-		this.sized(this.coarse); this.caster.draw(this.camera, { ...this.look, jitter: [0, 0] }); this.caster.finish(); this.frames++;
+		this.sized(this.coarse); this.caster.draw(this.camera, { ...this.look, meshed: this.tooSlow, jitter: [0, 0] }); this.caster.finish(); this.frames++;
 		const spent = performance.now() - began;
 		this.spent = spent; this.drawn = began + spent;
 		if (spent > SLOW && this.coarse > 0.4) this.coarse *= 0.7; else if (spent < SLOW / 4 && this.coarse < 1) this.coarse = Math.min(1, this.coarse / 0.7);
+		this.crawls = spent > TOO_SLOW && this.coarse <= 0.5 ? this.crawls + 1 : 0;
+		if (this.crawls === CRAWLS && !this.tooSlow) { this.tooSlow = true; this.onslow?.(); }
 		this.overlay(this);
 		clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
 	}
@@ -50,11 +53,11 @@ export class View {
 		const share = Math.min(2, devicePixelRatio || 1), context = this.still.getContext("2d");
 		this.sized(share);
 		if (step === 0) { this.still.width = this.live.width; this.still.height = this.live.height; }
-		this.caster.draw(this.camera, { ...this.look, fine: true, jitter: SMOOTH[step] });
+		this.caster.draw(this.camera, { ...this.look, fine: !this.tooSlow, jitter: SMOOTH[step] });
 		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
 		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
 		context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
-		if (step + 1 < SMOOTH.length) this.resting = setTimeout(() => this.smooth(step + 1), 0); else this.still.hidden = false;
+		if (step + 1 < (this.tooSlow ? 1 : SMOOTH.length)) this.resting = setTimeout(() => this.smooth(step + 1), 0); else { this.still.hidden = false; this.caster.clear(); } // else its steps show around the smooth edges
 	}
 	// The picture at any size, with a plain background.
 	async png(width, height, background) {
