@@ -18,7 +18,8 @@ from conftest import ROOT
 from test_studio import children
 
 import pas
-import pas.studio.documents
+from pas.studio.documents import problem_of
+from pas.studio.gallery import GALLERY
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
@@ -448,10 +449,12 @@ UNNAMED = """[...document.querySelectorAll("button, input, select")].filter((e) 
   !e.textContent.trim() && !e.getAttribute("aria-label") && !document.querySelector(`label[for="${e.id}"]`)).length"""
 
 
-def test_shape_values_are_drawn_by_the_page_alone(page):
-    from pas.studio.gallery import GALLERY
+OTHERS = [pytest.param(name, marks=pytest.mark.slow) for name in ("Round an obstacle", "Helicoid to pipe")]
 
-    before, problem = page.problem, GALLERY["Round an obstacle"]["problem"]
+
+@pytest.mark.parametrize("name", ["Two quadrics", *OTHERS])
+def test_shape_values_are_drawn_by_the_page_alone(page, name):
+    before, problem = page.problem, GALLERY[name]["problem"]
     page.page.evaluate(OPEN, problem)
     page.until(FINAL)
     at_once = page.ask("""(() => { studio.act.move(["problem", "shape", "l1"], "3/2"); const s = studio.state;
@@ -459,12 +462,10 @@ def test_shape_values_are_drawn_by_the_page_alone(page):
     })()""")
     assert at_once[:2] == [True, 0] and page.page.locator(".lamps .proved").count() == 0
     page.until(f"{SEEN} && studio.state.shot > 0")  # after a pause, for the verdicts
-    blend = pas.studio.documents.problem_of({**problem, "shape": {**problem["shape"], "l1": "3/2"}}).solve()
+    blend = problem_of({**problem, "shape": {**problem["shape"], "l1": "3/2"}}).solve()
     origin, scale = page.ask("[studio.state.scene.origin, studio.state.scene.scale]")
     exact = (blend.mesh(size=(120, 40)).points - origin) / scale
     assert np.abs(np.array(at_once[2]).reshape(-1, 3) - exact).max() < 1e-6
-    page.ask("studio.act.commit()")
-    page.until(FINAL)
     page.page.evaluate(OPEN, before)
     page.until(FINAL)
 
