@@ -112,7 +112,8 @@ class Kind(Generic[S]):
     that it is a mesh already, for which tolerances mean nothing; `curved` that its layers know the curvature of
     the surface, for colours and combs. What not every kind has: `parts` by name, each with a colour,
     `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, `body(shape, length)`, the solid with
-    it in its boundary, and `cast(shape)`, the piecewise surface at which rays can be cast instead of meshing it.
+    it in its boundary, `cast(shape)`, the piecewise surface at which rays can be cast instead of meshing it, and
+    `generatrix(shape)`, the blend by a generatrix whose shape values can be moved without meshing it anew.
     """
 
     name: str
@@ -131,6 +132,7 @@ class Kind(Generic[S]):
     facts: Callable[[S], dict[str, Any]] = field(default_factory=lambda: _no_facts)
     body: Callable[[S, Any], Any] | None = None
     cast: Callable[[S], Any] | None = None
+    generatrix: Callable[[S], Any] | None = None
 
     def __repr__(self) -> str:
         return f"<Kind {self.name!r} of {self.type.__name__}>"

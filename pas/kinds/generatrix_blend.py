@@ -141,5 +141,6 @@ def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
 
 
 BLEND = Kind(
-    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, curved=True
-)
+    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, curved=True,
+    generatrix=lambda blend: blend,
+)  # fmt: skip

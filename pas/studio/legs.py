@@ -6,13 +6,15 @@ curves, their vectors and the derivatives of these are sent once (see `pas.gener
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pas.generatrix.blend import GeneratrixBlend
-from pas.shape import Shape
+from pas.shape import Shape, kind_of
 from pas.studio.controls import SHAPE
+
+if TYPE_CHECKING:
+    from pas.generatrix.blend import GeneratrixBlend
 
 SIZE = (120, 40)
 """Points in s and t of what is drawn while a value is dragged."""
@@ -24,18 +26,20 @@ def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
     its derivative where there is one.
     """
-    if not isinstance(shape, GeneratrixBlend):
+    find = kind_of(shape).generatrix
+    if find is None:
         return {}, {}
-    functions = {name: getattr(shape.shape, name) for name in SHAPE}
+    blend: GeneratrixBlend = find(shape)
+    functions = {name: getattr(blend.shape, name) for name in SHAPE}
     values = {name: function.value for name, function in functions.items() if function is not None}
     if len(values) < len(SHAPE) or None in values.values():
         return {}, {}
-    _, edges, middles = shape.frames.grid(SIZE[0])
+    _, edges, middles = blend.frames.grid(SIZE[0])
     rows = [part for e in edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(middles or ())
     head = {
         "size": SIZE,
-        "closed": shape.closed,
-        "inward": shape.frames.inward,
+        "closed": blend.closed,
+        "inward": blend.frames.inward,
         "values": {name: float(value) for name, value in values.items()},
     }
     return {"legs": head}, {"legs": np.stack(rows).astype(np.float64)}
