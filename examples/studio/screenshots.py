@@ -19,7 +19,7 @@ from typing import Any
 PICTURES = Path(__file__).parent / "pictures"
 SOFTWARE = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox"]
 FINAL = "!!(globalThis.studio && studio.state.final?.seq === studio.state.seq)"
-SMOOTH = "studio.view.still.hidden === false"
+SMOOTH = "studio.view.still.hidden === false && studio.view.still.dataset.fine === 'true'"
 PATIENCE, LOOK = 60.0, 0.05
 """Seconds to wait for a shape, and between looks."""
 

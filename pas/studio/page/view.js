@@ -4,7 +4,7 @@ import { plus, unit } from "./algebra.js";
 
 const SLOW = 60; // milliseconds of a frame from which moving ones are drawn coarser
 const TOO_SLOW = 150, CRAWLS = 3; // milliseconds of a coarse frame, and frames, from which moving ones are drawn from a mesh
-const STILL = 220; // milliseconds of rest before the picture is smoothed
+const STILL = 220, LONG = 900; // milliseconds of rest before the picture is smoothed, and drawn with more digits
 const FILM = 90, FRAME = 40; // frames of a turn, and milliseconds of each
 const SMOOTH = [[0.25, 0.125], [-0.25, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, -0.25], [-0.375, 0.25]];
 
@@ -18,7 +18,7 @@ export const COLORS = {
 export class View {
 	constructor(place, overlay) {
 		this.live = place.appendChild(document.createElement("canvas")); this.still = place.appendChild(document.createElement("canvas"));
-		this.live.className = "live"; this.still.className = "still"; this.live.tabIndex = 0; this.live.setAttribute("role", "img");
+		this.sum = document.createElement("canvas"); this.live.className = "live"; this.still.className = "still"; this.live.tabIndex = 0; this.live.setAttribute("role", "img");
 		this.live.setAttribute("aria-label", "The surface. Drag or use the arrow keys to turn it, plus and minus to zoom, Home to go back.");
 		this.place = place; this.overlay = overlay; this.camera = new Camera(); this.caster = new Caster(this.live);
 		this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = this.crawls = 0; this.tooSlow = false; this.pointers = new Map(); this.lineSets = {};
@@ -49,15 +49,19 @@ export class View {
 		this.overlay(this);
 		clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
 	}
-	smooth(step) { // the mean of shifted frames, one at a time
-		const share = Math.min(2, devicePixelRatio || 1), context = this.still.getContext("2d");
+	smooth(step, fine = false) { // the mean of shifted frames, one at a time; after a longer rest once more with more digits
+		const share = Math.min(2, devicePixelRatio || 1), steps = this.tooSlow ? 1 : SMOOTH.length, context = this.sum.getContext("2d");
 		this.sized(share);
-		if (step === 0) { this.still.width = this.live.width; this.still.height = this.live.height; }
-		this.caster.draw(this.camera, { ...this.look, fine: !this.tooSlow, jitter: SMOOTH[step] });
+		if (step === 0) { this.sum.width = this.live.width; this.sum.height = this.live.height; }
+		this.caster.draw(this.camera, { ...this.look, fine, jitter: SMOOTH[step] });
 		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
-		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.still.width, this.still.height); context.globalCompositeOperation = "lighter"; }
-		context.drawImage(this.live, 0, 0); context.globalAlpha = 1;
-		if (step + 1 < (this.tooSlow ? 1 : SMOOTH.length)) this.resting = setTimeout(() => this.smooth(step + 1), 0); else { this.still.hidden = false; this.caster.clear(); } // else its steps show around the smooth edges
+		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.sum.width, this.sum.height); context.globalCompositeOperation = "lighter"; }
+		context.drawImage(this.live, 0, 0);
+		if (!this.still.hidden) this.caster.clear(); // else its steps show around the smooth edges
+		if (step + 1 < steps) { this.resting = setTimeout(() => this.smooth(step + 1, fine), 0); return; }
+		this.still.width = this.sum.width; this.still.height = this.sum.height; this.still.getContext("2d").drawImage(this.sum, 0, 0);
+		this.still.hidden = false; this.still.dataset.fine = fine; this.caster.clear();
+		if (!fine && !this.tooSlow) this.resting = setTimeout(() => this.smooth(0, true), LONG);
 	}
 	// The picture at any size, with a plain background.
 	async png(width, height, background) {
