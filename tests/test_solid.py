@@ -191,6 +191,27 @@ def test_coincident_faces_are_refused():
         (doubled | solid.ball((0, 0, 0), 1)).mesh()
 
 
+@pytest.mark.parametrize(
+    "shape, low, high",
+    [
+        (solid.ball((0, 0, 0), 1), (-1, -1, -1), (1, 1, 1)),
+        (solid.ball((10**5, 0, 0), 1), (10**5 - 1, -1, -1), (10**5 + 1, 1, 1)),
+        (solid.cylinder((0, 0, 0), (10, 10, 10), "1/100"), (0, 0, 0), (10, 10, 10)),
+        (solid.ball((0, 0, 0), 1) - solid.ball((0, 0, 0), "99/100"), (-1, -1, -1), (1, 1, 1)),
+        (solid.ball((0, 0, 0), 1) | solid.ball((100, 0, 0), 2), (-1, -2, -2), (102, 2, 2)),
+        (solid.ball((0, 0, 0), 1) & solid.half_space("x + y + z - 3/2"), (-1, -1, -1), (1, 1, 1)),
+    ],
+)
+def test_boxes_hold_solids_tightly(shape, low, high):
+    further = np.stack([low - shape.box[0], shape.box[1] - high]) / np.ptp([low, high], axis=0)
+    assert -1e-6 < further.min() and further.max() < 0.06
+
+
+def test_boxes_of_prisms_are_exact():
+    prism = solid.intersection([solid.half_space(f"{p} - 1") for p in ("x + y", "x - y", "-2*x", "z", "-z")])
+    assert prism.box == pytest.approx(np.array([[-0.5, -1.5, -1], [1, 1.5, 1]]), abs=1e-7)
+
+
 def test_thin_solids_are_refused_in_words():
     sheet = solid.box((0, 0, 0), (1, 1, "1/100000"))
     with pytest.raises(MeshError, match="too thin for its size"):

@@ -123,15 +123,6 @@ class Bank:
             result[part] = np.abs(both[:, 0]) > np.abs(both[:, 1:]).sum(axis=1)
         return result
 
-    def shares(self, centers: Floats, half: Floats) -> Floats:
-        """How much of its change in boxes each polynomial owes to each side (N, M, 3); sums are 1 or 0."""
-        result = np.zeros((len(centers), len(self), 3))
-        for expansion in self._expansions:
-            for part, values, powers in expansion.about(centers, half[None]):
-                terms = (np.abs(values) * powers[:, None]) @ expansion.exponents.astype(float)
-                result[part, expansion.rows] = terms / np.maximum(terms.sum(axis=2, keepdims=True), 1e-300)
-        return result
-
     @cached_property
     def _expansions(self) -> list[_Expansion]:
         """The polynomials by degree: those of low degree have short expansions."""

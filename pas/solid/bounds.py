@@ -7,6 +7,7 @@ point are cut away, from a very large box down, until the rest is tight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from flint import fmpq
@@ -16,14 +17,23 @@ from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.program import Program
-from pas.solid.tree import Node, Tree, is_contradiction
+from pas.solid.tree import Bools, Node, Tree, is_contradiction
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
 
 LEVELS, MOST_BOXES = 160, 60_000
-PARTS = 40
-"""Boxes are small enough when that many halves fit into each side of their hull."""
+PARTS = 32
+"""Boxes are small enough when that many fit into each side of their hull."""
+
+EVERYWHERE = 3
+"""Halvings of all boxes, after which only those at the sides of their hull are halved."""
+
+OCTAVES = 30
+"""Sizes of the boxes about the origin with which the search begins where planes do not bound the set."""
+
+SLACK = 1e-9
+"""By which the boxes of planes are larger, over what they measure, for rounding."""
 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -36,7 +46,7 @@ def bounding_box(tree: Tree) -> Floats:
     boxes = [box for part in _branches(tree) if (box := _branch_box(part)) is not None]
     if not boxes:
         raise GeometryError("the solid is empty: no point satisfies all of its inequalities")
-    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+    return _hull(boxes)
 
 
 def _branches(tree: Tree) -> list[Tree]:
@@ -58,6 +68,10 @@ def _branch_box(tree: Tree) -> Floats | None:
         if (within == start).all():
             raise
         return _shrunk(program, within)
+
+
+def _hull(boxes: Sequence[Floats]) -> Floats:
+    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
 
 def _within_unions(tree: Tree, start: Floats) -> Floats:
@@ -89,12 +103,8 @@ def _linear_box(tree: Tree) -> Floats | None:
         found = [inner for p in part.parts if (inner := _linear_box(p)) is not None]
         if not found:
             return None
-        box = np.stack(
-            [
-                np.maximum(box[0], np.min([b[0] for b in found], axis=0)),
-                np.minimum(box[1], np.max([b[1] for b in found], axis=0)),
-            ]
-        )
+        hull = _hull(found)
+        box = np.stack([np.maximum(box[0], hull[0]), np.minimum(box[1], hull[1])])
         box = box if (box[0] <= box[1]).all() else None
     return box
 
@@ -110,46 +120,101 @@ def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
     box = np.array([[-FARTHEST] * 3, [FARTHEST] * 3])
     if not rows:
         return box
-    from scipy.optimize import linprog
-
     matrix = np.array(rows)
-    for axis in range(3):
-        for side in (0, 1):
-            cost = np.zeros(3)
-            cost[axis] = 1 - 2 * side
-            found = linprog(cost, matrix[:, 1:], -matrix[:, 0], bounds=[(-FARTHEST, FARTHEST)] * 3)
-            if found.status == 2:
-                return None
-            if found.status == 0:
-                slack = 1e-9 * (1 + abs(found.fun))
-                box[side, axis] = (1 - 2 * side) * found.fun - (1 - 2 * side) * slack
-    return box
+    alone = (matrix[:, 1:] != 0).sum(axis=1) == 1
+    for offset, *slopes in matrix[alone]:  # a plane across an axis needs no programme
+        axis = int(np.argmax(np.abs(slopes)))
+        limit = -offset / slopes[axis]
+        limit += np.sign(slopes[axis]) * SLACK * (1 + abs(limit))
+        side, least = (1, min) if slopes[axis] > 0 else (0, max)
+        box[side, axis] = least(box[side, axis], limit)
+    if (box[0] > box[1]).any():
+        return None
+    return box if alone.all() else _programmed(matrix[~alone], box)
+
+
+def _programmed(matrix: Floats, box: Floats) -> Floats | None:
+    """The box of linear inequalities (n, 4) within another, for all six sides by one linear programme."""
+    from scipy.optimize import linprog
+    from scipy.sparse import block_diag
+
+    costs = np.concatenate([np.eye(3), -np.eye(3)])
+    every = block_diag([matrix[:, 1:]] * len(costs), format="csr")
+    bounds = np.tile(box.T, (len(costs), 1))
+    found = linprog(costs.ravel(), every, np.tile(-matrix[:, 0], len(costs)), bounds=bounds)
+    if found.status == 2:
+        return None
+    if found.status != 0:
+        return box
+    ends = (found.x.reshape(-1, 3) * np.abs(costs)).sum(axis=1).reshape(2, 3)
+    return np.asarray(ends + np.array([[-1.0], [1.0]]) * SLACK * (1 + np.abs(ends)))
 
 
 def _shrunk(program: Program, start: Floats) -> Floats | None:
-    """The hull of the boxes that cannot be ruled out, halved until they are small beside it."""
-    hull = start
-    centers, half = start.mean(axis=0)[None], np.maximum((start[1] - start[0]) / 2, 1e-300)
-    for _ in range(LEVELS):
-        checkpoint(f"bounding a solid ({len(centers)} boxes)")
-        yes, no = program.taylor(centers, half[None])
+    """The hull of the boxes that cannot be ruled out, halved until those at its sides are small beside it.
+
+    A side is left as it is where points of the set come that near to it.
+    """
+    known, new = (np.empty((0, 3)), np.empty((0, 3))), _first_boxes(start)
+    seen = np.array([[np.inf] * 3, [-np.inf] * 3])
+    for level in range(LEVELS):
+        checkpoint(f"bounding a solid ({len(new[0])} boxes)")
+        yes, no = program.taylor(*new)
         possible = program.holds(~no, ~yes)
-        centers = centers[possible]
+        centers, halves = (np.concatenate([old, fresh[possible]]) for old, fresh in zip(known, new, strict=True))
         if not len(centers):
             return None
-        hull = np.stack([centers.min(axis=0) - half, centers.max(axis=0) + half])
-        axis = int(program.widest(centers, half, ~(yes | no)[:, possible], hull).argmax())
-        if (half * PARTS < np.ptp(hull, axis=0)).all() or len(centers) > MOST_BOXES:
+        within = new[0][possible]
+        within = within[program.inside(program.signs(within))]
+        seen = _hull([seen, *np.repeat(within[:, None], 2, axis=1)])
+        hull = np.stack([(centers - halves).min(axis=0), (centers + halves).max(axis=0)])
+        large = 2 * halves * PARTS >= np.ptp(hull, axis=0)
+        open_ = large.any(axis=1) & (_at_sides(centers, halves, hull, seen) if level >= EVERYWHERE else True)
+        if not open_.any() or len(centers) > MOST_BOXES:
             break
-        half = np.where(np.arange(3) == axis, half / 2, half)
-        shift = np.where(np.arange(3) == axis, half, 0.0)
-        centers = np.concatenate([centers - shift, centers + shift])
+        known, new = (centers[~open_], halves[~open_]), _halved(centers[open_], halves[open_], large[open_])
     if ((np.abs(hull) > FARTHEST / 2) & (np.abs(hull) >= np.abs(start) * 0.9)).any():
         raise GeometryError(
             "the solid is unbounded or too large: it goes on beyond "
             f"{_describe(hull)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"
         )
     return hull
+
+
+def _at_sides(centers: Floats, halves: Floats, hull: Floats, seen: Floats) -> Bools:
+    """Which boxes are at sides of their hull that are further out than all points that were seen of the set."""
+    near = np.ptp(hull, axis=0) / PARTS
+    low, high = centers - halves, centers + halves
+    lowest = (low < seen[0] - near) & (low - halves <= hull[0])
+    highest = (high > seen[1] + near) & (high + halves >= hull[1])
+    return np.asarray((lowest | highest).any(axis=1))
+
+
+def _halved(centers: Floats, halves: Floats, along: Bools) -> tuple[Floats, Floats]:
+    """Boxes halved along those of their sides (N, 3) that are marked."""
+    for axis in range(3):
+        step = np.where(along[:, axis], halves[:, axis] / 2, 0.0)[:, None] * np.eye(3)[axis]
+        halved = along[:, axis]
+        halves = halves - step
+        centers = np.concatenate([centers - step, (centers + step)[halved]])
+        halves, along = np.concatenate([halves, halves[halved]]), np.concatenate([along, along[halved]])
+    return centers, halves
+
+
+def _first_boxes(start: Floats) -> tuple[Floats, Floats]:
+    """Boxes that cover one: itself where it is bounded, else boxes that are the smaller the nearer the origin."""
+    if np.abs(start).max() < FARTHEST:
+        low, high = start[:1], start[1:]
+    else:
+        steps = np.array(list(product(np.linspace(-1.0, 0.5, 4), repeat=3)))
+        ring = steps[(np.abs(steps + 0.25) > 0.5).any(axis=1)]
+        sizes = FARTHEST / 2.0 ** np.arange(OCTAVES)
+        low = np.concatenate([(size * ring).reshape(-1, 3) for size in sizes] + [[[-sizes[-1] / 2] * 3]])
+        widths = np.repeat([*sizes / 2, sizes[-1]], [*[len(ring)] * OCTAVES, 1])[:, None]
+        low, high = np.maximum(low, start[0]), np.minimum(low + widths, start[1])
+        kept = (low <= high).all(axis=1)
+        low, high = low[kept], high[kept]
+    return (low + high) / 2, np.maximum((high - low) / 2, 1e-300)
 
 
 def _describe(hull: Floats) -> str:

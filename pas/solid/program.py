@@ -28,9 +28,6 @@ SEPARATOR = " + "
 SPLITS = 6
 """Columns read from both sides that are tried together as either: a box that meets more is halved first."""
 
-SAMPLE = 200
-"""Boxes that are looked at to choose the side to halve."""
-
 
 @dataclass(frozen=True)
 class Column:
@@ -242,19 +239,6 @@ class Program:
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
         return self._gates.relevant(yes, no)
-
-    def widest(self, centers: Floats, half: Floats, undecided: Bools, hull: Floats) -> Floats:
-        """How much each side of boxes (N, 3) adds to what the undecided columns (M, N) change in them (3,).
-
-        Sides that are small beside the hull (2, 3) of all boxes count less.
-        """
-        even = half / np.maximum(np.ptp(hull, axis=0), np.finfo(float).tiny)
-        if not len(self._rows):
-            return even
-        some = np.linspace(0, len(centers) - 1, min(len(centers), SAMPLE)).astype(int)
-        shares = self._bank.shares(centers[some], half)
-        weight = (shares * undecided[self._rows][:, some].T[:, :, None]).sum(axis=(0, 1))
-        return np.asarray(weight + 1e-6 * even)
 
 
 def _key(function: Function) -> tuple[object, int]:
