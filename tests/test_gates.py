@@ -50,7 +50,7 @@ def relevant(code, yes, no):
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("number", [0, 1, 300])
 def test_as_branch_by_branch(seed, number, monkeypatch):
-    monkeypatch.setattr(gates, "TOGETHER", 128)  # several blocks
+    monkeypatch.setattr(gates, "TOGETHER", 16)  # several blocks
     rng = np.random.default_rng(seed)
     code = drawn(rng, 4)
     made = Gates(code, COLUMNS)

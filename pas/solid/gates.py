@@ -17,8 +17,13 @@ from pas.solid.tree import Bools
 
 Integers = NDArray[np.intp]
 
+Bits = NDArray[np.uint8]
+
+ALL = 0xFF
+"""Eight truth values, all of them true."""
+
 TOGETHER = 4096
-"""Boxes whose gates are kept at once, so that the table stays in the caches."""
+"""Bytes, or values, of each gate that are kept at once, so that the table stays in the caches."""
 
 
 @dataclass(frozen=True)
@@ -96,35 +101,39 @@ class Gates:
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
         """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
-        return np.concatenate([self._all(yes[:, at], no[:, at])[-1] for at in _blocks(yes.shape[1])])
+        first, second = _packed(yes), _packed(no)
+        found = [self._all(first[:, at], second[:, at])[-1] for at in _blocks(first.shape[1])]
+        return _unpacked(np.concatenate(found), yes.shape[1])
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
         """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`."""
-        found = [self._relevant(yes[:, at], no[:, at]) for at in _blocks(yes.shape[1])]
-        first, second = (np.concatenate(side, axis=1) for side in zip(*found, strict=True))
-        return first, second
+        first, second = _packed(yes), _packed(no)
+        found = [self._relevant(first[:, at], second[:, at]) for at in _blocks(first.shape[1])]
+        below, above = (np.concatenate(side, axis=1) for side in zip(*found, strict=True))
+        return _unpacked(below, yes.shape[1]), _unpacked(above, yes.shape[1])
 
     def extremes(self, values: Floats) -> Floats:
         """Minima for unions and maxima for intersections (N,) of the columns' values (M, N), those negated turned."""
         return np.concatenate([self._extremes(values[:, at]) for at in _blocks(values.shape[1])])
 
-    def _all(self, yes: Bools, no: Bools) -> Bools:
-        """Where each branch is certainly true, (size, N)."""
-        found = np.empty((self.size, yes.shape[1]), dtype=bool)
+    def _all(self, yes: Bits, no: Bits) -> Bits:
+        """Where each branch is certainly true, (size, N / 8)."""
+        found = np.empty((self.size, yes.shape[1]), dtype=np.uint8)
         found[: len(self.rows)] = np.concatenate([yes, no])[self.rows]
         for level in self.levels:
-            parts = found[level.parts] ^ level.unions[level.owners, None]  # a union is what not all parts fail to be
-            found[level.numbers] = np.logical_and.reduceat(parts, level.starts, axis=0) ^ level.unions[:, None]
+            unions = np.where(level.unions, ALL, 0).astype(np.uint8)
+            parts = found[level.parts] ^ unions[level.owners, None]  # a union is what not all parts fail to be
+            found[level.numbers] = np.bitwise_and.reduceat(parts, level.starts, axis=0) ^ unions[:, None]
         return found
 
-    def _relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+    def _relevant(self, yes: Bits, no: Bits) -> tuple[Bits, Bits]:
         open_ = ~self._all(yes, no) & self._all(~no, ~yes)
         for level in reversed(self.levels):
             open_[level.parts] &= open_[level.numbers][level.owners]
         order = np.argsort(self.rows, kind="stable")
         rows, starts = np.unique(self.rows[order], return_index=True)
-        result = np.zeros((2 * self.columns, yes.shape[1]), dtype=bool)
-        result[rows] = np.logical_or.reduceat(open_[order], starts, axis=0)
+        result = np.zeros((2 * self.columns, yes.shape[1]), dtype=np.uint8)
+        result[rows] = np.bitwise_or.reduceat(open_[order], starts, axis=0)
         return result[: self.columns], result[self.columns :]
 
     def _extremes(self, values: Floats) -> Floats:
@@ -135,6 +144,16 @@ class Gates:
             parts = found[level.parts] * sign[level.owners, None]  # a minimum is the maximum of the opposites
             found[level.numbers] = np.maximum.reduceat(parts, level.starts, axis=0) * sign[:, None]
         return found[-1]
+
+
+def _packed(table: Bools) -> Bits:
+    """A table of truth values, eight to a byte."""
+    return np.packbits(table, axis=-1)
+
+
+def _unpacked(bits: Bits, number: int) -> Bools:
+    """The first so many truth values of each row."""
+    return np.unpackbits(bits, axis=-1, count=number).view(bool)
 
 
 def _blocks(number: int) -> list[slice]:
