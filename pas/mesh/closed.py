@@ -17,12 +17,14 @@ import numpy as np
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import untangle
+from pas.mesh.deviation import Deviation, edge_distances
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
+from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
-from pas.mesh.refine import AIM, far_edges, farthest_inside, inner_points, not_reached, require_room, split
-from pas.mesh.remesh import Labelled, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
+from pas.mesh.remesh import flip, pair_normals, project, smooth
 from pas.mesh.shells import mesh_apart
 from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
@@ -31,8 +33,9 @@ LATER_SMOOTHINGS, REFINEMENTS = 1, 40
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
-FEW = 0.01
-"""Share of the edges that must be split for the mesh to be smoothed again."""
+FEW, RINGS = 0.01, 2
+"""Share of the edges that must be split for the mesh to be smoothed again; where fewer are, rings of triangles about
+the new vertices in which edges are flipped."""
 
 
 @dataclass(frozen=True)
@@ -93,38 +96,45 @@ def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Label
     mesh = _with_fine_curves(first, field, tolerance)
     aim = AIM * tolerance
     mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
+    far, near, known = np.empty((0, 2), dtype=np.intp), None, None
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
-        mesh = untangle(mesh, field, FOLD)
-        distances = edge_distances(field, mesh), inner_distances(field, mesh)
-        worst = float(max(distances[0].max(), distances[1].max()))
-        if worst <= tolerance:
-            reason, _ = unsound(mesh, field, tolerance)
-            if reason:
-                raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-            return _finished(mesh, field, tolerance, worst)
-        edges = mesh.topology.edges
-        distances[1][(distances[0][_edges_of(mesh)] > AIM * tolerance).any(axis=1)] = 0.0  # those are halved anyhow
-        far = far_edges(mesh.points, mesh.triangles, edges, distances, tolerance)
-        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, worst)
-        mesh = _split(mesh, field, far)
+        mesh = untangle(mesh, field, FOLD, near)
+        known = Deviation.of(mesh, field, known)
+        if known.worst <= tolerance:
+            return _finished(known, field, tolerance)
+        edges, inside = mesh.topology.edges, known.inside.copy()
+        inside[(known.edges[_edges_of(mesh)] > aim).any(axis=1)] = 0.0  # those are halved anyhow
+        far = far_edges(mesh.points, mesh.triangles, edges, (known.edges, inside), tolerance)
+        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, known.worst)
+        old, mesh = len(mesh.points), _split(mesh, field, far)
         if len(far) > FEW * len(edges):
+            near = None
             for _ in range(LATER_SMOOTHINGS):
                 mesh = smooth(flip(mesh, field, 2, aim), field)
-        mesh = flip(mesh, field, limit=aim)
+        else:
+            near = mesh.topology.around(np.arange(old, len(mesh.points)), RINGS)
+        mesh = flip(mesh, field, limit=aim, near=near)
     found = find_trouble(field, mesh.points[far].mean(axis=1), float(mesh.lengths.max()))
     why = "a face may have a singular point" if found is None else found.sentence
-    raise not_reached(field, len(mesh.triangles), tolerance, worst, f": {why}")
+    raise not_reached(field, len(mesh.triangles), tolerance, known.worst if known else np.inf, f": {why}")
 
 
-def _finished(mesh: Labelled, field: FaceField, tolerance: float, worst: float) -> tuple[Labelled, float]:
-    """The mesh without what refining left on straight lines, where that is as near and as sound; and how near."""
+def _finished(known: Deviation, field: FaceField, tolerance: float) -> tuple[Labelled, float]:
+    """The mesh without what refining left on straight lines, where that is as near and as sound; and how near.
+
+    Raises `MeshError` where the mesh itself is not sound.
+    """
+    mesh = known.mesh
     longer = straightened(mesh, field, np.full(len(mesh.points), AIM * tolerance), AIM * tolerance)
-    if longer is mesh:
-        return mesh, worst
-    far = float(max(edge_distances(field, longer).max(), inner_distances(field, longer).max()))
-    good = far <= tolerance and not unsound(longer, field, tolerance)[0]
-    return (longer, far) if good else (mesh, worst)
+    if longer is not mesh:
+        further = Deviation.of(longer, field)
+        if further.worst <= tolerance and not unsound(longer, field, tolerance)[0]:
+            return longer, further.worst
+    reason, _ = unsound(mesh, field, tolerance)
+    if reason:
+        raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+    return mesh, known.worst
 
 
 def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
@@ -144,7 +154,7 @@ def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Lab
 def _split(mesh: Labelled, field: FaceField, edges: Integers) -> Labelled:
     points, triangles, parents = split(mesh.points, mesh.triangles, edges)
     finer = Labelled.of(points, triangles, mesh.labels[parents])
-    return project(finer, field, finer.sizes)
+    return project(finer, field, finer.sizes, len(mesh.points))
 
 
 def _edges_of(mesh: Labelled) -> Integers:
@@ -152,22 +162,3 @@ def _edges_of(mesh: Labelled) -> Integers:
     ends = np.sort(np.stack([mesh.triangles, mesh.triangles[:, [1, 2, 0]]], axis=2), axis=2)
     weights = np.array([mesh.topology.size, 1])
     return np.searchsorted(mesh.topology.edges @ weights, ends @ weights)
-
-
-def edge_distances(field: FaceField, mesh: Labelled, chosen: Integers | slice = slice(None)) -> Floats:
-    """First-order distances of chosen edges' midpoints from their face or curve (E,)."""
-    ends = mesh.points[mesh.topology.edges[chosen]]
-    middles = (ends[:, 0] + ends[:, 1]) / 2
-    result = np.zeros(len(middles))
-    for rows, functions in placing(field, mesh.topology.edge_labels[chosen]):
-        step = least_norm(field, functions, middles[rows])
-        result[rows] = np.sqrt((step * step).sum(axis=1))
-    return result
-
-
-def inner_distances(field: FaceField, mesh: Labelled) -> Floats:
-    """The largest first-order distance of some inner points of each triangle from its face (T,)."""
-    points = inner_points(mesh.points[mesh.triangles])
-    labels = np.repeat(mesh.labels, len(points) // max(len(mesh.triangles), 1))
-    steps = least_norm(field, labels[:, None], points)
-    return farthest_inside(np.sqrt((steps * steps).sum(axis=1)))

@@ -15,7 +15,8 @@ from scipy.sparse import csr_array
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
-from pas.mesh.remesh import Labelled, Topology, cosines, flip, pair_normals, sags, smooth
+from pas.mesh.labelled import Labelled, Topology
+from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
@@ -98,11 +99,14 @@ def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
     return edges[may], edges[:, ::-1][may]
 
 
-def untangle(mesh: Labelled, field: FaceField, fold: float) -> Labelled:
+def untangle(mesh: Labelled, field: FaceField, fold: float, near: NDArray[np.bool_] | None = None) -> Labelled:
     """The mesh without folded triangles, as far as collapsing their edges and smoothing removes them.
 
-    Where many are folded the mesh is left as it is: it is too coarse.
+    Where many are folded the mesh is left as it is: it is too coarse.  With `near` (N,), only where some are at these
+    vertices.
     """
+    if near is not None and (cosines(mesh, field, np.flatnonzero(near[mesh.triangles].any(axis=1))) >= fold).all():
+        return mesh
     for _ in range(UNTANGLINGS):
         folded = cosines(mesh, field) < fold
         if not folded.any() or folded.sum() > MANY * len(folded):

@@ -21,8 +21,9 @@ from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
+from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Nodes, contracted, find_nodes
-from pas.mesh.remesh import Labelled, least_norm, newton, placing
+from pas.mesh.remesh import least_norm, newton, placing
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
 

@@ -18,8 +18,9 @@ from pas.limits import checkpoint
 from pas.mesh.collapse import collapse, untangle
 from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
-from pas.mesh.remesh import Labelled, cosines, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.remesh import cosines, flip, least_norm, pair_normals, placing, project, smooth
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
 
@@ -37,12 +38,14 @@ def flip_once(
     normal: Callable[[Integers, Integers], Floats],
     labels: Integers | None = None,
     better: Callable[[Integers, Integers, Integers], Floats] | None = None,
+    near: NDArray[np.bool_] | None = None,
 ) -> Integers:
     """Flip an independent set of edges in place; returns the pairs of triangles that changed (F, 2).
 
     `normal(i, j)` is the surface's normal (of any length) about the triangles i and j; edges
     between triangles of different `labels` stay.  `better(owners, edges, opposite)`, each (E, 2), says by how much
-    flips mend something else, which goes before Delaunay's criterion: that decides where it is 0.
+    flips mend something else, which goes before Delaunay's criterion: that decides where it is 0.  Where the
+    triangles are part of a mesh, all about vertices `near` (N,) must be among them, and new edges have an end there.
     """
     pairs, owners, opposite, keys = _interior_edges(triangles)
     if labels is not None:
@@ -58,6 +61,8 @@ def flip_once(
         mended = better(owners, pairs, opposite)
         gain = np.where(mended != 0, 2 * np.sign(mended), gain)
         wanted = np.flatnonzero(gain > 1e-6)
+    if near is not None:  # no other edge between these is overlooked
+        wanted = wanted[near[c[wanted]] | near[d[wanted]]]
     about = normal(owners[wanted, 0], owners[wanted, 1])
     wanted = wanted[_flippable(points, about, a[wanted], b[wanted], c[wanted], d[wanted])]
     wanted = wanted[~_connected(keys, int(triangles.max()) + 1, c[wanted], d[wanted])]

@@ -16,7 +16,8 @@ from scipy.spatial import cKDTree
 from pas.limits import checkpoint
 from pas.mesh.collapse import collapse
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.remesh import Labelled, edge_sags, flip, pair_normals
+from pas.mesh.labelled import Labelled
+from pas.mesh.remesh import edge_sags, flip, pair_normals
 
 STRAIGHT, ALLOWED = 0.3, 0.25
 """An edge counts as straight whose middle is nearer to its face than that share of what the edges may be that take

@@ -24,8 +24,9 @@ from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Integers
 from pas.mesh.improve import cross
+from pas.mesh.labelled import Labelled
 from pas.mesh.refine import split
-from pas.mesh.remesh import Labelled, least_norm, project
+from pas.mesh.remesh import least_norm, project
 from pas.solid.bounds import bounding_box
 from pas.solid.distance import Distance
 from pas.solid.field import SolidField

@@ -1,0 +1,180 @@
+"""Closed meshes whose triangles carry labels, and what follows from their triangles alone.
+
+A label is a face of a solid; an edge between two labels lies on the curve where the two faces meet, a vertex of
+three labels in a corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.mesh.field import Floats, Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """Triangles (T, 3), the label of each (T,), and the number of vertices.
+
+    The triangles form a closed manifold.
+    """
+
+    triangles: Integers
+    labels: Integers
+    size: int
+
+    @cached_property
+    def _paired(self) -> tuple[Integers, Integers]:
+        """The distinct keys of (vertex, label) pairs (P,), sorted, and which one each corner has (3 T,)."""
+        keys = (self.triangles * self._span + self.labels[:, None]).ravel()
+        order = np.argsort(keys)
+        ordered = keys[order]
+        first = np.ones(len(keys), dtype=bool)
+        first[1:] = ordered[1:] != ordered[:-1]
+        rows = np.empty(len(keys), dtype=np.intp)
+        rows[order] = np.cumsum(first) - 1
+        return ordered[first], rows
+
+    @cached_property
+    def pairs(self) -> Integers:
+        """The distinct (vertex, label) pairs (P, 2), sorted."""
+        keys = self._paired[0]
+        return np.stack([keys // self._span, keys % self._span], axis=1)
+
+    @property
+    def corner_pairs(self) -> Integers:
+        """For each corner of each triangle, the row in `pairs` (T, 3)."""
+        return self._paired[1].reshape(-1, 3)
+
+    def rows(self, vertices: Integers, labels: Integers) -> Integers:
+        """Where given (vertex, label) pairs stand in `pairs`."""
+        return np.searchsorted(self._paired[0], vertices * self._span + labels)
+
+    @property
+    def _span(self) -> int:
+        return int(self.labels.max(initial=0)) + 1
+
+    @cached_property
+    def label_count(self) -> Integers:
+        """The number of labels around each vertex (N,)."""
+        return np.bincount(self.pairs[:, 0], minlength=self.size)
+
+    @cached_property
+    def valence(self) -> Integers:
+        """The number of triangles around each vertex (N,)."""
+        return np.bincount(self.triangles.ravel(), minlength=self.size)
+
+    @cached_property
+    def corners(self) -> tuple[Integers, Integers]:
+        """The corners of all triangles (3 T,), vertex by vertex, and where each vertex's end (N,)."""
+        return np.argsort(self.triangles.ravel()), np.cumsum(self.valence)
+
+    @cached_property
+    def edge_table(self) -> tuple[Integers, Integers]:
+        """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
+        start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
+        key = np.minimum(start, end) * self.size + np.maximum(start, end)
+        order = np.argsort(key)
+        labels = np.repeat(self.labels, 3)[order]
+        keys = key[order][::2]
+        edges = np.stack([keys // self.size, keys % self.size], axis=1)
+        return edges, np.sort(np.stack([labels[::2], labels[1::2]], axis=1), axis=1)
+
+    @property
+    def edges(self) -> Integers:
+        """The edges (E, 2), the lower vertex first, sorted."""
+        return self.edge_table[0]
+
+    @cached_property
+    def seam_mask(self) -> NDArray[np.bool_]:
+        """Which edges (E,) are between different labels."""
+        labels = self.edge_table[1]
+        return np.asarray(labels[:, 0] != labels[:, 1])
+
+    @cached_property
+    def seams(self) -> Integers:
+        """The edges (S, 2) between different labels."""
+        return self.edges[self.seam_mask]
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """The corners: vertices with three labels or more, or where seams end or cross."""
+        degree = np.bincount(self.seams.ravel(), minlength=self.size)
+        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)))
+
+    def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
+        """Which vertices (N,) are some given ones, or so many edges from them at most."""
+        result = np.zeros(self.size, dtype=bool)
+        result[vertices] = True
+        for _ in range(rings):
+            result[self.triangles[result[self.triangles].any(axis=1)]] = True
+        return result
+
+    @cached_property
+    def vertex_labels(self) -> Integers:
+        """The labels of each vertex (N, k), ascending, then -1."""
+        vertices, labels = self.pairs.T
+        place = np.arange(len(vertices)) - np.searchsorted(vertices, vertices)
+        rows = np.full((self.size, int(self.label_count.max(initial=0))), -1, dtype=np.intp)
+        rows[vertices, place] = labels
+        return rows
+
+    @cached_property
+    def edge_labels(self) -> Integers:
+        """The labels of each edge (E, 2), ascending; -1 instead of the second where both are one."""
+        labels = self.edge_table[1]
+        return np.stack([labels[:, 0], np.where(self.seam_mask, labels[:, 1], -1)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Labelled:
+    """A closed mesh: points (N, 3) and the topology of its triangles.
+
+    `normals` (P, 3) are those of the rows of `topology.pairs`, where they are known from the mesh that this
+    one was made of.
+    """
+
+    points: Floats
+    topology: Topology
+    normals: Floats | None = None
+
+    @classmethod
+    def of(cls, points: Floats, triangles: Integers, labels: Integers) -> Labelled:
+        """The mesh of points (N, 3), triangles (T, 3) and labels (T,)."""
+        return cls(points, Topology(triangles, labels, len(points)))
+
+    @property
+    def triangles(self) -> Integers:
+        """The triangles as vertex numbers (T, 3)."""
+        return self.topology.triangles
+
+    @property
+    def labels(self) -> Integers:
+        """The label of each triangle (T,)."""
+        return self.topology.labels
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """The lengths (E,) of the edges."""
+        ends = self.points[self.topology.edges]
+        difference = ends[:, 0] - ends[:, 1]
+        return np.asarray(np.sqrt((difference * difference).sum(axis=1)))
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
+        topology = self.topology
+        result = np.ones(topology.size)
+        for rows in (slice(None), topology.seam_mask):
+            edges, lengths = topology.edges[rows], np.tile(self.lengths[rows], 2)
+            total = np.bincount(edges.T.ravel(), lengths, minlength=topology.size)
+            count = np.bincount(edges.T.ravel(), minlength=topology.size)
+            result = np.where(count > 0, total / np.maximum(count, 1), result)
+        return result
+
+    def moved(self, points: Floats) -> Labelled:
+        """The same triangles on other points."""
+        return Labelled(points, self.topology)
