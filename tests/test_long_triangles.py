@@ -48,9 +48,22 @@ def test_a_drilled_plate_has_at_most_twice_the_triangles_that_it_needs(tolerance
 )
 def test_cylinders_and_cones_have_longer_triangles(shape, triangles):
     mesh = shape.mesh(1e-3)
-    assert len(mesh.triangles) <= 7 * triangles
+    assert len(mesh.triangles) <= 3 * triangles
     assert mesh.deviation <= 1e-3
     assert mesh.is_closed
+
+
+def test_bars_that_cross_keep_few_triangles_and_the_points_where_their_curves_turn():
+    """A bar that ends on the axis of an equal one: their curve turns by a right angle at two points."""
+    across = solid.cylinder((0, -1, 0), (0, 1, 0), "1/5", "a")
+    mesh = (across | solid.cylinder((0, 0, -1), (0, 0, 0), "1/5", "b")).mesh(2e-3)
+    n = sides(0.2, 2e-3)
+    assert len(mesh.triangles) <= 3 * 6 * n  # of two pieces of one bar, one of the other, and three ends
+    assert mesh.is_closed and mesh.deviation <= 2e-3
+    for tip in ((0.2, 0, 0), (-0.2, 0, 0)):
+        assert np.linalg.norm(mesh.points - tip, axis=1).min() < 1e-9
+    common = 16 / 3 * 0.2**3 / 2
+    assert mesh.volume == pytest.approx(3 * pi * 0.2**2 - common, rel=1e-2)
 
 
 def test_which_faces_have_straight_lines_is_decided_exactly():

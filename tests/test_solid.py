@@ -204,7 +204,7 @@ def test_coincident_faces_are_refused():
 )
 def test_boxes_hold_solids_tightly(shape, low, high):
     further = np.stack([low - shape.box[0], shape.box[1] - high]) / np.ptp([low, high], axis=0)
-    assert -1e-6 < further.min() and further.max() < 0.06
+    assert further.min() > -1e-6 and further.max() < 0.06
 
 
 def test_boxes_of_prisms_are_exact():

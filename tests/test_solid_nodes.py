@@ -140,6 +140,7 @@ def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
     refused = contracted(field, mesh.points, mesh.triangles, mesh.labels, everything)
     assert isinstance(refused, np.ndarray)  # all of the box is no disc
     small = type(nodes)(corner[None], np.array([1e-3]))
-    points, triangles, _ = contracted(field, mesh.points, mesh.triangles, mesh.labels, small)
+    points, triangles, _, drawn = contracted(field, mesh.points, mesh.triangles, mesh.labels, small)
+    assert np.array_equal(points[drawn], corner[None])
     assert is_closed_manifold(triangles)
     assert len(points) == len(mesh.points)

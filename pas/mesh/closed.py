@@ -16,7 +16,7 @@ import numpy as np
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
-from pas.mesh.collapse import untangle
+from pas.mesh.collapse import RINGS, untangle
 from pas.mesh.deviation import Deviation, edge_distances
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
@@ -33,9 +33,9 @@ LATER_SMOOTHINGS, REFINEMENTS = 1, 40
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
-FEW, RINGS = 0.01, 2
-"""Share of the edges that must be split for the mesh to be smoothed again; where fewer are, rings of triangles about
-the new vertices in which edges are flipped."""
+FEW = 0.01
+"""Share of the edges that must be split for the mesh to be smoothed again; where fewer are, edges are flipped about the
+new vertices alone."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Label
     far, near, known = np.empty((0, 2), dtype=np.intp), None, None
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
-        mesh = untangle(mesh, field, FOLD, near)
+        mesh = untangle(mesh, field, FOLD, aim, near)
         known = Deviation.of(mesh, field, known)
         if known.worst <= tolerance:
             return _finished(known, field, tolerance)
@@ -153,8 +153,8 @@ def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Lab
 
 def _split(mesh: Labelled, field: FaceField, edges: Integers) -> Labelled:
     points, triangles, parents = split(mesh.points, mesh.triangles, edges)
-    finer = Labelled.of(points, triangles, mesh.labels[parents])
-    return project(finer, field, finer.sizes, len(mesh.points))
+    finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
+    return project(finer, field, finer.sizes, np.arange(len(mesh.points), len(points)))
 
 
 def _edges_of(mesh: Labelled) -> Integers:

@@ -10,83 +10,126 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
-from pas.mesh.labelled import Labelled, Topology
+from pas.mesh.labelled import BITS, Labelled, Topology
 from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
 
-HELD, SLENDER = 0.8, 0.025
-"""The same where edges may become long; and height over the longest side of the slenderest triangles made there."""
+HELD, TURNED, SLENDER = 0.8, 0.5, 0.025
+"""The same where edges may become long, and with the face's normal at each corner alone, so that no triangle goes
+through a bar; and height over the longest side of the slenderest triangles made there."""
 
 UNTANGLINGS, MANY = 8, 0.01
 """How often folded triangles are removed, and their share above which that is hopeless."""
+
+RINGS = 2
+"""Of triangles about what is mended, in which edges are flipped and vertices move."""
+
+FEW = 0.005
+"""Share of the vertices that must have gone for going on."""
 
 ROUNDS = 6
 """In which collapses are chosen that do not touch."""
 
 
 def collapse(
-    mesh: Labelled,
-    field: FaceField,
-    short: Callable[[Labelled, Integers], NDArray[np.bool_]],
-    passes: int = 4,
-    most: Callable[[Labelled], Floats] | None = None,
+    mesh: Labelled, field: FaceField, short: Callable[[Labelled, Integers], NDArray[np.bool_]], passes: int = 4
 ) -> Labelled:
-    """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first.
-
-    `most(mesh)` says how far (N,) the edges may be from their faces and curves that take the place of those of a
-    vertex that goes.
-    """
+    """Edges for which `short(mesh, edges)` holds are collapsed, the shortest first."""
     for _ in range(passes):
         checkpoint()
-        smaller = _collapse_once(mesh, field, short, most)
-        if smaller is None:
+        found = _collapse_once(mesh, field, np.flatnonzero(short(mesh, mesh.topology.edges)))
+        if found is None:
             break
-        mesh = smaller
+        mesh = found[0]
     return mesh
+
+
+def coarsen(
+    mesh: Labelled,
+    field: FaceField,
+    chosen: Callable[[Labelled, Integers, NDArray[np.bool_]], Integers],
+    most: Floats | None = None,
+    limit: float | None = None,
+) -> Labelled:
+    """Edges are collapsed and others flipped until hardly any vertex goes; all others stay where they are.
+
+    `chosen(mesh, numbers, fresh)` gives the rows of the edges that may go, of those with a vertex that is `fresh` (N,),
+    whose triangles are not those of the last time; `numbers` (N,) are the vertices' numbers in the mesh at first.
+    `most` (N,) says how far edges may be from their faces and curves that take the place of those of a vertex that
+    goes, `limit` is that of `flip`.
+    """
+    numbers, fresh = np.arange(len(mesh.points)), np.ones(len(mesh.points), dtype=bool)
+    near = None
+    while True:
+        checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
+        rows = chosen(mesh, numbers, fresh)
+        found = _collapse_once(mesh, field, rows, None if most is None else most[numbers], fresh)
+        if found is None:
+            return mesh
+        smaller, used = found
+        fresh = _changed(smaller, used, mesh)
+        mesh, gone = flip(smaller, field, 2, limit, None if near is None else fresh), len(mesh.points) - len(used)
+        fresh[mesh.triangles[(mesh.triangles != smaller.triangles).any(axis=1)]] = True
+        numbers, near = numbers[used], fresh
+        if gone < FEW * len(numbers):
+            return mesh
+
+
+def _changed(mesh: Labelled, used: Integers, before: Labelled) -> NDArray[np.bool_]:
+    """Which vertices (N,), of given numbers before, have triangles that were not there."""
+    known = np.isin(_keys(used[mesh.triangles]), _keys(before.triangles))
+    result = np.zeros(len(mesh.points), dtype=bool)
+    result[mesh.triangles[~known]] = True
+    return result
+
+
+def _keys(triangles: Integers) -> Integers:
+    """The same number for the same three vertices."""
+    a, b, c = np.sort(triangles, axis=1).T
+    return np.asarray((a << BITS | b) << BITS | c)
 
 
 def _collapse_once(
     mesh: Labelled,
     field: FaceField,
-    short: Callable[[Labelled, Integers], NDArray[np.bool_]],
-    most: Callable[[Labelled], Floats] | None,
-) -> Labelled | None:
-    edges = mesh.topology.edges
-    chosen = np.flatnonzero(short(mesh, edges))
-    chosen = chosen[np.argsort(mesh.lengths[chosen], kind="stable")]
-    removed, kept = _directed(mesh.topology, chosen)
+    rows: Integers,
+    most: Floats | None = None,
+    fresh: NDArray[np.bool_] | None = None,
+) -> tuple[Labelled, Integers] | None:
+    """The mesh after collapses of edges in given rows, and which vertices are left; None where none can be done."""
+    rows = rows[np.argsort(mesh.lengths[rows], kind="stable")]
+    removed, kept = _directed(mesh.topology, rows)
+    if fresh is not None:
+        removed, kept = removed[fresh[removed]], kept[fresh[removed]]
     if most is not None and len(removed):
-        straight = _off_chords(mesh, removed, kept) <= most(mesh)[removed]
+        straight = _off_chords(mesh, removed, kept) <= most[removed]
         removed, kept = removed[straight], kept[straight]
     if not len(removed):
         return None
     size, normals = len(mesh.points), pair_normals(mesh, field)
-    free = _independent(mesh, normals, removed, kept, None if most is None else most(mesh))
+    free = _independent(mesh, normals, removed, kept, most)
     removed, kept = removed[free], kept[free]
     if not len(removed):
         return None
     target = np.arange(size)
     target[removed] = kept
     triangles = target[mesh.triangles]
-    distinct = (
-        (triangles[:, 0] != triangles[:, 1])
-        & (triangles[:, 1] != triangles[:, 2])
-        & (triangles[:, 2] != triangles[:, 0])
-    )
+    a, b, c = triangles.T
+    distinct = (a != b) & (b != c) & (c != a)
     stays = np.zeros(size, dtype=bool)
     stays[triangles[distinct]] = True
     used, number = np.flatnonzero(stays), np.cumsum(stays) - 1
-    topology = Topology(number[triangles[distinct]], mesh.labels[distinct], len(used))
-    return Labelled(
-        mesh.points[used], topology, normals[mesh.topology.rows(used[topology.pairs[:, 0]], topology.pairs[:, 1])]
-    )
+    pinned = mesh.topology.pinned
+    pinned = number[pinned[stays[pinned]]]
+    topology = Topology(number[triangles[distinct]], mesh.labels[distinct], len(used), pinned)
+    known = normals[mesh.topology.rows(used[topology.pairs[:, 0]], topology.pairs[:, 1])]
+    return Labelled(mesh.points[used], topology, known), used
 
 
 def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
@@ -99,17 +142,22 @@ def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
     return edges[may], edges[:, ::-1][may]
 
 
-def untangle(mesh: Labelled, field: FaceField, fold: float, near: NDArray[np.bool_] | None = None) -> Labelled:
-    """The mesh without folded triangles, as far as collapsing their edges and smoothing removes them.
+def untangle(
+    mesh: Labelled,
+    field: FaceField,
+    fold: float,
+    limit: float | None = None,
+    near: NDArray[np.bool_] | None = None,
+) -> Labelled:
+    """The mesh without folded triangles, as far as collapsing their edges and smoothing about them removes them.
 
-    Where many are folded the mesh is left as it is: it is too coarse.  With `near` (N,), only where some are at these
-    vertices.
+    Where many are folded the mesh is left as it is: it is too coarse.  `limit` is that of `flip`; with `near` (N,),
+    only triangles at these vertices are looked at, at first.
     """
-    if near is not None and (cosines(mesh, field, np.flatnonzero(near[mesh.triangles].any(axis=1))) >= fold).all():
-        return mesh
     for _ in range(UNTANGLINGS):
-        folded = cosines(mesh, field) < fold
-        if not folded.any() or folded.sum() > MANY * len(folded):
+        rows = np.arange(len(mesh.triangles)) if near is None else np.flatnonzero(near[mesh.triangles].any(axis=1))
+        folded, near = rows[cosines(mesh, field, rows) < fold], None
+        if not len(folded) or len(folded) > MANY * len(mesh.triangles):
             break
         marked = np.zeros(mesh.topology.size, dtype=bool)
         marked[mesh.triangles[folded]] = True
@@ -118,7 +166,10 @@ def untangle(mesh: Labelled, field: FaceField, fold: float, near: NDArray[np.boo
             return np.asarray(marked[edges].any(axis=1))
 
         mesh = collapse(mesh, field, short, 1)
-        mesh = smooth(flip(mesh, field), field)
+        left = cosines(mesh, field) < fold
+        if left.any():
+            about = mesh.topology.around(mesh.triangles[left].ravel(), RINGS)
+            mesh = smooth(flip(mesh, field, limit=limit, near=about), field, about)
     return mesh
 
 
@@ -137,45 +188,80 @@ def _off_chords(mesh: Labelled, removed: Integers, kept: Integers) -> Floats:
     return result
 
 
-def _keeps_orientation(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None
+def _fans(topology: Topology, vertices: Integers) -> tuple[Integers, Integers]:
+    """The triangles around vertices (K,), one fan after another: whose each is, and the corner of it (m,) there."""
+    order, ends = topology.corners
+    counts = topology.valence[vertices]
+    row = np.repeat(np.arange(len(vertices)), counts)
+    slot = np.arange(len(row)) + np.repeat(ends[vertices] - np.cumsum(counts), counts)
+    return row, order[slot]
+
+
+def _keeps_topology(topology: Topology, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
+    """The link condition: whether two vertices alone are next to both ends."""
+    row, corner = _fans(topology, removed)
+    end = topology.triangles.ravel()[corner // 3 * 3 + (corner + 1) % 3]
+    low, high = np.minimum(end, kept[row]), np.maximum(end, kept[row])
+    weights = np.array([topology.size, 1])
+    keys, wanted = topology.edges @ weights, low * topology.size + high
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.bincount(row[keys[at] == wanted], minlength=len(removed)) == 2
+
+
+def _keeps_straight(
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats
 ) -> NDArray[np.bool_]:
-    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`, and new
-    edges are as near to it as `most` (N,) says."""
-    order, ends = mesh.topology.corners
-    counts = mesh.topology.valence[removed]
-    starts = ends[removed] - counts
-    row = np.repeat(np.arange(len(removed)), counts)
-    slot = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(starts, counts)
-    triangle = order[slot] // 3
+    """Whether the new edges are as near to their faces as `most` (N,) says when `removed` vertices move to `kept`."""
+    row, corner = _fans(mesh.topology, removed)
+    good, triangle = np.ones(len(removed), dtype=bool), corner // 3
+    at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
+    for side in (1, 2):  # on curves edges have two faces
+        there = 3 * triangle + (corner + side) % 3
+        checked = np.flatnonzero(good[row] & ((side == 1) | (mesh.topology.label_count[removed[row]] > 1)))
+        end = mesh.triangles.ravel()[there[checked]]
+        rows = np.stack([at_kept[checked], mesh.topology.corner_pairs.ravel()[there[checked]]], axis=1)
+        off = sags(mesh.points, normals, np.stack([kept[row[checked]], end], axis=1), rows)
+        good[row[checked[(off > most[removed[row[checked]]]) & (end != kept[row[checked]])]]] = False
+    return good
+
+
+def _keeps_orientation(
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, long: bool
+) -> NDArray[np.bool_]:
+    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`.
+
+    Where triangles may become `long` they must be it clearly, and not become too slender.
+    """
+    row, corner = _fans(mesh.topology, removed)
+    triangle = corner // 3
     old = mesh.triangles[triangle]
+    flattest = np.full(len(removed), SLENDER)
+    if long:  # what is slender already may be replaced by what is as slender
+        np.minimum.at(flattest, row, _height(mesh.points[old]))
     stays = ~(old == kept[row][:, None]).any(axis=1)
     row, triangle, old = row[stays], triangle[stays], old[stays]
-    new = np.where(old == removed[row][:, None], kept[row][:, None], old)
-    p = mesh.points[new]
+    moves = old == removed[row][:, None]
+    p = mesh.points[np.where(moves, kept[row][:, None], old)]
     area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    normal = normals[mesh.topology.corner_pairs[triangle]].sum(axis=1)
+    at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
+    own = normals[np.where(moves, at_kept[:, None], mesh.topology.corner_pairs[triangle])]
+    normal = own.sum(axis=1)
     side = (area * normal).sum(axis=1)
-    least = KEPT if most is None else HELD
-    bad = side <= least * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
-    if most is not None:
-        bad |= _flat(p)
-        at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
-        for i in range(3):
-            ends = np.stack([kept[row], new[:, i]], axis=1)
-            rows = np.stack([at_kept, mesh.topology.rows(new[:, i], mesh.labels[triangle])], axis=1)
-            bad |= sags(mesh.points, normals, ends, rows) > most[removed[row]]
+    bad = side <= (HELD if long else KEPT) * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
+    if long:
+        along = (own * area[:, None]).sum(axis=2).min(axis=1)
+        bad |= (_height(p) < flattest[row]) | (along < TURNED * np.sqrt((area * area).sum(axis=1)))
     good = np.ones(len(removed), dtype=bool)
     good[row[bad]] = False
     return good
 
 
-def _flat(corners: Floats) -> NDArray[np.bool_]:
-    """Which triangles (T, 3, 3) are too slender."""
+def _height(corners: Floats) -> Floats:
+    """The heights of triangles (T, 3, 3) over their longest sides (T,)."""
     sides = [corners[:, (i + 1) % 3] - corners[:, i] for i in range(3)]
     area = cross(sides[0], sides[1])
     longest = np.max([(side * side).sum(axis=1) for side in sides], axis=0)
-    return np.asarray((area * area).sum(axis=1) < (SLENDER * longest) ** 2)
+    return np.asarray(np.sqrt((area * area).sum(axis=1)) / np.maximum(longest, 1e-300))
 
 
 def _independent(
@@ -187,22 +273,20 @@ def _independent(
     that they change no edge and no triangle twice.  Chosen in rounds (after Luby 1986).
     """
     edges, size = mesh.topology.edges, mesh.topology.size
-    adjacency = csr_array((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(size, size))
-    adjacency = (adjacency + adjacency.T).tocsr()
+    sound = np.ones(len(removed), dtype=bool)
+    if most is not None:
+        sound = _keeps_straight(mesh, normals, removed, kept, most)
+    sound[sound] = _keeps_topology(mesh.topology, removed[sound], kept[sound])
+    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], most is not None)
     chosen = np.zeros(len(removed), dtype=bool)
-    open_ = np.arange(len(removed))
+    open_ = np.flatnonzero(sound)
     for _ in range(ROUNDS):
         checkpoint()
-        won = open_[_touching(open_, open_, edges, removed, kept, size) == open_]
-        common = adjacency[removed[won]].multiply(adjacency[kept[won]]).sum(axis=1)
-        good = won[np.asarray(common).ravel() == 2]
-        good = good[_keeps_orientation(mesh, normals, removed[good], kept[good], most)]
-        chosen[good] = True
-        blocked = _touching(open_, good, edges, removed, kept, size) < len(removed)
-        blocked[np.searchsorted(open_, won)] = True
-        open_ = open_[~blocked]
         if not len(open_):
             break
+        won = open_[_touching(open_, open_, edges, removed, kept, size) == open_]
+        chosen[won] = True
+        open_ = open_[_touching(open_, won, edges, removed, kept, size) == len(removed)]
     return chosen
 
 

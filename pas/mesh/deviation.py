@@ -8,12 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.labelled import Labelled
+from pas.mesh.labelled import BITS, Labelled
 from pas.mesh.refine import farthest_inside, inner_points
 from pas.mesh.remesh import least_norm, placing
-
-BITS = 21
-"""Of a vertex number, of which three make the key of a triangle: two million vertices, more than meshes may have."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Nodes, contracted, find_nodes
+from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
 from pas.mesh.remesh import least_norm, newton, placing
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
@@ -39,11 +39,9 @@ MOST_CHANGES = 12
 FARTHEST = 4.0
 """How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
 
-FLAT, MOST_UNCLEAR = 0.4, 400
+FLAT, MOST_UNCLEAR = 0.6, 1000
 """Sine of the angle between two faces below which they may touch nearby; triangles about which nodes are looked for:
 where there are more, the lattice is too coarse."""
-
-NOWHERE = np.empty((0, 3))
 
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an

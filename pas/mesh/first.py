@@ -11,11 +11,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
-from pas.mesh.collapse import collapse, untangle
+from pas.mesh.collapse import coarsen, collapse, untangle
 from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.labelled import Labelled
@@ -40,8 +39,8 @@ ROOM, TIMES = 30_000, 3
 SHORT = 0.55
 """Edges below this share of the mean length about both their ends are collapsed."""
 
-SMOOTHINGS, FEW = 3, 0.01
-"""How often vertices are averaged; share of the vertices that must have gone for coarsening to go on."""
+SMOOTHINGS = 3
+"""How often vertices are averaged."""
 
 MORE_THAN_ENOUGH = 0.25
 """Share of the length that the tolerance allows below which edges go."""
@@ -174,17 +173,12 @@ def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
     """Without the vertices that are far more than the tolerance needs, such as those in the middle of a plane."""
     aim = np.minimum(tolerance, mesh.sizes / 4)  # so that sheets that the lattice keeps apart do not touch
     longest = MORE_THAN_ENOUGH * np.sqrt(8 * aim / np.maximum(_bend(mesh, field), 1e-9))
-    tree = cKDTree(mesh.points)
 
-    def spare(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
-        return np.asarray(m.lengths < longest[tree.query(m.points)[1]][edges].min(axis=1))
+    def spare(m: Labelled, numbers: Integers, fresh: NDArray[np.bool_]) -> Integers:
+        edges = m.topology.edges
+        return np.flatnonzero((m.lengths < longest[numbers][edges].min(axis=1)) & fresh[edges].any(axis=1))
 
-    while True:
-        checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
-        smaller = flip(collapse(mesh, field, spare, 2), field, 1)
-        if len(smaller.points) > (1 - FEW) * len(mesh.points):
-            return mesh
-        mesh = smaller
+    return coarsen(mesh, field, spare)
 
 
 def _bend(mesh: Labelled, field: FaceField) -> Floats:

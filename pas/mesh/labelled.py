@@ -6,7 +6,7 @@ three labels in a corner.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -14,17 +14,24 @@ from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
 
+NONE = np.empty(0, dtype=np.intp)
+
+BITS = 21
+"""Of a vertex number, of which three make the key of a triangle: two million vertices, more than meshes may have."""
+
 
 @dataclass(frozen=True, eq=False)
 class Topology:
     """Triangles (T, 3), the label of each (T,), and the number of vertices.
 
-    The triangles form a closed manifold.
+    The triangles form a closed manifold.  `pinned` vertices (K,) on curves are corners, whatever the labels around them
+    say: a curve between two faces may turn sharply where these touch.
     """
 
     triangles: Integers
     labels: Integers
     size: int
+    pinned: Integers = field(default_factory=lambda: NONE)
 
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
@@ -101,9 +108,10 @@ class Topology:
 
     @cached_property
     def fixed(self) -> NDArray[np.bool_]:
-        """The corners: vertices with three labels or more, or where seams end or cross."""
+        """The corners: vertices with three labels or more, where seams end or cross, or that are pinned on one."""
         degree = np.bincount(self.seams.ravel(), minlength=self.size)
-        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)))
+        pinned = np.bincount(self.pinned, minlength=self.size) > 0
+        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)) | (pinned & (degree > 0)))
 
     def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
         """Which vertices (N,) are some given ones, or so many edges from them at most."""
@@ -142,9 +150,9 @@ class Labelled:
     normals: Floats | None = None
 
     @classmethod
-    def of(cls, points: Floats, triangles: Integers, labels: Integers) -> Labelled:
-        """The mesh of points (N, 3), triangles (T, 3) and labels (T,)."""
-        return cls(points, Topology(triangles, labels, len(points)))
+    def of(cls, points: Floats, triangles: Integers, labels: Integers, pinned: Integers = NONE) -> Labelled:
+        """The mesh of points (N, 3), triangles (T, 3) and labels (T,), with `pinned` vertices (K,)."""
+        return cls(points, Topology(triangles, labels, len(points), pinned))
 
     @property
     def triangles(self) -> Integers:

@@ -26,7 +26,7 @@ from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.remesh import least_norm, newton
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import edge_table, is_closed_manifold
+from pas.mesh.topology import edge_table, pinched
 from pas.mesh.touching import FOUND, touching
 
 SAME = 1e-7
@@ -49,6 +49,8 @@ LINKS = (1e-2, 1e-3)
 
 PARTS = 40
 """Points of a part of a finer sphere that is certainly seen as it is."""
+
+NOWHERE = np.empty((0, 3))
 
 SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
 """Shares of a node's reach that are tried until what is in it is a disc."""
@@ -182,12 +184,12 @@ def _apart(points: Floats, reach: Floats) -> Nodes:
 
 def contracted(
     field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
-) -> tuple[Floats, Integers, Integers] | Floats:
-    """The mesh (points, triangles, labels) with all that is within reach of each node drawn into one vertex.
+) -> tuple[Floats, Integers, Integers, Integers] | Floats:
+    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
 
     Only what is a disc is; where it is none the result is the nodes (K, 3) in question.
     """
-    failed, close = [], SAME * float(np.ptp(field.box, axis=0).max())
+    failed, drawn, close = [], [], SAME * float(np.ptp(field.box, axis=0).max())
     for node, reach in zip(nodes.points, nodes.reach, strict=True):
         distance = np.linalg.norm(points - node, axis=1)
         for share in SHRINKS:
@@ -200,10 +202,11 @@ def contracted(
         triangles, labels, center = found
         points = points.copy()
         points[center] = node
+        drawn.append(center)
     if failed:
         return np.array(failed)
     used, numbers = np.unique(triangles, return_inverse=True)
-    return points[used], numbers.reshape(-1, 3), labels
+    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
 
 
 def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
@@ -215,18 +218,22 @@ def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> boo
 
 def _drawn(triangles: Integers, labels: Integers, near: Integers, center: int) -> tuple[Integers, Integers, int] | None:
     """Triangles and labels with some vertices drawn into one; None where these are no disc, or a label is lost."""
-    number = np.arange(int(triangles.max()) + 1)
-    number[near[near < len(number)]] = center
-    if center not in near:
+    size = int(triangles.max()) + 1
+    number, chosen = np.arange(size), np.zeros(size, dtype=bool)
+    near = near[near < size]
+    number[near], chosen[near] = center, True
+    if not chosen[center]:
         return triangles, labels, center
-    is_near = np.isin(triangles, near)
+    is_near = chosen[triangles]
     within = triangles[is_near.sum(axis=1) > 1]
-    edges, _ = edge_table(within)
-    inner = np.isin(edges, near).all(axis=1).sum()
+    inner = chosen[edge_table(within)[0]].all(axis=1).sum()
     if len(near) - inner + is_near.all(axis=1).sum() != 1:
         return None
     moved = number[triangles]
     kept = (moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 2] != moved[:, 0])
-    result = moved[kept]
-    whole = len(np.unique(labels[kept])) == len(np.unique(labels)) and is_closed_manifold(result)
-    return (result, labels[kept], center) if whole else None
+    result, rest = moved[kept], labels[kept]
+    about = np.zeros(size, dtype=bool)
+    about[moved[is_near.any(axis=1)]] = True
+    sound = about[center] and not len(pinched(result[about[result].any(axis=1)], about))
+    whole = sound and all((rest == lost).any() for lost in np.unique(labels[~kept]))
+    return (result, rest, center) if whole else None

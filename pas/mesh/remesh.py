@@ -7,6 +7,7 @@ vertices are averaged inside their face or along their curve and projected back 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.improve import cross, flip_once, to_centres
-from pas.mesh.labelled import Labelled, Topology
+from pas.mesh.labelled import Labelled
 from pas.mesh.shading import unit_rows
 
 NEWTON_STEPS = 16
@@ -56,15 +57,16 @@ def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
     return unit_rows(field.jets(mesh.points[vertices], labels)[:, 1:])
 
 
-def project(mesh: Labelled, field: FaceField, reach: Floats, first: int = 0) -> Labelled:
-    """Vertices, from a `first` on, moved onto their faces, curves and corners; none further than `reach` (N,) a step.
+def project(mesh: Labelled, field: FaceField, reach: Floats, chosen: Integers | None = None) -> Labelled:
+    """Vertices, or chosen ones, moved onto their faces, curves and corners; none further than `reach` (N,) a step.
 
     A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
     """
     points = mesh.points.copy()
     corner = mesh.topology.label_count > 2
-    for rows, functions in placing(field, mesh.topology.vertex_labels[first:]):
-        vertices = rows + first
+    chosen = np.arange(len(points)) if chosen is None else chosen
+    for rows, functions in placing(field, mesh.topology.vertex_labels[chosen]):
+        vertices = chosen[rows]
         start = points[vertices]
         most = reach[vertices]
         end = newton(start, field, functions, most)
@@ -117,8 +119,8 @@ def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Fl
     return result
 
 
-def smooth(mesh: Labelled, field: FaceField) -> Labelled:
-    """Each vertex moved to the mean of its triangles' centres, or along its curve, then projected."""
+def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = None) -> Labelled:
+    """Vertices, or those `near` (N,), moved to the mean of their triangles' centres, or along curves, and projected."""
     points, topology = mesh.points, mesh.topology
     size = topology.size
     move = to_centres(points, topology.triangles)
@@ -132,7 +134,10 @@ def smooth(mesh: Labelled, field: FaceField) -> Labelled:
     on_curve = topology.label_count > 1
     move[on_curve] = along[on_curve] / 4 - points[on_curve] / 2
     move[topology.fixed] = 0.0
-    return project(mesh.moved(points + move), field, mesh.sizes / 4)
+    chosen = None if near is None else np.flatnonzero(near)
+    if near is not None:
+        move[~near] = 0.0
+    return project(mesh.moved(points + move), field, mesh.sizes / 4, chosen)
 
 
 def flip(
@@ -174,7 +179,7 @@ def flip(
         triangles[rows], changed = part, True
         near = np.zeros(len(mesh.points), dtype=bool)
         near[part[owners]] = True  # elsewhere nothing is left to flip
-    topology = Topology(triangles, mesh.labels, len(mesh.points)) if changed else mesh.topology
+    topology = replace(mesh.topology, triangles=triangles) if changed else mesh.topology
     return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
 
 

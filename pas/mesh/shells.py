@@ -60,15 +60,16 @@ def _points(mesh: Labelled) -> Floats:
 
 
 def _together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
-    points, triangles, labels, start = [], [], [], 0
+    points, triangles, labels, pinned, start = [], [], [], [], 0
     for shell, mesh in zip(shells, meshes, strict=True):
         kept = _bounding(field, shell, mesh)
         used, numbers = np.unique(mesh.triangles[kept], return_inverse=True)
         points.append(mesh.points[used])
         triangles.append(numbers.reshape(-1, 3) + start)
         labels.append(field.labels_of(shell, mesh.labels[kept]))
+        pinned.append(np.flatnonzero(np.isin(used, mesh.topology.pinned)) + start)
         start += len(used)
-    return Labelled.of(np.concatenate(points), np.concatenate(triangles), np.concatenate(labels))
+    return Labelled.of(*map(np.concatenate, (points, triangles, labels, pinned)))
 
 
 def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:

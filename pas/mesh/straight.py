@@ -7,24 +7,17 @@ How near an edge is is known to second order from the normals at its ends, which
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from pas.limits import checkpoint
-from pas.mesh.collapse import collapse
+from pas.mesh.collapse import coarsen
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
-from pas.mesh.remesh import edge_sags, flip, pair_normals
+from pas.mesh.remesh import edge_sags, pair_normals
 
 STRAIGHT, ALLOWED = 0.3, 0.25
 """An edge counts as straight whose middle is nearer to its face than that share of what the edges may be that take
 its place; and share of the tolerance that these may be off, where those that are there are not further."""
-
-FEW = 0.01
-"""Share of the vertices that must have gone for going on."""
 
 
 def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float) -> Labelled:
@@ -52,19 +45,10 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
         return mesh
     allowed = allowed.copy()
     allowed[vertices[bent]] = -1.0
-    tree = cKDTree(mesh.points)
 
-    @lru_cache(maxsize=1)
-    def most(m: Labelled) -> Floats:
-        return np.asarray(allowed[tree.query(m.points)[1]])
+    def straight(m: Labelled, numbers: Integers, fresh: NDArray[np.bool_]) -> Integers:
+        edges, most = m.topology.edges, allowed[numbers]
+        close = np.where(fresh[edges].any(axis=1), STRAIGHT * most[edges].max(axis=1), 0.0)
+        return np.flatnonzero(edge_sags(m, field, close > 0) < close)
 
-    def straight(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
-        close = STRAIGHT * most(m)[edges].max(axis=1)
-        return np.asarray(edge_sags(m, field, close > 0) < close)
-
-    while True:
-        checkpoint(f"straightening the mesh ({len(mesh.triangles)} triangles)")
-        smaller = flip(collapse(mesh, field, straight, 2, most), field, 2, limit)
-        if len(smaller.points) > (1 - FEW) * len(mesh.points):
-            return smaller
-        mesh = smaller
+    return coarsen(mesh, field, straight, allowed, limit)

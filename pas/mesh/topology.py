@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.mesh.field import Integers
 
@@ -25,14 +26,22 @@ def is_manifold(triangles: Integers) -> bool:
     return bool((_fans(triangles) == 1).all())
 
 
-def pinched(triangles: Integers) -> Integers:
-    """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold."""
+def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
+    """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold.
+
+    With `among` (N,) only those of these vertices, all of whose triangles are there.
+    """
     if not len(triangles):
         return np.empty(0, dtype=np.intp)
     edges, times = edge_table(triangles)
-    if (times != 2).any():
-        return np.unique(edges[times != 2])
-    return np.unique(triangles)[_fans(triangles) != 1]
+    used = np.unique(triangles)
+    open_ = np.unique(edges[times != 2])
+    if among is not None:
+        open_ = open_[among[open_]]
+    if len(open_):
+        return open_
+    bad = used[_fans(triangles) != 1]
+    return bad if among is None else bad[among[bad]]
 
 
 def edge_table(triangles: Integers) -> tuple[Integers, Integers]:

@@ -152,7 +152,7 @@ def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
     while (long := mesh.lengths > longest).any():
         checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
         points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
-        finer = Labelled.of(points, triangles, mesh.labels[parents])
+        finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
         mesh = project(finer, field, finer.sizes)
     return mesh
 
