@@ -53,6 +53,18 @@ def test_cylinders_and_cones_have_longer_triangles(shape, triangles):
     assert mesh.is_closed
 
 
+def test_quality_prefers_angles_or_few_triangles():
+    shape = solid.cylinder((0, 0, 0), (0, 0, 3), "1/2")
+    found = {q: shape.mesh(2e-3, quality=q) for q in ("angles", "balanced", "count")}
+    numbers = [len(mesh.triangles) for mesh in found.values()]
+    assert numbers[0] > 3 * numbers[1] and numbers[2] <= numbers[1]
+    assert found["angles"].smallest_angles.min() > 10 > found["balanced"].smallest_angles.min() > 0.2
+    assert all(mesh.is_closed and mesh.deviation <= 2e-3 for mesh in found.values())
+    assert len(solid.assembly(a=shape).mesh(2e-3, quality="angles").triangles) == numbers[0]
+    with pytest.raises(ValueError, match="quality must be one of 'angles', 'balanced', 'count', not 'good'"):
+        shape.mesh(2e-3, quality="good")
+
+
 def test_bars_that_cross_keep_few_triangles_and_the_points_where_their_curves_turn():
     """A bar that ends on the axis of an equal one: their curve turns by a right angle at two points."""
     across = solid.cylinder((0, -1, 0), (0, 1, 0), "1/5", "a")

@@ -17,6 +17,7 @@ from pas.designs.paper import PaperHandle, PaperSpout
 from pas.designs.spout import Spout, SpoutShape
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.shape import Shape
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.solid import Solid
@@ -60,10 +61,15 @@ class Teapot(Shape):
 
     @limited("meshing a teapot", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
-        return self.solid.mesh(tolerance)
+        return self.solid.mesh(tolerance, quality=quality)
 
     def __str__(self) -> str:
         return str(self.solid)

@@ -11,6 +11,7 @@ that neither lattice has a node in them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
+from pas.mesh.quality import Quality
 from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
 from pas.mesh.remesh import flip, pair_normals, project, smooth
 from pas.mesh.shells import mesh_apart
@@ -67,42 +69,43 @@ class FaceMesh:
         )
 
 
-def triangulate_faces(field: FaceField, tolerance: float) -> FaceMesh:
-    """A closed mesh whose distance from the boundary is at most `tolerance`, measured.
+def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Quality.BALANCED) -> FaceMesh:
+    """A closed mesh of some quality whose distance from the boundary is at most `tolerance`, measured.
 
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
     octree = first_lattice(field)
     shells = field.shells() if octree.open_share > THIN else []
-    found = mesh_apart(field, shells, tolerance, _triangulated) if len(shells) > 1 else None
-    mesh, reached = _triangulated(field, tolerance, octree) if found is None else found
+    found = mesh_apart(field, shells, tolerance, partial(_triangulated, quality=quality)) if len(shells) > 1 else None
+    mesh, reached = _triangulated(field, tolerance, octree, quality) if found is None else found
     return FaceMesh(mesh, pair_normals(mesh, field), reached)
 
 
-def _triangulated(field: FaceField, tolerance: float, octree: Octree | None = None) -> tuple[Labelled, float]:
+def _triangulated(
+    field: FaceField, tolerance: float, octree: Octree | None = None, quality: Quality = Quality.BALANCED
+) -> tuple[Labelled, float]:
     """The mesh and its measured distance; where long triangles do not come out, without them."""
-    first = first_mesh(field, tolerance, octree)
+    first, plain = first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field.without_lines()
     try:
-        return _refined(first, field, tolerance)
+        return _refined(first, plain if quality is Quality.ANGLES else field, tolerance, quality.slenderest)
     except MeshError:
-        plain = field.without_lines()
-        if plain is field:
+        if plain is field or quality is Quality.ANGLES:
             raise
-        return _refined(first, plain, tolerance)
+        return _refined(first, plain, tolerance, quality.slenderest)
 
 
-def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Labelled, float]:
+def _refined(first: Labelled, field: FaceField, tolerance: float, slenderest: float) -> tuple[Labelled, float]:
     mesh = _with_fine_curves(first, field, tolerance)
     aim = AIM * tolerance
-    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim)
+    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim, slenderest)
     far, near, known = np.empty((0, 2), dtype=np.intp), None, None
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
         mesh = untangle(mesh, field, FOLD, aim, near)
         known = Deviation.of(mesh, field, known)
         if known.worst <= tolerance:
-            return _finished(known, field, tolerance)
+            return _finished(known, field, tolerance, slenderest)
         edges, inside = mesh.topology.edges, known.inside.copy()
         inside[(known.edges[_edges_of(mesh)] > aim).any(axis=1)] = 0.0  # those are halved anyhow
         far = far_edges(mesh.points, mesh.triangles, edges, (known.edges, inside), tolerance)
@@ -120,13 +123,14 @@ def _refined(first: Labelled, field: FaceField, tolerance: float) -> tuple[Label
     raise not_reached(field, len(mesh.triangles), tolerance, known.worst if known else np.inf, f": {why}")
 
 
-def _finished(known: Deviation, field: FaceField, tolerance: float) -> tuple[Labelled, float]:
+def _finished(known: Deviation, field: FaceField, tolerance: float, slenderest: float) -> tuple[Labelled, float]:
     """The mesh without what refining left on straight lines, where that is as near and as sound; and how near.
 
     Raises `MeshError` where the mesh itself is not sound.
     """
     mesh = known.mesh
-    longer = straightened(mesh, field, np.full(len(mesh.points), AIM * tolerance), AIM * tolerance)
+    aim = AIM * tolerance
+    longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, slenderest)
     if longer is not mesh:
         further = Deviation.of(longer, field)
         if further.worst <= tolerance and not unsound(longer, field, tolerance)[0]:

@@ -20,9 +20,9 @@ from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
 
-HELD, TURNED, SLENDER = 0.8, 0.5, 0.025
+HELD, TURNED = 0.8, 0.5
 """The same where edges may become long, and with the face's normal at each corner alone, so that no triangle goes
-through a bar; and height over the longest side of the slenderest triangles made there."""
+through a bar."""
 
 UNTANGLINGS, MANY = 8, 0.01
 """How often folded triangles are removed, and their share above which that is hopeless."""
@@ -56,20 +56,22 @@ def coarsen(
     chosen: Callable[[Labelled, Integers, NDArray[np.bool_]], Integers],
     most: Floats | None = None,
     limit: float | None = None,
+    slenderest: float = 0.0,
 ) -> Labelled:
     """Edges are collapsed and others flipped until hardly any vertex goes; all others stay where they are.
 
     `chosen(mesh, numbers, fresh)` gives the rows of the edges that may go, of those with a vertex that is `fresh` (N,),
     whose triangles are not those of the last time; `numbers` (N,) are the vertices' numbers in the mesh at first.
     `most` (N,) says how far edges may be from their faces and curves that take the place of those of a vertex that
-    goes, `limit` is that of `flip`.
+    goes, and none makes triangles whose height over their longest side is less than `slenderest` but where there are
+    such already; `limit` is that of `flip`.
     """
     numbers, fresh = np.arange(len(mesh.points)), np.ones(len(mesh.points), dtype=bool)
     near = None
     while True:
         checkpoint(f"coarsening the mesh ({len(mesh.triangles)} triangles)")
         rows = chosen(mesh, numbers, fresh)
-        found = _collapse_once(mesh, field, rows, None if most is None else most[numbers], fresh)
+        found = _collapse_once(mesh, field, rows, None if most is None else most[numbers], fresh, slenderest)
         if found is None:
             return mesh
         smaller, used = found
@@ -101,6 +103,7 @@ def _collapse_once(
     rows: Integers,
     most: Floats | None = None,
     fresh: NDArray[np.bool_] | None = None,
+    slenderest: float = 0.0,
 ) -> tuple[Labelled, Integers] | None:
     """The mesh after collapses of edges in given rows, and which vertices are left; None where none can be done."""
     rows = rows[np.argsort(mesh.lengths[rows], kind="stable")]
@@ -113,7 +116,7 @@ def _collapse_once(
     if not len(removed):
         return None
     size, normals = len(mesh.points), pair_normals(mesh, field)
-    free = _independent(mesh, normals, removed, kept, most)
+    free = _independent(mesh, normals, removed, kept, most, slenderest)
     removed, kept = removed[free], kept[free]
     if not len(removed):
         return None
@@ -226,16 +229,17 @@ def _keeps_straight(
 
 
 def _keeps_orientation(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, long: bool
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, slenderest: float | None
 ) -> NDArray[np.bool_]:
     """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`.
 
-    Where triangles may become `long` they must be it clearly, and not become too slender.
+    Where triangles may become long they must be it clearly, and not more slender than the `slenderest`.
     """
     row, corner = _fans(mesh.topology, removed)
     triangle = corner // 3
     old = mesh.triangles[triangle]
-    flattest = np.full(len(removed), SLENDER)
+    long = slenderest is not None
+    flattest = np.full(len(removed), slenderest if long else 0.0)
     if long:  # what is slender already may be replaced by what is as slender
         np.minimum.at(flattest, row, _height(mesh.points[old]))
     stays = ~(old == kept[row][:, None]).any(axis=1)
@@ -265,7 +269,7 @@ def _height(corners: Floats) -> Floats:
 
 
 def _independent(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None = None
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None, slenderest: float
 ) -> NDArray[np.bool_]:
     """A subset of the collapses that keep the topology and the sides of triangles, earlier ones preferred.
 
@@ -277,7 +281,7 @@ def _independent(
     if most is not None:
         sound = _keeps_straight(mesh, normals, removed, kept, most)
     sound[sound] = _keeps_topology(mesh.topology, removed[sound], kept[sound])
-    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], most is not None)
+    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], None if most is None else slenderest)
     chosen = np.zeros(len(removed), dtype=bool)
     open_ = np.flatnonzero(sound)
     for _ in range(ROUNDS):

@@ -55,10 +55,11 @@ CORNER = 0.5
 """How far a corner may be off each of its faces, over the tolerance."""
 
 
-def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None, even: bool = False) -> Labelled:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.
+    The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
+    large as the lattice's cubes, on planes as well.
     """
     octree = _resolved(field, first_lattice(field) if octree is None else octree)
     ahead, effort = [_Lattice(field, octree)], _Effort(field, TIMES * octree.count + ROOM)
@@ -76,7 +77,7 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
             elif not all(first.shows_faces_of(other.crossings) for other in ahead[1:]):
                 reason = "its faces are too small"
             elif len(first.edges):
-                mesh = _improved(raw, field, tolerance)
+                mesh = _improved(raw, field, tolerance, even)
                 reason, places = unsound(mesh, field, tolerance)
                 if not reason:
                     return mesh
@@ -152,10 +153,10 @@ class _Lattice:
         return Crossings(self.field, *self.octree.tetrahedra())
 
 
-def _improved(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
+def _improved(mesh: Labelled, field: FaceField, tolerance: float, even: bool) -> Labelled:
     mesh = _with_special_points(mesh, field)
     mesh = project(mesh, field, mesh.sizes / 2)
-    mesh = _coarsened(mesh, field, tolerance)
+    mesh = mesh if even else _coarsened(mesh, field, tolerance)
 
     def short(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
         return np.asarray(m.lengths < SHORT * m.sizes[edges].min(axis=1))

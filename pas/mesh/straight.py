@@ -20,7 +20,7 @@ STRAIGHT, ALLOWED = 0.3, 0.25
 its place; and share of the tolerance that these may be off, where those that are there are not further."""
 
 
-def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float) -> Labelled:
+def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float, slenderest: float) -> Labelled:
     """The mesh with few vertices on lines.
 
     Edges at each vertex may be off by a share of `aim` (N,), or as far as some are.
@@ -30,13 +30,14 @@ def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float) -> Labe
     off = edge_sags(mesh, field, chosen)[chosen]
     for ends in edges[chosen].T:
         np.maximum.at(allowed, ends, off)
-    return straightened(mesh, field, allowed, limit)
+    return straightened(mesh, field, allowed, limit, slenderest)
 
 
-def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float) -> Labelled:
+def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float, slenderest: float) -> Labelled:
     """The mesh without vertices on lines, as far as edges at vertices may be off (N,); none elsewhere goes.
 
-    Edges on these faces that are off further than `limit` are flipped where that helps.
+    Edges on these faces that are off further than `limit` are flipped where that helps.  Triangles do not become more
+    slender than the `slenderest`, height over longest side.
     """
     vertices, labels = mesh.topology.pairs.T
     lines_meet = labels[~pair_normals(mesh, field).any(axis=1)]  # in an apex, about which triangles must stay short
@@ -51,4 +52,4 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
         close = np.where(fresh[edges].any(axis=1), STRAIGHT * most[edges].max(axis=1), 0.0)
         return np.flatnonzero(edge_sags(m, field, close > 0) < close)
 
-    return coarsen(mesh, field, straight, allowed, limit)
+    return coarsen(mesh, field, straight, allowed, limit, slenderest)

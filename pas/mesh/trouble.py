@@ -41,8 +41,8 @@ MOST_ACTIVE = 8
 
 WORDS = {
     "singular": "{} is singular",
-    "touch": "{} touch",
-    "itself": "the solid touches itself along an edge of {}",
+    "touch": "{} touch; let them cross, or keep them apart",
+    "itself": "the solid touches itself along an edge of {}; let its parts overlap, or keep them apart",
     "curve": "{} touch, or meet in one curve",
     "flat": f"{{}} meet at an angle below {FLAT:.0f} degrees",
     "many": "{} meet in one point",

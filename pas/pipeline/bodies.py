@@ -17,7 +17,8 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
 from pas.solid.pieces import Pieces, region
-from pas.solid.solid import Solid, patch, union
+from pas.solid.several import union
+from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 from pas.surface.piecewise import PiecewiseSurface
 

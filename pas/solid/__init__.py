@@ -11,7 +11,8 @@ from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.joints import Joint
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
-from pas.solid.solid import Solid, intersection, patch, union
+from pas.solid.several import intersection, union
+from pas.solid.solid import Solid, patch
 from pas.solid.tube import tube
 
 SolidMesh = Mesh

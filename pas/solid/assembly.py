@@ -16,6 +16,7 @@ from pas.algebra.brief import brief, listed
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
@@ -44,9 +45,16 @@ class Part(Shape):
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The part's mesh; see `Solid.mesh`."""
+        if isinstance(self.shape, Solid):
+            return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
 
 
@@ -69,17 +77,27 @@ class Assembly(Shape):
 
     @limited("meshing an assembly", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
-        return Mesh.together(self.meshes(tolerance))
+        return Mesh.together(self.meshes(tolerance, quality=quality))
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> dict[str, Mesh]:
         """The mesh of each part."""
-        return {name: part.mesh(tolerance) for name, part in self.parts.items()}
+        return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}
 
     def colored(self, **colors: str) -> Assembly:
         """The assembly with other colours, `#rrggbb`, for some parts."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.shape import Shape
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
@@ -244,26 +245,38 @@ class Solid(Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
         Every triangle lies on one face; edges between faces lie on their common curve.  By default
-        the tolerance is 1e-3 of the longest side of the box.  Raises `MeshError` where the solid is
+        the tolerance is 1e-3 of the longest side of the box.  Along straight lines triangles are long; with `quality`
+        "angles" they are not, with "count" however long that leaves fewest.  Raises `MeshError` where the solid is
         too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
         """
-        return self.face_mesh(tolerance).named(self.field)
+        return self.face_mesh(tolerance, quality=quality).named(self.field)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
-        wanted = self._tolerance(tolerance)
-        if wanted not in self._cache:
+        quality = Quality.of(quality)
+        key = self._tolerance(tolerance), quality
+        if key not in self._cache:
             self.field.refuse_coincident()
-            self._cache[wanted] = triangulate_faces(self.field, wanted / self.field.scale)
-        return self._cache[wanted]
+            self._cache[key] = triangulate_faces(self.field, key[0] / self.field.scale, quality)
+        return self._cache[key]
 
     def _tolerance(self, tolerance: float | None) -> float:
         if tolerance is not None:
@@ -310,23 +323,6 @@ def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Sol
     """
     walls = [Atom(-_inequality(r, f"region[{i}]"), "") for i, r in enumerate(region)]
     return Solid(combined(False, Atom(_inequality(polynomial, "polynomial"), name), *walls))
-
-
-def union(solids: Sequence[Solid]) -> Solid:
-    """The union of at least one solid; raises `ValueError` where there is none."""
-    return _fold(solids, Solid.__or__)
-
-
-def intersection(solids: Sequence[Solid]) -> Solid:
-    """The intersection of at least one solid; raises `ValueError` where there is none."""
-    return _fold(solids, Solid.__and__)
-
-
-def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -> Solid:
-    items = list(solids)
-    if not items:
-        raise ValueError("there must be at least one solid")
-    return reduce(operation, items)
 
 
 def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
