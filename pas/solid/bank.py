@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import CHUNK_ENTRIES, evaluate
+from pas.algebra.kernels import CHUNK_ENTRIES, evaluate, horner
 from pas.algebra.monomials import Floats, count, exponents, positions
 from pas.algebra.polynomial import Polynomial
+from pas.limits import checkpoint
 from pas.solid.tree import Bools
 
 Integers = NDArray[np.intp]
@@ -29,7 +30,7 @@ class Bank:
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
         self.polynomials = tuple(polynomials)
-        self._jet_matrices: dict[int, Floats] = {}
+        self._jet_tables: dict[int, Floats] = {}
 
     def __len__(self) -> int:
         return len(self.polynomials)
@@ -48,12 +49,14 @@ class Bank:
 
     def jets(self, number: int, points: Floats) -> Floats:
         """Values and gradients (N, 4) of one polynomial at points (N, 3)."""
-        if number not in self._jet_matrices:
+        checkpoint()
+        degree = max(self.polynomials[number].degree, 0)
+        if number not in self._jet_tables:
             p = self.polynomials[number]
-            degree = max(p.degree, 0)
-            columns = [q.dense(degree) for q in (p, *map(p.diff, range(3)))]
-            self._jet_matrices[number] = np.stack(columns, axis=1)
-        return evaluate(points, self._jet_matrices[number])
+            self._jet_tables[number] = np.stack([q.dense(degree) for q in (p, *map(p.diff, range(3)))])
+        values = np.empty((4, len(points)))
+        horner(self._jet_tables[number], degree, np.ascontiguousarray(points.T), values)
+        return values.T
 
     def jets_of(self, numbers: Integers, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3), each of a polynomial of its own (N,).
@@ -68,9 +71,10 @@ class Bank:
         result[rows, 0] = constant[:, 0] + ((slopes + bent / 2) * p).sum(axis=1)
         result[rows, 1:] = slopes + bent
         rows = np.flatnonzero(~low[numbers])
-        for number in np.unique(numbers[rows]):
-            own = rows[numbers[rows] == number]
-            result[own] = self.jets(int(number), points[own])
+        rows = rows[np.argsort(numbers[rows], kind="stable")]
+        for own in np.split(rows, np.flatnonzero(np.diff(numbers[rows])) + 1):
+            if len(own):
+                result[own] = self.jets(int(numbers[own[0]]), points[own])
         return result
 
     @cached_property
