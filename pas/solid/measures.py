@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
-from pas.mesh.remesh import newton, placing
+from pas.mesh.labelled import Labelled
+from pas.mesh.refine import LARGEST, split
+from pas.mesh.remesh import newton, pair_normals, placing, project
 
 _GAUSS = np.array(
     [
@@ -21,13 +24,18 @@ _GAUSS = np.array(
 """Points and weights of the rule of degree 4 on the triangle (Dunavant 1985)."""
 
 
+CUTS = 12
+"""How often edges are halved at most."""
+
+
 def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
     """Volume and area of the mesh with its edges' midpoints moved onto the faces and curves.
 
     Each triangle becomes the quadratic patch through its corners and midpoints, so the errors fall
-    with the fourth power of the edges: second order in the tolerance.
+    with the fourth power of the edges: second order in the tolerance.  Long triangles of cones are cut until their
+    edges are as good as parabolas.
     """
-    mesh = found.mesh
+    mesh = _cut(found, field)
     edges = mesh.topology.edges
     middles = mesh.points[edges].mean(axis=1)
     for rows, functions in placing(field, mesh.topology.edge_labels):
@@ -52,3 +60,29 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
         volume += weight / 2 * float(np.einsum("ni,ni->", x, normal)) / 3
         area += weight / 2 * float(np.linalg.norm(normal, axis=1).sum())
     return volume, area
+
+
+def _cut(found: FaceMesh, field: FaceField) -> Labelled:
+    """The mesh with edges along faces with straight lines halved whose third-order parts are not small.
+
+    A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
+    They may be as large as those of edges as long as the tolerance makes them on other faces.
+    """
+    mesh = found.mesh
+    most = found.deviation**1.5 / float(np.ptp(field.box, axis=0).max()) ** 0.5
+    for _ in range(CUTS):
+        edges, labels = mesh.topology.edge_table
+        normals, off = pair_normals(mesh, field), np.zeros(len(edges))
+        along = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+        for column in labels.T:
+            rows = mesh.topology.rows(edges, column[:, None])
+            third = np.abs((along * (normals[rows[:, 0]] + normals[rows[:, 1]])).sum(axis=1)) / 8
+            off = np.maximum(off, np.where(field.lines(column), third, 0.0))
+        off[mesh.topology.seam_mask] = 0.0
+        if not (off > most).any() or len(mesh.triangles) > LARGEST / 4:
+            break
+        checkpoint(f"cutting long triangles ({len(mesh.triangles)} triangles)")
+        points, triangles, parents = split(mesh.points, mesh.triangles, edges[off > most])
+        finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
+        mesh = project(finer, field, finer.sizes, np.arange(len(mesh.points), len(points)))
+    return mesh
