@@ -158,7 +158,7 @@ def test_collapses_that_touch_are_not_done_together():
     for _ in range(5):
         order = rng.permutation(len(edges))
         removed, kept = edges[order].T
-        chosen = _independent(mesh, pair_normals(mesh, CUP.field), removed, kept)
+        chosen = _independent(mesh, pair_normals(mesh, CUP.field), removed, kept, None, 0.0)
         assert chosen.sum() > len(mesh.points) / 20
         pairs = np.stack([removed[chosen], kept[chosen]], axis=1)
         assert len(np.unique(pairs)) == pairs.size

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from functools import reduce
-from itertools import combinations, product
-from math import pi, sqrt
+from itertools import combinations, pairwise, product
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -144,3 +144,18 @@ def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
     assert np.array_equal(points[drawn], corner[None])
     assert is_closed_manifold(triangles)
     assert len(points) == len(mesh.points)
+
+
+def test_walls_through_corners_of_a_gear_do_no_harm():
+    """Where two teeth meet on the axis a wall between wedges passes as well: four functions vanish at the corner."""
+    count, height = 20, "2/5"
+    turns = [2 * pi * (k + side / 2) / count for k in range(count) for side in (0, 1)]
+    rim = [(round(r * cos(t), 4), round(r * sin(t), 4)) for t, r in zip(turns, (1.0, 1.25) * count, strict=True)]
+    wedges = []
+    for k in range(count):
+        corners = [(0, 0), *(rim[(2 * k + i) % len(rim)] for i in range(3)), (0, 0)]
+        sides = [f"{p - r!r}*(y - ({q!r})) + {s - q!r}*(x - ({p!r}))" for (p, q), (r, s) in pairwise(corners)]
+        flanks = [solid.half_space(side, f"side {2 * k + i}") for i, side in enumerate(sides[1:3])]
+        wedges.append(solid.intersection([*flanks, solid.patch("", sides[0]), solid.patch("", sides[3])]))
+    mesh = (solid.union(wedges) & solid.half_space("-z") & solid.half_space(f"z - {height}")).mesh(1e-3)
+    assert mesh.is_closed and len(mesh.triangles) <= 200  # 156 would do

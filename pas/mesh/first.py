@@ -22,9 +22,9 @@ from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.remesh import cosines, flip, least_norm, pair_normals, placing, project, smooth
 from pas.mesh.trouble import Trouble, find_trouble
 
-FIRST_PARTS, HALVINGS, COMPARED = 25, 9, 3
-"""Small cubes along the longest side of the box in the first lattice, how many finer ones are tried at most,
-and how many must show the same pieces, holes and faces, unless all of the boundary is clear."""
+FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
+"""Small cubes along the longest side of the box in the first lattice, and in another one that is tried; how many finer
+ones are tried at most, and how many must show the same pieces, holes and faces, unless all of the boundary is clear."""
 
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
@@ -59,9 +59,21 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None,
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
     The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.
+    large as the lattice's cubes, on planes as well.  Where the boundary does not come out of one lattice another
+    is tried: its planes may lie unluckily.
     """
-    octree = _resolved(field, first_lattice(field) if octree is None else octree)
+    start = first_lattice(field) if octree is None else octree
+    try:
+        return _first_mesh(field, tolerance, start, even)
+    except _InVainError as refusal:
+        try:
+            return _first_mesh(field, tolerance, first_lattice(field, OTHER_PARTS), even)
+        except MeshError:
+            raise MeshError(str(refusal)) from None
+
+
+def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled:
+    octree = _resolved(field, octree)
     ahead, effort = [_Lattice(field, octree)], _Effort(field, TIMES * octree.count + ROOM)
     reason = ""
     for _ in range(HALVINGS):
@@ -94,9 +106,13 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None,
     raise _refusal(find_trouble(field, places, ahead[0].octree.spacing), ahead[-1].octree, reason)
 
 
-def first_lattice(field: FaceField) -> Octree:
+def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
     """The lattice to begin with."""
-    return Octree(field, float(np.ptp(field.box, axis=0).max()) / FIRST_PARTS)
+    return Octree(field, float(np.ptp(field.box, axis=0).max()) / parts)
+
+
+class _InVainError(MeshError):
+    """That finer lattices of the same kind show no less trouble."""
 
 
 def _resolved(field: FaceField, octree: Octree) -> Octree:
@@ -131,7 +147,8 @@ class _Effort:
         if spent or (len(self.bad) == PATIENCE and 2 * self.bad[-1] > self.bad[0]):
             found = find_trouble(self.field, places, octree.spacing)
             if spent or (found is not None and found.stays):
-                raise _refusal(found, octree, reason)
+                refusal = _refusal(found, octree, reason)
+                raise refusal if spent else _InVainError(str(refusal))
 
 
 def _refusal(found: Trouble | None, octree: Octree, reason: str = "") -> MeshError:

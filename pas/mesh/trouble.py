@@ -51,8 +51,8 @@ WORDS = {
 }
 """What can be wrong, the gravest first."""
 
-PASSING = ("close", "bent")
-"""What a lattice shows that is fine enough."""
+PASSING = ("close", "bent", "many")
+"""What a lattice shows that is fine enough; many faces meet in nodes."""
 
 
 @dataclass(frozen=True)
