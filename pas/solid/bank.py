@@ -45,7 +45,7 @@ class Bank:
 
     def values(self, points: Floats) -> Floats:
         """Values (M, N) at points (N, 3)."""
-        return evaluate(points, self._matrix).T
+        return evaluate(points, self._matrix).T if len(self) else np.empty((0, len(points)))
 
     def jets(self, number: int, points: Floats) -> Floats:
         """Values and gradients (N, 4) of one polynomial at points (N, 3)."""
