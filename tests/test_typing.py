@@ -53,6 +53,7 @@ MAY_BE_ANY = {
     "Kind.cast": BY_KIND,
     "Kind.cells": BY_KIND,
     "Kind.facts": BY_KIND,
+    "Kind.generatrix": BY_KIND,
     "Kind.layers": BY_KIND,
     "Kind.mesh": BY_KIND,
     "Kind.parts": BY_KIND,
