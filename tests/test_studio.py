@@ -80,6 +80,147 @@ def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
+SINGLE = {
+    "kind": "problem",
+    "problem": {
+        "name": "hemispheres",
+        "order": 2,
+        "contacts": [
+            {"surface": "(x + 2)^2 + y^2 + z^2 - 4", "clip": "-x - 2"},
+            {"surface": "(x - 1)^2 + y^2 + z^2 - 1", "clip": "x - 1"},
+        ],
+        "partition": {"kind": "single cell", "lower": [-2, -3, -3], "upper": [1, 3, 3]},
+    },
+}
+
+
+def with_points(document, **points):
+    held = {**document["problem"].get("points", {}), **points}
+    return {**document, "problem": {**document["problem"], "points": held}}
+
+
+def pulled(document, by):
+    """A document whose last handle has another value."""
+    *before, (handle, value) = document["problem"]["points"]["handles"]
+    return with_points(document, handles=[*before, [handle, str(float(value) + by)]])
+
+
+def again(message, folder, monkeypatch):
+    """The shapes that the texts of a message make."""
+    monkeypatch.chdir(folder)
+    (folder / "copied.toml").write_text(message.head["toml"])
+    return run(message.head["python"]), pas.read_problem(folder / "copied.toml").solve()
+
+
+def test_a_handle_pulls_the_surface_where_it_is_and_is_copied(tmp_path, monkeypatch, capsys):
+    made = Desk()
+    first = made.solve(SINGLE)
+    assert [c["kind"] for c in first.head["controls"]][-2:] == ["coefficients", "handles"]
+    surface = made.shape_of(SINGLE).surface
+    start, way = np.array([[-0.5, 0, 0]]), np.array([[0, 1, 0]])  # from the centre
+    distance = surface.intersect_rays(start[0], way)[0]
+    document = made.handle(SINGLE, [-0.5, distance, 0])
+    (((cell, index), _),) = document["problem"]["points"]["handles"]
+    held = made.solve(document)
+    assert document["problem"]["degree"] == 4 == sum(index) and held.head["proved"]
+    assert np.abs(held.arrays["coefficients"] - first.arrays["coefficients"]).max() < 2e-3  # settled again
+    made.take(*made.kept(document))
+    surface, (share,) = made.shape_of(document).surface, held.head["shares"]
+    partition = surface.partition
+    domain = (
+        np.array(index)
+        / 4
+        @ np.array([[float(c.p) / float(c.q) for c in partition.vertices[v]] for v in partition.cells[cell]])
+    )
+    ray = domain - start[0]
+
+    def place(shape):
+        return shape.intersect_rays(start[0], ray[None])[0] * ray + start[0]
+
+    gradient = surface.gradient(place(surface)[None])[0]
+    pull = 0.004  # along the normal
+    document = pulled(document, -pull * np.linalg.norm(gradient) / share)
+    made.move(document, made.scene)
+    message = made.solve(document)
+    assert message.head["proved"] and "handles = [[[" in message.head["toml"]
+    for shape in (made.seen, made.shape_of(document)):
+        exact = documents.Fraction(document["problem"]["points"]["handles"][0][1])
+        assert shape.surface.cells[cell].b_coefficients[tuple(index)] == exact
+    went = (place(made.shape_of(document).surface) - place(surface)) @ gradient / np.linalg.norm(gradient)
+    assert went == pytest.approx(pull, rel=0.15)
+    for shape in again(message, tmp_path, monkeypatch):
+        assert (coefficients(shape.surface) == message.arrays["coefficients"]).all()
+
+
+def test_blends_of_many_cells_are_pulled_by_points_to_pass_through(desk):
+    made, first = desk
+    (control,) = (c for c in first.head["controls"] if c["kind"] == "handles")
+    assert control["through"] and first.head["shares"] == []
+    with pytest.raises(InputError, match="for others add a point to pass through"):
+        made.handle(CORNER, [0, 0, 0])
+
+
+def test_handles_of_projects_are_copied(tmp_path, monkeypatch, capsys):
+    made = Desk()
+    made.shape_of(SINGLE).save(tmp_path / "held.pas.json")
+    opened = made.read("held.pas.json", (tmp_path / "held.pas.json").read_text())
+    document = pulled_slider(made.handle(opened, [0, 1, 0]), {"coefficients": {"1": "-0.0035"}})
+    message = made.solve(document)
+    assert "handles={(" in message.head["python"] and 'coefficients={1: "-0.0035"}' in message.head["python"]
+    monkeypatch.chdir(tmp_path)
+    assert (coefficients(run(message.head["python"]).surface) == message.arrays["coefficients"]).all()
+
+
+def pulled_slider(document, more):
+    return {**document, "sliders": {"points": {**document["sliders"]["points"], **more}}}
+
+
+def test_where_no_handle_is_to_be_had_is_said():
+    made = Desk()
+    with pytest.raises(InputError, match="only blends of a single cell with a box have handles"):
+        made.handle(GALLERY["Two quadrics"], [0, 0, 0])
+    document = with_points(SINGLE, coefficients={"0": "0.0389", "1": "-0.0035"})  # of three dimensions one is the scale
+    document["problem"]["degree"] = 4
+    for wrong in (None, [1, 2], ["1", "2", "3"]):
+        with pytest.raises(InputError, match="a place must be three numbers"):
+            made.handle(document, wrong)
+    with pytest.raises(InputError, match="no handle is free"):
+        made.handle(document, [0, 1, 0])
+
+
+def test_coefficients_of_a_single_cell_are_set_and_copied(tmp_path, monkeypatch, capsys):
+    made = Desk()
+    first = made.solve(SINGLE)
+    (control,) = (c for c in first.head["controls"] if c["kind"] == "coefficients")
+    assert len(control["names"]) == len(control["ends"]) == len(first.head["members"]) == 3
+    assert all(low < value < high for (low, high), value in zip(control["ends"], first.head["members"], strict=True))
+    at = {**SINGLE, "problem": {**SINGLE["problem"], "degree": 4}}
+    made.take(*made.kept(SINGLE))
+    for value in ("-0.008", "-0.009"):
+        document = with_points(at, coefficients={"1": value})
+        moved = made.move(document, made.scene, anew=True)
+        assert made.seen.coefficients[1] == documents.Fraction(value)
+    message = made.solve(document)
+    assert message.head["proved"] and message.head["members"][1] == -0.009
+    assert np.abs(moved.arrays["coefficients"] - message.arrays["coefficients"]).max() < 0.05
+    for shape in again(message, tmp_path, monkeypatch):
+        assert (coefficients(shape.surface) == message.arrays["coefficients"]).all()
+    low, high = control["ends"][1]
+    for beyond in (1.02 * low, 0.98 * high):  # both are negative
+        with pytest.raises(pas.InfeasibleError, match="coefficient 1 = "):
+            made.solve(with_points(at, coefficients={"1": repr(beyond)}))
+    free = with_points(at, coefficients={})
+    assert (
+        "coefficients" not in Desk().solve(free).head["python"].replace("sum-of-coefficients", "").split("[points]")[0]
+    )
+
+
+def test_another_degree_lets_handles_and_coefficients_go():
+    choices = {c["path"][-1]: c["frees"] for c in controls(CORNER) if c["kind"] == "choice"}
+    assert set(choices) == {"order", "degree"}
+    assert all({path[-1] for path in paths} == {"handles", "coefficients"} for paths in choices.values())
+
+
 def test_what_no_call_says_is_copied_with_its_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     problem = GALLERY["Two quadrics"]["problem"]
@@ -135,6 +276,22 @@ def test_a_packed_message_is_what_the_page_reads():
     assert head["arrays"] == [["a", "float64", 3], ["b", "uint8", 5]]
     assert np.frombuffer(data, "<f8", 3, 4 + length).tolist() == [0, 1, 2]
     assert list(data[4 + length + 24 :][:5]) == [0, 1, 2, 3, 4]
+
+
+def test_meshes_that_stand_in_for_rays_end_at_curved_clips_as_well():
+    contact = {"surface": "y^2 + z^2 - 1/4", "clip": "x^2 + y^2 + z^2 - 1"}
+    document = {"kind": "problem", "problem": {
+        "order": 1, "degree": 2, "prove": False, "guard": False, "contacts": [contact],
+        "partition": {"kind": "single cell", "lower": [-2, -2, -2], "upper": [2, 2, 2]},
+        "normalize": {"kind": "value-at", "point": [0, 0, 0], "value": -1},
+    }}  # fmt: skip
+    made = Desk()
+    assert made.solve(document).head["clips"] == [2] and made.measure(document).head["facts"]["fairness"] is None
+    mesh = made.mesh(document).arrays
+    surface = made.shape_of(document).surface
+    scale = float(surface.partition.frame.scale.p) / float(surface.partition.frame.scale.q)
+    far = np.linalg.norm(scale * mesh["points 0"].astype(float), axis=1)[mesh["triangles 0"]]
+    assert len(far) > 50 and far.min(axis=1).max() < 1 < far.max()
 
 
 def inside(local, cell, point):
@@ -216,6 +373,10 @@ WRONG_DOCUMENTS = [
     (changed(pipes=[{"axis": [0, 0, 0], "radius": 1, "clip": 1}]), "pipe 1: axis must not be the zero vector"),
     (changed(points={"near": [["1", "2"]]}), "near"),
     (changed(tension="-1"), "tension"),
+    (changed(points={"handles": [[[0, [1, 1, 1, 0]], "1"]]}), "must be four numbers >= 0 with the sum 4"),
+    (changed(points={"handles": [1]}), "handles must map (cell, multi-index of four numbers) to values"),
+    (changed(points={"coefficients": {"one": "1"}}), "coefficients must map numbers of members"),
+    (changed(points={"coefficients": {"99": "1"}}), "coefficients[99] is that of no member"),
     (changed(tension=None), "Invalid value"),
     (changed(colour="red"), "unknown key 'colour'"),
     ({"kind": "teapot", "values": {"spout": 1}}, "a teapot has the values"),
@@ -281,9 +442,9 @@ def test_a_refuted_state_says_where_and_is_repaired():
     failed = [v for v in message.head["verdicts"] if v["status"] == "refuted"]
     assert failed and not message.head["proved"] and all(len(v["witness"]) == 3 for v in failed if v["witness"])
     assert any(v["witness"] for v in failed)
-    again = made.repair(REFUTED)
-    assert again["problem"]["points"]["near"] == REFUTED["problem"]["points"]["near"]
-    assert made.solve(again).head["proved"]
+    better = made.repair(REFUTED)
+    assert better["problem"]["points"]["near"] == REFUTED["problem"]["points"]["near"]
+    assert made.solve(better).head["proved"]
     with pytest.raises(InputError, match="only blends can be repaired"):
         made.repair({"kind": "teapot", "values": {}})
 

@@ -20,6 +20,7 @@ from test_studio import children
 import pas
 from pas.studio.documents import problem_of
 from pas.studio.gallery import GALLERY
+from pas.studio.scene import coefficients
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
@@ -196,6 +197,70 @@ def test_rays_that_graze_and_walls_between_cells_are_seen_as_exactly(page, order
     page.until(FINAL)
 
 
+BALL = "x^2 + y^2 + z^2 - 4"
+CURVED = {
+    "order": 1,
+    "degree": 4,
+    "prove": False,
+    "guard": False,
+    "contacts": [{"surface": "y^2 + z^2 - 1", "clip": BALL}, {"surface": "x^2 + z^2 - 1/2", "clip": BALL}],
+    "partition": {"kind": "single cell", "lower": [-2, -2, -2], "upper": [2, 2, 2]},
+    "normalize": {"kind": "value-at", "point": [0, 0, 0], "value": -1},
+}
+"""Two pipes that end at a sphere."""
+
+
+def zeros_on_rays(polynomial, eye, ways, degree):
+    """All zeros of a polynomial on rays (N, 3), complex ones as inf: (N, degree)."""
+    nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+    middle = -ways @ eye / (ways * ways).sum(axis=1)  # next to the origin
+    places = middle[:, None] + 3 * nodes
+    values = polynomial(eye + places[..., None] * ways[:, None])
+    powers = np.linalg.solve(np.vander(nodes), values.T).T
+    companion = np.zeros((len(ways), degree, degree))
+    companion[:, 0] = -powers[:, 1:] / powers[:, :1]
+    companion[:, 1:, :-1] = np.eye(degree - 1)
+    found = np.linalg.eigvals(companion)
+    return np.where(np.abs(found.imag) < 1e-9, middle[:, None] + 3 * found.real, np.inf)
+
+
+def test_curved_clips_end_the_blend_and_its_neighbours(page):
+    before = page.problem
+    page.page.evaluate(OPEN, CURVED)
+    page.until(FINAL)
+    assert "undecided" in page.page.inner_text(".overall") and page.page.locator(".message.bad").count() == 0
+    assert page.page.locator("#c-problem-contacts-0-clip-s").count() == 0  # a formula is no number
+    blend = problem_of({"name": "curved", **CURVED}).solve()
+    width, height = 160, 120
+    for view in VIEWS:
+        text, frame, origin, scale = page.page.evaluate(PROBE, [list(view), width, height])
+        found = np.frombuffer(base64.b64decode(text), "<f4").reshape(-1, 4)
+        x = ((np.arange(width) + 0.5) / width * 2 - 1) * frame["across"]
+        y = ((np.arange(height) + 0.5) / height * 2 - 1) * frame["tan"]
+        ahead, side, up, eye = (np.array(frame[name]) for name in ("ahead", "side", "up", "eye"))
+        ways = scale * (ahead + x[None, :, None] * side + y[:, None, None] * up).reshape(-1, 3)
+        eye = np.array(origin) + scale * eye
+        nearest = np.full((3, len(ways)), np.inf)
+        pieces = [
+            (blend.surface.polynomials[0], 4, 1, 2.0),
+            *((c.surface, 2, -1, 2.88) for c in blend.surface.contacts),
+        ]
+        for row, (polynomial, degree, sign, half) in zip(nearest, pieces, strict=True):
+            zeros = zeros_on_rays(polynomial, eye, ways, degree)
+            there = eye + np.where(np.isfinite(zeros), zeros, 0.0)[..., None] * ways[:, None]
+            kept = (sign * ((there**2).sum(axis=-1) - 4) < 0) & (np.abs(there) < half).all(axis=-1)
+            row[:] = np.where(kept & np.isfinite(zeros), zeros, np.inf).min(axis=1)
+        which, first = nearest.argmin(axis=0), nearest.min(axis=0)
+        hit = found[:, 3] > -1e5
+        assert (hit != np.isfinite(first)).sum() <= 3  # on rims, to within rounding
+        both = hit & np.isfinite(first)
+        assert both.sum() > 2000 and (np.where(found[:, 3] >= 0, 0, 1) != (which > 0))[both].sum() <= 3
+        far = np.abs(found[:, 0] - first)[both]
+        assert np.median(far) < 2e-6 and (far > 1e-3).sum() <= 3
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
+
+
 def test_a_slider_is_dragged_by_mouse_and_by_keys_and_undone(page):
     before = page.problem
     slider = page.page.locator("#c-problem-tension-s")
@@ -254,7 +319,7 @@ def test_fields_take_fractions_and_refuse_what_is_no_number(page):
 
 
 def test_a_point_is_added_dragged_in_the_picture_and_removed(page):
-    page.page.evaluate("studio.view.aim([0.62, -0.62, 0.48])")
+    page.page.evaluate(OBLIQUE)
     page.page.click("text=Add point")
     page.until(FINAL)
     (first,) = page.problem["points"]["near"]
@@ -275,6 +340,155 @@ def test_a_point_is_added_dragged_in_the_picture_and_removed(page):
     page.page.click("[aria-label='remove the point near 1']")
     page.until(FINAL)
     assert page.problem["points"]["near"] == [] and page.page.locator(".mark").count() == 0
+
+
+def drawn(page):
+    return np.array(page.ask("studio.state.scene.surface.map((p) => Array.from(p.values))"))
+
+
+def python(page, folder, monkeypatch):
+    """The shape that the copied program makes."""
+    page.page.click("text=Copy as Python")
+    page.until("/copied as Python/.test(document.querySelector('.message').textContent)")
+    monkeypatch.chdir(folder)
+    space = {}
+    exec(compile(page.ask("navigator.clipboard.readText()"), "copied", "exec"), space)
+    return space["shape"]
+
+
+def dragged(page, locator, shift, share=0.5):
+    """Drag something by (dx, dy) pixels from its middle, or from a slider's thumb; no lamp is lit on the way."""
+    locator.scroll_into_view_if_needed()
+    box = locator.bounding_box()
+    x, y = box["x"] + box["width"] * share, box["y"] + box["height"] / 2
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + shift[0], y + shift[1], steps=4)
+    assert page.page.inner_text(".overall") == "checking" and page.page.locator(".lamps .proved").count() == 0
+    page.until(SEEN)
+    page.page.mouse.up()
+    page.until(FINAL)
+
+
+ARROW = """(kind) => { const g = document.querySelector(`.mark.${kind}`);
+  const [, x, y] = /translate\\(([^ ]+) ([^)]+)/.exec(g.getAttribute("transform"));
+  const [, u, v] = /L([^ ]+) (.+)/.exec(g.querySelector("path").getAttribute("d"));
+  return [x, y, u, v].map(Number); }"""
+"""Where a mark is on the screen, and its arrow along the normal."""
+
+OBLIQUE = "studio.view.aim([0.62, -0.62, 0.48])"
+QUARTIC = {name: value for name, value in GALLERY["Elbow of one quartic"]["problem"].items() if name != "degree"}
+
+
+@pytest.fixture
+def single(page):
+    """The page with a blend of a single cell."""
+    before = page.problem
+    page.page.evaluate(OPEN, QUARTIC)
+    page.until(FINAL)
+    yield page
+    page.page.evaluate(OBLIQUE)
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
+
+
+def test_coefficients_of_members_are_dragged_and_let_go(single, tmp_path, monkeypatch, capsys):
+    page, before = single, drawn(single)
+    slider = page.page.locator("#c-problem-points-coefficients-1-s")
+    start = float(page.page.input_value("#c-problem-points-coefficients-1"))
+    dragged(page, slider, (-6, 0), int(slider.input_value()) / 1000)
+    (held,) = page.problem["points"]["coefficients"].items()
+    assert held[0] == "1" and float(held[1]) < start and page.problem["degree"] == 4
+    assert page.proved and page.page.input_value("#c-problem-points-coefficients-1") == held[1]
+    assert (coefficients(python(page, tmp_path, monkeypatch).surface) == drawn(page)).all()
+    slider.focus()
+    page.page.keyboard.press("ArrowRight")
+    page.until(f"studio.state.doc.problem.points.coefficients['1'] !== '{held[1]}' && {FINAL}")
+    assert float(page.problem["points"]["coefficients"]["1"]) > float(held[1])
+    page.page.keyboard.press("Control+z")
+    assert page.problem["points"]["coefficients"] == dict([held])
+    field = page.page.locator("#c-problem-points-coefficients-0")
+    field.fill("3")
+    field.press("Enter")
+    page.until("/coefficient 0 = 3/.test(document.querySelector('.message').textContent)")
+    assert page.page.locator(".lamps li").count() == 0
+    page.page.click("text=Undo")
+    page.page.click("[aria-label='let coefficient 2 follow']")
+    page.until(FINAL)
+    assert page.problem["points"]["coefficients"] == {} and np.abs(drawn(page) - before).max() < 1e-2
+    for _ in range(2):
+        page.page.click("text=Undo")
+    page.until(FINAL)
+    assert page.problem == QUARTIC and page.trouble == []
+
+
+def test_handles_pull_the_surface_of_a_single_cell(single):
+    page = single
+    page.page.evaluate("studio.view.aim([-1, -0.6, 0.3])")
+    page.page.click("text=Add handle")
+    page.until(f"studio.state.doc.problem.points?.handles?.length === 1 && {FINAL}")
+    ((handle, value),) = page.problem["points"]["handles"]
+    assert page.problem["degree"] == 4 and page.proved
+    page.page.evaluate("(studio.view.aim([0, 0, 1]), studio.view.now())")  # there its normal is seen from the side
+    x, y, u, v = page.page.evaluate(ARROW, "handle")
+    out = np.array([u, v]) / np.hypot(u, v)
+    dragged(page, page.page.locator(".mark.handle circle"), 4 * out)
+    went = (np.array(page.page.evaluate(ARROW, "handle")[:2]) - [x, y]) @ out
+    assert np.hypot(u, v) > 15 and 2 < went < 8  # the surface goes along with the pointer
+    ((same, moved),) = page.problem["points"]["handles"]
+    assert same == handle and moved != value and page.proved
+    field = page.page.locator("#c-problem-points-handles-0-1")
+    assert field.input_value() == moved
+    page.page.focus(".mark.handle")
+    page.page.keyboard.press("ArrowUp")
+    page.until(f"studio.state.doc.problem.points.handles[0][1] !== '{moved}' && !studio.state.before && {FINAL}")
+    (_, pulled), *_ = page.problem["points"]["handles"]
+    assert (float(pulled) - float(moved)) * (float(moved) - float(value)) > 0  # further out
+    slider = page.page.locator("#c-problem-points-handles-0-1-s")
+    slider.focus()
+    page.page.keyboard.press("ArrowLeft")
+    assert page.problem["points"]["handles"][0][1] not in (moved, pulled)
+    field.fill(moved)
+    field.press("Enter")
+    page.until(FINAL)
+    assert page.problem["points"]["handles"] == [[handle, moved]]
+    kept = json.loads(page.ask("decodeURIComponent(location.hash.slice(7))"))
+    assert kept["problem"] == page.problem
+    page.page.select_option("#c-problem-degree", label="5")  # handles are those of one degree
+    assert page.problem["degree"] == 5 and "handles" not in page.problem["points"]
+    page.page.click("text=Undo")
+    assert page.problem["points"]["handles"] == [[handle, moved]]
+    page.page.click("[aria-label='remove handle 1']")
+    page.until(FINAL)
+    assert page.problem["points"]["handles"] == [] and page.page.locator(".mark.handle").count() == 0
+
+
+def test_handles_of_many_cells_are_points_pulled_along_the_normal(page):
+    before = page.problem
+    page.page.evaluate("studio.view.aim([0.3, -1, 0.3])")
+    page.page.click("text=Add handle")
+    page.until(f"studio.state.doc.problem.points?.through?.length === 1 && {FINAL}")
+    (place,) = page.problem["points"]["through"]
+    assert page.proved
+    point = np.array(place, dtype=float)
+    contacts = [pas.Pipe(**pipe) for pipe in before["pipes"]]
+    surface = pas.blend(contacts, before["order"], before["degree"], through=[place]).surface
+    assert abs(surface(point)) < 1e-12
+    page.page.evaluate("(studio.view.aim([1, -0.3, 0.3]), studio.view.now())")
+    *_, u, v = page.page.evaluate(ARROW, "through")
+    dragged(page, page.page.locator(".mark.through circle"), 3 * np.array([u, v]) / np.hypot(u, v))
+    (moved,) = page.problem["points"]["through"]
+    way, normal = np.array(moved, dtype=float) - point, surface.gradient(point[None])[0]
+    assert way @ normal / (np.linalg.norm(way) * np.linalg.norm(normal)) > 0.99 and page.proved
+    page.page.focus(".mark.through")
+    page.page.keyboard.press("ArrowDown")
+    page.until(f"studio.state.doc.problem.points.through[0][0] !== '{moved[0]}' && !studio.state.before && {FINAL}")
+    assert (np.array(page.problem["points"]["through"][0], dtype=float) - np.array(moved, dtype=float)) @ normal < 0
+    for _ in range(3):
+        page.page.click("text=Undo")
+    page.until(FINAL)
+    assert page.problem == before and page.page.locator(".mark").count() == 0
+    page.page.evaluate(OBLIQUE)
 
 
 def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):

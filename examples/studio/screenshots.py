@@ -86,12 +86,36 @@ def combs(page: Any) -> None:
     page.evaluate("document.querySelector('.diagram').scrollIntoView({ block: 'center' })")
 
 
+def handles(page: Any) -> None:
+    """A blend of a single cell with a handle in the picture, and its members' coefficients."""
+    page.click(".bar >> text=Combs")
+    start(page, "Elbow of one quartic")
+    page.evaluate("studio.view.aim([-0.4, -1, 0.5])")
+    page.click("text=Add handle")
+    until(page, "studio.state.doc.problem.points?.handles?.length === 1")
+    until(page, FINAL)
+    page.focus(".mark.handle")
+    for _ in range(6):
+        page.keyboard.press("ArrowUp")
+    until(page, f"!studio.state.before && {FINAL}")
+    page.evaluate("document.querySelector('#c-problem-points-coefficients-0').scrollIntoView()")
+
+
+def plate(page: Any) -> None:
+    """A pipe out of a plate: the neighbour's clip is a cone, which ends both surfaces."""
+    start(page, "Pipe out of a plate")
+    page.click(".bar >> text=Zebra")
+    page.evaluate("document.querySelector('aside').scrollTop = 0")
+
+
 STEPS: dict[str, Callable[[Any], None]] = {
     "corner": corner,
     "curvature": curvature,
     "pieces": pieces,
     "refuted": refuted,
     "combs": combs,
+    "handles": handles,
+    "plate": plate,
 }
 
 

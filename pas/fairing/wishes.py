@@ -1,10 +1,11 @@
-"""What the user asks of the shape: points, handles, a normalisation, an energy, and proofs or none.
+"""What the user asks of the shape: points, handles, coefficients, a normalisation, an energy, and proofs or none.
 
 `PointOptions` and `Options` are the one list of these options; `Wishes` is what they come to.
 """
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypedDict, Unpack
@@ -34,7 +35,7 @@ DEFAULT_NEAR_WEIGHT = fmpq(100)
 POINTS = ("inside", "outside", "through", "near")
 """The kinds of points."""
 
-KINDS = ("inside", "outside", "through", "handles")
+KINDS = ("inside", "outside", "through", "handles", "coefficients")
 """Constraints that must hold; `near` is least squares."""
 
 Handle = tuple[int, tuple[int, int, int, int]]
@@ -82,7 +83,7 @@ PointsLike = Sequence[Any] | NDArray[Any]
 
 
 class PointOptions(TypedDict, total=False):
-    """The options that shape a surface by points and handles; see `Wishes`."""
+    """The options that shape a surface by points, handles and coefficients; see `Wishes`."""
 
     inside: PointsLike
     outside: PointsLike
@@ -90,6 +91,7 @@ class PointOptions(TypedDict, total=False):
     near: PointsLike
     near_weight: Any
     handles: Mapping[Handle, Any] | Sequence[tuple[Handle, Any]]
+    coefficients: Mapping[int, Any] | Mapping[str, Any] | Sequence[tuple[int, Any]]
     margin: Any
     normalize: Normalization | None
 
@@ -129,6 +131,8 @@ class Wishes:
     - `near_weight` (100): the w_i, one number for all points or one for each.
     - `margin`: by default `DEFAULT_MARGIN` times the region's radius.
     - `handles`: B-coefficients (cell, multi-index) mapped to the values that they get exactly.
+    - `coefficients`: numbers of members of the space's basis, from 0, mapped to the values that their coefficients get
+      exactly; beside the usual normalisation one of them must stay free, which fixes the scale.
     - `normalize`: what fixes the scale of f (`pas.MeanAlpha()` by default).
     - `energy`: what is made small: by default `pas.CurvatureVariation()`, that of the surface, where there is
       a centre to see it from and guard rows to keep one sheet, and else `pas.ThinPlate()`.
@@ -148,6 +152,7 @@ class Wishes:
     near: Points = ()
     near_weight: fmpq | tuple[fmpq, ...] = DEFAULT_NEAR_WEIGHT
     handles: tuple[tuple[Handle, fmpq], ...] = ()
+    coefficients: tuple[tuple[int, fmpq], ...] = ()
     margin: fmpq | None = None
     normalize: Normalization = field(default_factory=MeanAlpha)
     energy: Energy | None = None
@@ -175,6 +180,7 @@ class Wishes:
         settled: dict[str, Any] = {kind: exact_points(getattr(self, kind), kind) for kind in POINTS}
         settled["near_weight"] = _weights(self.near_weight, len(settled["near"]))
         settled["handles"] = _handles(self.handles)
+        settled["coefficients"] = _coefficients(self.coefficients)
         settled["margin"] = None if self.margin is None else amount(self.margin, "margin")
         settled["normalize"] = MeanAlpha() if self.normalize is None else self.normalize
         settled["energy"] = None if self.energy is None else as_energy(self.energy)
@@ -240,7 +246,17 @@ class Wishes:
         if kind == "handles":
             (cell, corners), value = self.handles[index]
             return f"handle {cell}, {corners} = {plain(value)}"
+        if kind == "coefficients":
+            number, value = self.coefficients[index]
+            return f"coefficient {number} = {plain(value)}"
         return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
+
+
+def check_member(number: int, dimension: int) -> int:
+    """The number of a member of a basis; raises `ValueError` where there are not as many."""
+    if number >= dimension:
+        raise ValueError(f"coefficients[{number}] is that of no member: they are numbered from 0 to {dimension - 1}")
+    return number
 
 
 def tensed(energy: Energy | None, tension: Exact) -> Energy:
@@ -307,4 +323,22 @@ def _handles(value: Any) -> tuple[tuple[Handle, fmpq], ...]:
                 f"not {item!r}"
             ) from None
         result.append((handle, rational(number, f"handles[{handle}]")))
+    return tuple(result)
+
+
+def _coefficients(value: Any) -> tuple[tuple[int, fmpq], ...]:
+    items = value.items() if isinstance(value, Mapping) else value
+    result = []
+    for item in items if isinstance(items, Iterable) else (items,):
+        try:
+            key, number = item
+            member = int(key) if isinstance(key, str) else operator.index(key)  # in files, keys are texts
+        except (TypeError, ValueError):
+            member = -1
+        if member < 0:
+            raise ValueError(
+                "coefficients must map numbers of members, from 0, to values, as in {0: '1/2', 3: 2}, "
+                f"not {shown(item)}"
+            )
+        result.append((member, rational(number, f"coefficients[{member}]")))
     return tuple(result)

@@ -10,7 +10,7 @@ from typing import Any
 from pas.errors import GeometryError
 from pas.layouts.arms import arms_of, is_free, nearest
 from pas.layouts.fan import best_gaps
-from pas.layouts.nodes import KINDS, Node
+from pas.layouts.nodes import KINDS, MANY, Node
 from pas.layouts.planes import symmetric
 from pas.layouts.region import region
 from pas.partition.layout import Layout
@@ -19,8 +19,8 @@ from pas.surface.contact import Contact, as_contact
 GAP, OUTWARDS, FARTHEST = radians(5), 1.08, 6.0
 """Clips go outwards by this factor until a layout fits, mostly a fan with such a gap, up to so many times as far."""
 
-MANY, WIDE_GAP = 5, radians(14)
-"""So many contacts get such a gap: of the first nodes of five pipes of order 2, at 5 and 9 degrees, most were not fair
+WIDE_GAP = radians(14)
+"""`MANY` contacts get such a gap: of the first nodes of five pipes of order 2, at 5 and 9 degrees, most were not fair
 or had no surface, and they took twice as long; of those of order 1 a third was not fair at 5 degrees."""
 
 

@@ -19,6 +19,9 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "picture"}
 """Keys of a problem of contacts that a call of `pas.blend` says, or that do not matter to the shape."""
 
+NONE: tuple[Any, ...] = ([], {})
+"""What says nothing, as it is left where all of something was taken out again."""
+
 NAMED_LAYOUTS = ("fan", "strips", "planes")
 """Partitions that a name alone chooses."""
 
@@ -63,7 +66,9 @@ def program(problem: Mapping[str, Any]) -> str:
     options = [f"order={problem['order']}"]
     options += [f"{name}={literal(problem[name])}" for name in ("degree", "tension") if name in problem]
     options += [] if layout is None else [f"partition={literal(layout['kind'])}"]
-    options += [f"{name}={literal(value)}" for name, value in problem.get("points", {}).items() if value != []]
+    options += [
+        f"{name}={wished(name, value)}" for name, value in problem.get("points", {}).items() if value not in NONE
+    ]
     lines = ["import pas", "", "contacts = [", *contacts, "]", f"shape = pas.blend(contacts, {', '.join(options)})"]
     return "\n".join([*lines, "print(shape)"]) + "\n"
 
@@ -71,6 +76,15 @@ def program(problem: Mapping[str, Any]) -> str:
 def _made(table: str, entry: Mapping[str, Any]) -> str:
     arguments = ", ".join(f"{name}={literal(value)}" for name, value in entry.items())
     return f"pas.{CONTACTS[table].__name__}({arguments})"
+
+
+def wished(name: str, value: Any) -> str:
+    """Python for one of the points, handles or coefficients of a problem."""
+    if name == "handles":
+        return "{" + ", ".join(f"{literal(handle)}: {literal(number)}" for handle, number in value) + "}"
+    if name == "coefficients":
+        return "{" + ", ".join(f"{int(member)}: {literal(number)}" for member, number in value.items()) + "}"
+    return literal(value)
 
 
 def literal(value: Any) -> str:

@@ -2,7 +2,8 @@
 
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
-its name; the value None leaves the key out), "text" (a formula), or "points".  `usual` is what holds where the document
+its name; the value None leaves the key out; what is at the paths `frees` goes with another choice), "text" (a formula),
+or "points"; those of `pas.studio.freedoms` come to them.  `usual` is what holds where the document
 says nothing; of `safe` ones the largest safe value can be asked for, and is marked.
 """
 
@@ -28,6 +29,9 @@ NUMBERS = ("radius", "clip", "slope")
 VECTORS = ("axis", "point", "arm")
 FORMULAS = ("surface", "clip")
 OF_BOUNDARIES = ("quadric", "plane", "implicit", "other", "x", "y", "z")
+OF_DEGREE = ("handles", "coefficients")
+"""What is wished of the members of one degree, and means nothing in another."""
+
 SHAPE = {"l1": (0, 5), "l2": (0, 5), "lambda1": (-2, 2), "lambda2": (-2, 2)}
 LENGTHS = ("l1", "l2")
 RANGES = {"lid_height": (1.1, 1.9), "spout_tilt": (-0.3, 0.5), "handle_size": (0.7, 1.3)}
@@ -50,7 +54,7 @@ def _problem(document: Data) -> Iterator[Control]:
             title = f"{getattr(CONTACTS[table], 'noun', table.removesuffix('s').replace('_', ' '))} {number + 1}"
             path = ["problem", table, number]
             for key in ("radius", "clip", "slope"):
-                if key in entry and entry[key] != "auto":
+                if key in entry and _exact(entry[key]) is not None:
                     low = -largest if key == "slope" or _number(entry[key]) <= 0 else 0
                     yield _number_control([*path, key], key, title.capitalize(), low, largest)
             for key in FORMULAS:
@@ -61,10 +65,11 @@ def _problem(document: Data) -> Iterator[Control]:
                     yield {"kind": "vector", "path": [*path, key], "label": key, "group": title.capitalize(),
                            "low": -largest, "high": largest}  # fmt: skip
     orders = [[k, f"GC{'⁰¹²³⁴'[k]}"] for k in range(1, HIGHEST_ORDER + 1)]
-    yield {"kind": "choice", "path": ["problem", "order"], "label": "contact", "group": "Surface", "options": orders}
+    others = {"kind": "choice", "group": "Surface", "frees": [["problem", "points", name] for name in OF_DEGREE]}
+    yield {**others, "path": ["problem", "order"], "label": "contact", "options": orders}
     degrees: list[list[Any]] = [[None, "the fairest"], ["lowest", "the lowest"]]
     degrees += [[n, str(n)] for n in range(2 + problem.get("order", 1), min(HIGHEST_DEGREE, 10) + 1)]
-    yield {"kind": "choice", "path": ["problem", "degree"], "label": "degree", "group": "Surface", "options": degrees}
+    yield {**others, "path": ["problem", "degree"], "label": "degree", "options": degrees}
     curved = "energy" not in problem and problem.get("partition", {}).get("kind") != "single cell"
     yield from _shaping(["problem"], curved)
 
@@ -131,11 +136,17 @@ def _size(problem: Data) -> float:
 
 
 def _number(value: Any) -> float:
-    """A number as a float; 1 for what is none (a word, or a mistake that the reader of problems names)."""
+    """A number as a float; 1 for what is none."""
+    found = _exact(value)
+    return 1.0 if found is None else found
+
+
+def _exact(value: Any) -> float | None:
+    """A number as a float; None for a word, a formula, or a mistake that the reader of problems names."""
     try:
         return to_float(rational(value))
     except (ValueError, TypeError):
-        return 1.0
+        return None
 
 
 _OF_KIND = {"problem": _problem, "teapot": _teapot, "project": _project}

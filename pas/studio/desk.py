@@ -7,7 +7,6 @@ shape.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import time
@@ -33,10 +32,11 @@ from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
 from pas.studio.controls import LENGTHS, SHAPE, TENSION, controls
+from pas.studio.freedoms import at_degree, coefficients_of, freedoms, pulled_by_coefficients, shares_of, with_handle
 from pas.studio.gallery import Data
 from pas.studio.messages import Message
 from pas.studio.repairs import remedies
-from pas.studio.scene import coefficients, outline, picture, quick, triangles
+from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
 from pas.studio.sections import hairs
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
@@ -54,7 +54,8 @@ SAMPLED = (48, 12)
 UNSAVED = re.compile(r"[^\w.-]+")
 """What names of files are cleared of."""
 
-AT_REST: dict[str, Any] = {"inside": (), "outside": (), "through": (), "near": (), "near_weight": DEFAULT_NEAR_WEIGHT}
+AT_REST: dict[str, Any] = {"inside": (), "outside": (), "through": (), "near": (), "near_weight": DEFAULT_NEAR_WEIGHT,
+                           "handles": (), "coefficients": ()}  # fmt: skip
 """The sliders of a blend of which nothing is wished."""
 
 
@@ -89,8 +90,10 @@ class Desk:
         with limit(PATIENCE, stopped=self.stopped):
             shape = self.shape_of(document)
             message = picture(shape)
-            head = {**message.head, **_judged(shape), **_texts(document), "controls": controls(document),
-                    "final": True, "scene": scene_of(message), "name": name_of(document)}  # fmt: skip
+            head = {**message.head, **_judged(shape), **_texts(document),
+                    "controls": [*controls(document), *freedoms(document, shape)], "members": coefficients_of(shape),
+                    "shares": shares_of(shape),
+                    "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
         self.solved = (document, shape)
         return Message(head, message.arrays)
 
@@ -160,7 +163,7 @@ class Desk:
                 parts = triangles(self._meshed(surface), surface) if mesh else {}
                 return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface), **parts})
             message = picture(shape)
-            name = scene_of(message)
+            name = name_of_scene(message)
             self.placed, self.scene = surface.placed, name.partition(" ")[2]
             return Message({**message.head, "scene": name}, message.arrays)
 
@@ -226,6 +229,17 @@ class Desk:
         raise InputError(
             "no repair was found: neither by guarding the witness, nor by lighter weights, nor by a higher degree"
         )
+
+    def handle(self, document: Data, point: Any) -> Data:
+        """A document with one handle more, near a point, at its value; raises `InputError` where there is none."""
+        shape: Any = self.shape_of(document)
+        if not pulled_by_coefficients(shape):
+            raise InputError(
+                "only blends of a single cell with a box have handles; for others add a point to pass through"
+            )
+        document = at_degree(document, shape.surface.degree)  # which may find it in another region
+        with limit(PATIENCE, stopped=self.stopped):
+            return with_handle(document, self.shape_of(document), point)
 
     def export(self, document: Data, suffix: str) -> Message:
         """The file of a document's shape in a format that `pas` writes, or its project."""
@@ -294,16 +308,6 @@ def name_of(document: Data) -> str:
     given = document["problem"].get("name", "shape") if document["kind"] == "problem" else document.get("name")
     name = str(given or document["kind"]).removesuffix(".pas.json")
     return UNSAVED.sub("_", name)[:80]
-
-
-def scene_of(message: Message) -> str:
-    """What makes two pictures differ in coefficients alone."""
-    if message.head["how"] != "cast":
-        return ""
-    digest = hashlib.sha256(json.dumps(message.head["beyond"]).encode())
-    for name in ("vertices", "cells", "pieces", "neighbours"):
-        digest.update(message.arrays[name].tobytes())
-    return f"{message.head['degree']} {digest.hexdigest()[:16]}"
 
 
 def _judged(shape: Shape) -> dict[str, Any]:

@@ -102,7 +102,7 @@ def sliders_of(document: Data) -> dict[str, Any]:
     held = document["problem"] if document["kind"] == "problem" else document.get("sliders", {})
     moved = dict(held.get("points", {}))
     moved = {name: [tuple(p) for p in value] if isinstance(value, list) and name != "near_weight" else value
-             for name, value in moved.items() if value != []}  # fmt: skip
+             for name, value in moved.items() if value not in code.NONE}  # fmt: skip
     return moved | ({"tension": held["tension"]} if "tension" in held else {})
 
 
@@ -130,7 +130,7 @@ def _solve_project(document: Data, opened: Opened) -> Shape:
 
 
 def _project_program(document: Data) -> str:
-    moved = ", ".join(f"{name}={code.literal(_listed(value))}" for name, value in sliders_of(document).items())
+    moved = ", ".join(f"{name}={code.wished(name, _listed(value))}" for name, value in sliders_of(document).items())
     refit = f".refit(steps=None, {moved})" if moved else ""
     return f"import pas\n\nshape = pas.load({code.literal(document['name'])}){refit}\nprint(shape)\n"
 

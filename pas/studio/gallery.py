@@ -62,6 +62,23 @@ HEMISPHERES = {
     "points": {"near": [["0", "1/2", "0"]]},
 }
 
+PLATE = {
+    "name": "plate",
+    "order": 1,
+    "pipes": [_pipe([0, 0, 1], "1/2", 1)],
+    "plates": [{"axis": [0, 0, 1], "radius": 1}],
+}
+QUARTIC = {
+    "name": "quartic",
+    "order": 1,
+    "degree": 4,
+    "contacts": [
+        {"surface": "y^2 + z^2 - 1", "clip": "x - 2"},
+        {"surface": "x^2 + z^2 - 1", "clip": "y - 2"},
+    ],
+    "partition": {"kind": "single cell", "lower": [-2, -2, -2], "upper": [2, 2, 2]},
+}
+
 GALLERY: dict[str, Data] = {
     "Corner of three pipes": _pipes("corner", 2, [_pipe(X, "1/3"), _pipe(Y, "1/4"), _pipe(Z, "2/5")], degree=6),
     "Elbow": _pipes("elbow", 2, [_pipe(X, "1/3"), _pipe(Y, "1/3")]),
@@ -71,6 +88,8 @@ GALLERY: dict[str, Data] = {
         "askew", 2, [_pipe(X, "1", "auto"), _pipe([-1, 2, 0], "1", "auto"), _pipe([0, -1, 3], "3/4", "auto")]
     ),
     "Six-way node": _pipes("six", 1, [_pipe(axis, "1/3", "auto") for axis in (X, Y, Z, LEFT, BACK, DOWN)]),
+    "Elbow of one quartic": {"kind": "problem", "problem": QUARTIC},
+    "Pipe out of a plate": {"kind": "problem", "problem": PLATE},
     "Two hemispheres": {"kind": "problem", "problem": HEMISPHERES},
     "Two quadrics": {"kind": "problem", "problem": QUADRICS},
     "Helicoid to pipe": {"kind": "problem", "problem": HELICOID},

@@ -7,6 +7,7 @@ from typing import Any
 
 from pas.algebra.rational import plain, rational
 from pas.fairing.wishes import DEFAULT_NEAR_WEIGHT
+from pas.studio.controls import OF_DEGREE
 from pas.studio.gallery import Data
 
 
@@ -24,7 +25,7 @@ def remedies(document: Data, shape: Any) -> Iterator[Data]:
         for share in (10, 100):
             weight = rational(points.get("near_weight", DEFAULT_NEAR_WEIGHT)) / share
             yield _with(document, points={**points, "near_weight": plain(weight)})
-    for more in (1, 2):
+    for more in (1, 2) if not any(points.get(name) for name in OF_DEGREE) else ():
         yield _with(document, degree=shape.surface.degree + more)
 
 

@@ -1,18 +1,23 @@
 """What the page draws of a shape: exact polynomials to cast rays at, or triangles.
 
 Piecewise surfaces go as the coefficients of their pieces in local coordinates, in doubles, with the tetrahedra of their
-region, and with the contacts' own polynomials in boxes beyond their plane clips.  Every other kind of shape goes as the
+region, and with the contacts' own polynomials in boxes beyond their clips.  Clips that pass through the region, curved
+ones above all, end what is seen of both.  Every other kind of shape goes as the
 meshes of its parts.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from pas.algebra.affine import ORIGIN
 from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
 from pas.blending.place import ended, places
 from pas.render.piecewise import sharpest_neighbour
@@ -51,6 +56,16 @@ def picture(shape: Shape) -> Message:
     return _meshes(shape)
 
 
+def name_of_scene(message: Message) -> str:
+    """What makes two pictures differ in coefficients alone."""
+    if message.head["how"] != "cast":
+        return ""
+    digest = hashlib.sha256(json.dumps(message.head["beyond"]).encode())
+    for name in ("vertices", "cells", "pieces", "neighbours"):
+        digest.update(message.arrays[name].tobytes())
+    return f"{message.head['degree']} {digest.hexdigest()[:16]}"
+
+
 def coefficients(surface: PiecewiseSurface) -> Floats:
     """The coefficients (pieces, C(n + 3, 3)) in local coordinates, in the order of `pas.algebra.monomials`."""
     return np.array([patch.dense(surface.degree) for patch in surface.patches])
@@ -71,7 +86,7 @@ def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
 
 def _neighbours(placed: PlacedContacts) -> list[tuple[dict[str, Any], Floats]]:
     extent = float(np.ptp(placed.local.points, axis=0).max())
-    return [box for join in placed.joins if (box := _beyond(join, BEYOND * extent)) is not None]
+    return [_beyond(join, BEYOND * extent) for join in placed.joins]
 
 
 def _cast(surface: PiecewiseSurface) -> Message:
@@ -79,9 +94,11 @@ def _cast(surface: PiecewiseSurface) -> Message:
     shared = {triangle for triangle, _, _ in local.inner_triangles}
     inner = [[tuple(sorted(set(cell) - {v})) in shared for v in cell] for cell in local.cells]
     beyond = _neighbours(surface.placed)
+    clips = _clips(surface.placed)
     head = {
         "kind": "picture",
         "how": "cast",
+        "clips": [clip.degree for clip in clips],
         "degree": surface.degree,
         "order": surface.placed.order,
         "origin": to_floats(frame.origin),
@@ -97,31 +114,52 @@ def _cast(surface: PiecewiseSurface) -> Message:
         "pieces": np.asarray(local.piece_of, dtype=np.uint32),
         "inner": np.array(inner, dtype=np.uint8),
         "neighbours": np.concatenate([np.empty(0), *(values for _, values in beyond)]),
+        "clips": np.concatenate([np.empty(0), *(clip.dense(clip.degree) for clip in clips)]),
     }
     return Message(head, arrays)
 
 
-def _beyond(join: Join, length: float) -> tuple[dict[str, Any], Floats] | None:
-    """The box in which a contact's surface is shown beyond its plane clip, and its coefficients."""
-    surface, clip = join.contact.surface, join.contact.clip
-    if clip.degree != 1 or not np.isfinite(join.radius):
-        return None
+def _beyond(join: Join, length: float) -> tuple[dict[str, Any], Floats]:
+    """The box in which a contact's surface is shown beyond its clip, and the coefficients of the surface.
+
+    A clip that ends the region is a side of the box.  For others the box is the region's, larger by `length`, and the
+    clip's coefficients come after the surface's, positive where nothing is shown; its degree is in "clips".
+    """
+    surface = join.contact.surface
+    values = surface.dense(surface.degree)
+    if not _ends_region(join):
+        low, high = join.partition.points.min(axis=0) - length, join.partition.points.max(axis=0) + length
+        halves = np.diag(high - low) / 2
+        box = {"degree": surface.degree, "middle": ((low + high) / 2).tolist(), "halves": halves.tolist()}
+        end = _end(join)
+        return box | {"clips": [end.degree]}, np.concatenate([values, (-end).dense(end.degree)])
     rim = neighbour(join, 1.0)
-    slope = clip.dense(1)[1:]
+    slope = join.contact.clip.dense(1)[1:]
     along = slope / np.linalg.norm(slope)
     across = np.linalg.svd(along[None])[2][1:]
-    straight = np.abs(_change(surface, along)).max() < 1e-12 * np.abs(surface.dense(surface.degree)).max()
+    straight = np.abs(_change(surface, along)).max() < 1e-12 * np.abs(values).max()
     radius = rim.radius * ROOM + (0.0 if straight else length)
     start, stop = -OVERLAP * length, length
     middle = rim.mean + (start + stop) / 2 * along
-    halves = [along * (stop - start) / 2, *(radius * across)]
-    box = {
-        "degree": surface.degree,
-        "middle": middle.tolist(),
-        "halves": [half.tolist() for half in halves],
-        "clip": [*along.tolist(), -float(along @ rim.mean)],
-    }
-    return box, surface.dense(surface.degree)
+    halves = np.stack([along * (stop - start) / 2, *(radius * across)])
+    box = {"degree": surface.degree, "middle": middle.tolist(), "halves": halves.tolist(), "clips": []}
+    return box | {"clip": [*along.tolist(), -float(along @ rim.mean)]}, values
+
+
+def _ends_region(join: Join) -> bool:
+    """Whether the region ends where the contact does: at a plane, in which the contact's curve is."""
+    return join.contact.clip.degree == 1 and bool(np.isfinite(join.radius))
+
+
+def _clips(placed: PlacedContacts) -> list[Polynomial]:
+    """The clips at which the surface ends before its region does, each once."""
+    return list(dict.fromkeys(_end(join) for join in placed.joins if not _ends_region(join)))
+
+
+def _end(join: Join) -> Polynomial:
+    """The clip of a contact, negative on the side of the centre, where the blend is."""
+    clip = join.contact.clip
+    return -clip if clip.at(ORIGIN) > 0 else clip
 
 
 def _change(surface: Any, along: Floats) -> Floats:
@@ -170,9 +208,12 @@ def triangles(mesh: SurfaceMesh, surface: PiecewiseSurface) -> dict[str, Any]:
     points, corners, normals = mesh.shading
     frame = surface.partition.frame
     scale = to_float(frame.scale)
+    local = (points - to_floats(frame.origin)) / scale
+    for clip in _clips(surface.placed):
+        corners = corners[(clip(local) < 0)[corners].any(axis=1)]
     bent = np.nan_to_num(surface.curvatures(points) * [scale, scale**2], nan=FLAT, posinf=FLAT, neginf=FLAT)
     return {
-        "points 0": ((points - to_floats(frame.origin)) / scale).astype(np.float32),
+        "points 0": local.astype(np.float32),
         "normals 0": normals.astype(np.float32),
         "triangles 0": corners.astype(np.uint32),
         "bent 0": bent.astype(np.float32),

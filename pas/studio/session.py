@@ -174,9 +174,10 @@ class Session:
             if document["kind"] == "project":
                 await self.quick.ask("read", name, text)
             await self._send(Message({"kind": "document", "document": document}))
-        elif verb == "repair":
-            document = await self.final.ask("repair", request["document"])
-            await self._send(Message({"kind": "repaired", "document": document}))
+        elif verb in ("repair", "handle"):
+            more = (request.get("at"),) if verb == "handle" else ()
+            document = await self.final.ask(verb, request["document"], *more)
+            await self._send(Message({"kind": "changed", "document": document}))
         elif verb == "export":
             await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
         elif verb in ("combs", "safe", "mesh"):
@@ -187,7 +188,7 @@ class Session:
 STOPPABLE = {"solve", "measure", "repair"}
 """What is worthless once another document is final."""
 
-VERBS = {"move", "rest", "gallery", "read", "repair", "export", "combs", "safe", "mesh"}
+VERBS = {"move", "rest", "gallery", "read", "repair", "handle", "export", "combs", "safe", "mesh"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK = Path(__file__).parent / "notebook"
 
-ORDER = ("algebra", "shaders", "cast", "sheet", "scene", "controls", "curvature", "view", "studio", "widget")
+ORDER = ("algebra", "shaders", "cast", "sheet", "scene", "controls", "handles", "curvature", "view", "studio", "widget")
 """Modules of the page, each after those that it imports."""
 
 IMPORT = re.compile(r'^import \{(?P<names>[^}]*)\} from "\./(?P<module>\w+)\.js";$', re.M)
@@ -106,8 +106,9 @@ def widget_class() -> type[Any]:
                 return [self.desk.export(document, str(request.get("format")))]
             if verb in ("combs", "safe", "mesh"):
                 return [getattr(self.desk, verb)(document)]
-            if verb == "repair":
-                return [Message({"kind": "repaired", "document": self.desk.repair(document)})]
+            if verb in ("repair", "handle"):
+                more = (request.get("at"),) if verb == "handle" else ()
+                return [Message({"kind": "changed", "document": getattr(self.desk, verb)(document, *more)})]
             if verb == "read":
                 found = self.desk.read(str(request.get("name")), str(request.get("text")))
                 return [Message({"kind": "document", "document": found})]

@@ -107,6 +107,7 @@ def work(pipe: Connection, stop: Any) -> None:
         except EOFError:
             return
         pipe.send(_answer(desk, verb, arguments, stop))
+        gc.collect()  # shapes refer to themselves: by its own rules Python would keep many of them, with their arrays
 
 
 def _answer(desk: Any, verb: str, arguments: tuple[Any, ...], stop: Any) -> tuple[str, Any]:

@@ -7,6 +7,7 @@ const SLACK = 2e-6; // of walls between cells, in barycentric coordinates, so th
 export const NOTHING = -1e6;
 const MARGIN = 1.3; // of the depth range
 
+const packed = (n) => new Float32Array(4 * Math.ceil(n / 4)); // in fours, as graphics cards have numbers
 const columns = (x, y, z) => [...x, ...y, ...z];
 const transposed = ([x, y, z]) => [0, 1, 2].map((i) => [x[i], y[i], z[i]]);
 
@@ -80,7 +81,7 @@ export class Caster {
 	}
 	change(polynomials) { // the same cells with other coefficients
 		this.polynomials = polynomials; this.drop(this.substitute); this.substitute = [];
-		for (const b of this.bodies) { const { degree, values } = polynomials[b.number]; b.degree = degree; b.moved = shifted(values, degree, b.middle); b.turned = new Float64Array(values.length); b.packed = new Float32Array(4 * Math.ceil(values.length / 4)); b.rest = new Float32Array(b.packed.length); }
+		for (const b of this.bodies) { const { degree, values, clips } = polynomials[b.number]; b.degree = degree; b.moved = shifted(values, degree, b.middle); b.turned = new Float64Array(values.length); b.packed = packed(values.length); b.rest = packed(values.length); b.clips = clips.map((c) => ({ degree: c.degree, moved: shifted(c.values, c.degree, b.middle), turned: new Float64Array(c.values.length) })); }
 	}
 	upload(data, parts, indices) {
 		const gl = this.gl, array = gl.createVertexArray(), buffer = gl.createBuffer(), stride = 4 * parts.reduce((s, [, n]) => s + n, 0);
@@ -124,9 +125,9 @@ export class Caster {
 		this.programs.set(key, made);
 		return made;
 	}
-	bodyProgram(degree, mode, aside, fine) { // the text is made once
-		const key = `${degree} ${mode} ${aside} ${fine}`;
-		if (!this.programs.has(key)) this.programs.set(key, this.program(BODY_VERTEX, bodyFragment(degree, mode, aside, fine), ["corner"]));
+	bodyProgram(degree, mode, aside, fine, clips) { // the text is made once
+		const key = `${degree} ${mode} ${aside} ${fine} ${clips}`;
+		if (!this.programs.has(key)) this.programs.set(key, this.program(BODY_VERTEX, bodyFragment(degree, mode, aside, fine, clips), ["corner"]));
 		return this.programs.get(key);
 	}
 	turn(degree) { if (!this.turns.has(degree)) this.turns.set(degree, new Turn(degree)); return this.turns.get(degree); }
@@ -147,7 +148,7 @@ export class Caster {
 		const sorted = this.bodies.map((b) => [dot(minus(b.middle, f.eye), f.ahead), b]).sort((a, b) => a[0] - b[0] || 0);
 		for (const [deep, b] of sorted) {
 			if (deep <= 0 || (meshed && !b.aside)) continue;
-			const eye = minus(f.eye, b.middle), W = times(eye, -1 / deep), P = this.bodyProgram(b.degree, look.mode, b.aside, Boolean(look.fine) && !b.aside), at = P.at;
+			const eye = minus(f.eye, b.middle), W = times(eye, -1 / deep), P = this.bodyProgram(b.degree, look.mode, b.aside, Boolean(look.fine) && !b.aside, b.clips.map((c) => c.degree)), at = P.at;
 			if (last !== P) {
 				gl.useProgram(P.program); last = P;
 				gl.uniform1f(at.near, f.near); gl.uniform1f(at.far, f.far); gl.uniform2fv(at.pixels, f.pixels); gl.uniform2fv(at.jitter, f.jitter); gl.uniform3fv(at.light, f.light);
@@ -157,6 +158,7 @@ export class Caster {
 			}
 			const rows = transposed([f.side, f.up, W]), inv = inverse(f.side, f.up, W);
 			this.turn(b.degree).set(rows).apply(b.moved, b.turned); b.packed.set(b.turned); b.turned.forEach((x, i) => { b.rest[i] = x - b.packed[i]; }); gl.uniform4fv(at.A, b.packed); gl.uniform4fv(at.B, b.rest);
+			b.clips.forEach((c, i) => { this.turn(c.degree).set(rows).apply(c.moved, c.turned); const C = packed(c.turned.length); C.set(c.turned); gl.uniform4fv(at[`C${i}`], C); });
 			const planes = look.section ? [...b.planes, look.section] : b.planes, slack = (k) => b.slacks[k] || 0;
 			gl.uniform4fv(at.planes, planes.flatMap((p, k) => [dot(p, f.side), dot(p, f.up), dot(p, W), p[3] + dot(p, b.middle) + slack(k)])); gl.uniform1i(at.sides, planes.length);
 			if (!b.aside) { gl.uniform1i(at.seams, look.wire ? b.seams : 0); gl.uniform4fv(at.heights, b.heights); }

@@ -73,12 +73,12 @@ function textControl(c, act) {
 
 function choiceControl(c, act) {
 	const id = `c-${c.path.join("-")}`, select = make("select", { id }, ...c.options.map(([, name], i) => make("option", { value: i }, name)));
-	select.addEventListener("change", () => { const value = c.options[select.value][0]; act.move(c.path, value === null ? undefined : value, true); act.commit(); });
+	select.addEventListener("change", () => { const value = c.options[select.value][0]; act.move(c.path, value === null ? undefined : value, true, (doc) => (c.frees || []).reduce((d, path) => (get(d, path) ? put(d, path, undefined) : d), doc)); act.commit(); });
 	return { element: make("div", { class: "choice" }, make("label", { for: id }, c.label), select), update: (doc) => { const v = get(doc, c.path) ?? null; select.value = Math.max(0, c.options.findIndex(([o]) => String(o) === String(v))); } };
 }
 
 export const KINDS = ["near", "through", "inside", "outside"];
-const MEANING = { near: "pass close by", through: "pass exactly through", inside: "keep inside", outside: "keep outside" };
+const MEANING = { near: "pass close by", through: "pass exactly through, a handle of the surface", inside: "keep inside", outside: "keep outside" };
 
 function pointsControl(c, act) {
 	const list = make("div", { class: "points" }), kind = make("select", { "aria-label": "kind of the new point" }, ...KINDS.map((k) => make("option", { value: k, title: MEANING[k] }, k)));
@@ -101,12 +101,41 @@ function pointsControl(c, act) {
 	return { element: make("div", {}, make("div", { class: "row" }, kind, add), list, weight.element), update };
 }
 
-const MAKERS = { number: numberControl, vector: vectorControl, choice: choiceControl, text: textControl, points: pointsControl };
+// By which the surface is pulled: of single cells B-coefficients that are held, and else points to pass through.
+function handlesControl(c, act) {
+	const list = make("div", { class: "points" }), add = make("button", { type: "button", title: "next to the place that was clicked last, or to the middle of the picture", onclick: () => (c.through ? act.addPoint("through", 7) : act.addHandle()) }, "Add handle");
+	let shape = "", rows = [];
+	const held = (doc) => get(doc, c.path) || [];
+	const update = (doc) => {
+		const now = JSON.stringify(held(doc).map(([at]) => at));
+		if (now !== shape) {
+			shape = now;
+			rows = held(doc).map(([[cell, index], value], i) => numberControl({ group: `Handle ${i + 1}`, label: `handle ${i + 1}`, ...act.span([cell, index], number(value)) }, act, `handle ${i + 1}`, [...c.path, i, 1]));
+			list.replaceChildren(...rows.map((r, i) => make("div", { class: "held", title: `B-coefficient of cell ${held(doc)[i][0][0]}, (${held(doc)[i][0][1].join(", ")})` }, r.element, make("button", { type: "button", class: "small", "aria-label": `remove handle ${i + 1}`, onclick: () => { act.move(c.path, held(act.document()).filter((_, n) => n !== i), true); act.commit(); } }, "✕"))));
+		}
+		rows.forEach((r) => r.update(doc));
+	};
+	return { element: make("div", {}, make("div", { class: "row" }, add), list), update };
+}
+
+// Coefficients of members: those that are not held follow by energy, and are shown as they came out.
+function coefficientsControl(c, act) {
+	const fixed = { ...act, move: (path, value, settled) => act.move(path, value, settled, act.atDegree) };
+	const rows = c.names.map((name, i) => {
+		const about = { group: "Coefficients", label: `of member ${i + 1}`, low: c.ends[i][0], high: c.ends[i][1], usual: "0" }, path = [...c.path, String(i)], row = numberControl(about, fixed, `a${i + 1}`, path);
+		const free = make("button", { type: "button", class: "small", "aria-label": `let coefficient ${i + 1} follow`, title: "let it follow the others", onclick: () => { act.move(path, undefined, true); act.commit(); } }, "free");
+		const element = make("div", { class: "held", title: name }, row.element, free);
+		return { element, settle: (value) => { about.usual = String(Number(value.toPrecision(4))); }, update: (doc) => { free.classList.toggle("off", get(doc, path) === undefined); row.update(doc); } };
+	});
+	return { element: make("div", {}, ...rows.map((r) => r.element)), settle: (values) => rows.forEach((r, i) => r.settle(values[i])), update: (doc) => rows.forEach((r) => r.update(doc)) };
+}
+
+const MAKERS = { number: numberControl, vector: vectorControl, choice: choiceControl, text: textControl, points: pointsControl, handles: handlesControl, coefficients: coefficientsControl };
 
 // All controls, in their groups; what is there already stays, so that no field is taken from under the fingers.
 export class Panel {
 	constructor(place, act) { this.place = place; this.act = act; this.made = ""; this.controls = []; this.open = new Map(); }
-	show(list, doc) {
+	show(list, doc, members = []) { // `members` are the coefficients of the last shape
 		const made = JSON.stringify(list);
 		if (made !== this.made) {
 			this.made = made; this.controls = list.map((c) => MAKERS[c.kind](c, this.act));
@@ -118,6 +147,7 @@ export class Panel {
 				return d;
 			}));
 		}
+		this.controls.forEach((c) => c.settle?.(members));
 		this.update(doc);
 	}
 	mark(limits) { this.controls.forEach((c) => c.mark?.(limits)); }

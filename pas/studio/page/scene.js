@@ -33,7 +33,9 @@ export class Scene {
 	}
 	cast(head, arrays) {
 		this.vertices = rows(arrays.vertices, 3); this.cells = rows(arrays.cells, 4);
-		this.surface = pieces(arrays.coefficients, head.degree);
+		let at = 0;
+		this.clips = head.clips.map((degree) => ({ degree, values: arrays.clips.subarray(at, (at += count(degree))) }));
+		this.moved(arrays.coefficients);
 		this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
 		this.outlined(head, arrays);
 		this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
@@ -42,8 +44,9 @@ export class Scene {
 	outlined(head, arrays) { // neighbours in the same frame; false in another one
 		if (head.scale !== this.scale || head.origin.some((x, i) => x !== this.origin[i])) return false;
 		let at = 0;
-		this.beyond = head.beyond.map((b) => ({ degree: b.degree, values: arrays.neighbours.subarray(at, (at += count(b.degree))) }));
-		this.bodies = [...this.tetrahedra, ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, [b.clip]))];
+		const next = (degree) => ({ degree, values: arrays.neighbours.subarray(at, (at += count(degree))) });
+		this.beyond = head.beyond.map((b) => ({ ...next(b.degree), clips: b.clips.map(next) }));
+		this.bodies = [...this.tetrahedra, ...head.beyond.map((b, i) => box(b.degree, this.surface.length + i, b.middle, b.halves, b.clip ? [b.clip] : []))];
 		return true;
 	}
 	triangles(head, arrays) {
@@ -74,7 +77,7 @@ export class Scene {
 		return { points: arrays["points 0"], normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
 	}
 	get polynomials() { return [...this.surface, ...this.beyond]; }
-	moved(values) { this.surface = pieces(values, this.head.degree); }
+	moved(values) { this.surface = pieces(values, this.head.degree).map((p) => ({ ...p, clips: this.clips })); }
 	load(caster) { caster.scene(this.bodies, this.polynomials, this.reach); caster.setMeshes(this.meshes); }
 	local(p) { return p.map((x, i) => (x - this.origin[i]) / this.scale); }
 	world(p) { return p.map((x, i) => x * this.scale + this.origin[i]); }

@@ -142,12 +142,22 @@ float precise(vec3 q) {
 	return f.x+f.y;
 }`;
 
+// Whether a place is beyond a clip: where one of some polynomials, of these low degrees, is positive.
+function ended(degrees) {
+	const powers = (e) => e.flatMap((times, axis) => Array(times).fill(`q.${"xyz"[axis]}`));
+	const value = (n, i) => exponents(n).map((e, p) => [`C${i}[${p >> 2}].${"xyzw"[p & 3]}`, ...powers(e)].join("*")).join("+");
+	const held = degrees.map((n, i) => `uniform vec4 C${i}[${Math.ceil(exponents(n).length / 4)}];`).join(" ");
+	return `${held}\nbool ended(vec3 q) { return ${degrees.map((n, i) => `${value(n, i)}>0.0`).join(" || ")}; }`;
+}
+
 // The first zero on the ray, or none: quickly, while anything moves.  A single pixel where a ray grazes may be wrong.
-const QUICK = `
+const quick = (clipped) => `
 	float x=2.0;
 	if (t1>t0) {
 		float p[N+1]; along(uv.x,uv.y,p); bernstein(p,t0,t1-t0);
-		for (int i=0; i<int(variations(p)>0); i++) x=first(p, 0.0);
+		int most=variations(p)>0?${clipped ? "N" : 1}:0;
+		float from=0.0;
+		for (int i=0; i<most; i++) { x=first(p, from); ${clipped ? "if (x>1.0 || !ended(p0+(t0+(t1-t0)*x)*d)) break; from=x+PAST; x=2.0;" : ""} }
 	}
 	if (x>1.0) discard;
 	float t=t0+(t1-t0)*x, e; vec3 g; mat3 h;
@@ -160,7 +170,7 @@ const QUICK = `
 //
 // From a place near a zero, a ray that meets the surface at an angle takes one Newton step, one that grazes it several
 // with precise values.  One that might as well miss it goes to where it comes nearest, and on from there.
-const SEARCH = `
+const search = (clipped) => `
 	float a[N+1], t=0.0, e, x; vec3 g; mat3 h; int stage=0;
 	along(uv.x,uv.y,a);
 	for (int part=0; part<2 && stage<DONE; part++) {
@@ -190,7 +200,7 @@ const SEARCH = `
 					if (m>0.0 || t>t1) { stage=0; low=2.0*(next-ta)/(tb-ta)-low+AFTER; x=low; }
 				} else { t-=clamp(e/slope,-NEAR,NEAR); stage++; }
 			}
-			if (stage>=DONE && t<ta-WALL) { stage=0; low=max(low,x)+AFTER; x=low; }
+			if (stage>=DONE && (t<ta-WALL${clipped ? " || ended(p0+t*d)" : ""})) { stage=0; low=max(low,x)+AFTER; x=low; }
 		}
 	}
 	if (stage<DONE) discard;`;
@@ -207,14 +217,15 @@ const SEAMS = `
 	for (int k=0; k<4; k++) if (((seams>>k)&1)==1) color.rgb*=mix(.3, 1.0, smoothstep(.5, 1.5, abs(planes[k].w+dot(planes[k].xyz,p0+t*d))*heights[k]/pixel));`;
 
 // Of the surface or of a neighbour (`aside`, which has no colours by curvature), in one of MODES or as PROBE.
-// With `fine`, as exactly as single pixels ask for.
-export function bodyFragment(n, mode, aside, fine) {
+// With `fine`, as exactly as single pixels ask for; `clips` are the degrees of clips that end it, others than its planes.
+export function bodyFragment(n, mode, aside, fine, clips) {
 	const care = fine && !aside;
 	const curved = mode === PROBE || (!aside && (mode === "mean" || mode === "gauss"));
 	return `#version 300 es
 precision highp float; precision highp int;
 #define N ${n}
 #define NEAR 2e-2
+#define PAST 1e-5 // from a zero to where the next one is looked for
 ${care ? NUMBERS : ""}
 uniform vec4 A[${Math.ceil(exponents(n).length / 4)}], B[${Math.ceil(exponents(n).length / 4)}];
 uniform float one;
@@ -225,6 +236,7 @@ ${LOOK}
 ${alongRay(n)}
 ${bernstein(n)}
 ${zeros(n)}
+${clips.length ? ended(clips) : ""}
 ${jet(n, curved || care)}
 ${care ? PRECISE : ""}
 void main() {
@@ -235,7 +247,7 @@ void main() {
 		vec4 q=planes[k]; float a=q.w+dot(q.xyz,p0), b=dot(q.xyz,d), t=-a/b;
 		if (b>0.0) { if (t>t0) { t0=t; door=(inner>>k)&1; } } else if (b<0.0) t1=min(t1,t); else if (a<0.0) t1=-1e9;
 	}
-${care ? SEARCH : QUICK}
+${(care ? search : quick)(clips.length > 0)}
 	float deep=distance0+t;
 	gl_FragDepth=clamp(far*(deep-near)/(deep*(far-near)),0.0,1.0);
 	g=toWorld*g;

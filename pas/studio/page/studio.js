@@ -1,7 +1,9 @@
 // The studio: one document, seen, dragged and proved.  `render({ channel, el })` needs of a channel `send(request)`,
 // `receive(listener of head and arrays)` and, where connections come and go, `onstate(listener)`.
 import { number, Panel, get, make, put, svg, KINDS } from "./controls.js";
+import { grip, normalAt } from "./handles.js";
 import { Scene } from "./scene.js";
+import { plus } from "./algebra.js";
 import { COLORS, View, VIEWS } from "./view.js";
 import { diagram, hairLines, legend, liveliest } from "./curvature.js";
 
@@ -11,7 +13,12 @@ const SIGNS = { proved: "✓", refuted: "✗", undecided: "?", "holds, measured"
 const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign" };
 const GHOST = 300; // milliseconds after which an old picture is shown as a ghost
 const options = (names) => names.map((name) => make("option", {}, name));
+const WAYS = { ArrowLeft: [-4, 0, 0], ArrowRight: [4, 0, 0], ArrowUp: [0, -4, 0], ArrowDown: [0, 4, 0], PageUp: [0, 0, 0.02], PageDown: [0, 0, -0.02] };
+const PULLS = { ArrowUp: [0, 0, 4], ArrowRight: [0, 0, 4], ArrowDown: [0, 0, -4], ArrowLeft: [0, 0, -4] }; // of handles, in pixels along the normal
+const PULLING = "the arrow keys up and down pull and push the surface";
+const ARROW = 0.08, TOWARDS = 0.3; // a handle's arrow over the picture's size; how long a normal must look not to point at the eye
 const PAUSE = 120; // milliseconds of rest after which the verdicts on what the page drew by itself are asked for
+const PULL = 0.1; // of the picture's size, by which a handle's slider moves the surface
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -62,13 +69,16 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	const act = {
 		document: () => s.doc,
 		wrong: (text) => say(text, true),
-		move(path, value, settled = false) { if (!s.before) s.before = s.doc; change(put(s.doc, path, value), settled); },
+		move(path, value, settled = false, first = (doc) => doc) { if (!s.before) s.before = s.doc; change(put(first(s.doc), path, value), settled); },
 		commit() { const before = s.before; s.before = null; if (before) { if (!same(before, s.doc)) remember(before); rest(); } },
 		room: () => { const r = s.scene ? s.scene.reach * s.scene.scale : 2; return { low: -r, high: r }; },
-		addPoint(kind) {
+		addPoint(kind, digits = 3) {
 			const path = pointsPath(), held = get(s.doc, [...path, kind]) || [], p = s.picked ? s.scene.world(s.picked.point) : someSurfacePoint();
-			act.move([...path, kind], [...held, p.map((x) => String(Number(x.toFixed(3))))], true); act.commit();
+			act.move([...path, kind], [...held, p.map((x) => String(Number(x.toFixed(digits))))], true); act.commit();
 		},
+		atDegree: (doc) => (doc.kind === "problem" && !Number.isInteger(doc.problem.degree) && s.scene ? put(doc, ["problem", "degree"], s.scene.head.degree) : doc),
+		span(at, value) { const g = gripOf(at), wide = g ? Math.abs(g.change) * PULL * s.scene.reach : 1; return { low: value - wide, high: value + wide }; },
+		addHandle() { say("looking for a handle …"); channel.send({ do: "handle", document: s.doc, at: s.picked ? s.scene.world(s.picked.point) : someSurfacePoint() }); },
 	};
 	const panel = new Panel($.controls, act);
 	const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
@@ -129,15 +139,15 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
 	// ---- what comes from the other side
 	function receive(head, arrays) {
-		({ picture, moved, outline, verdicts: judged, measures, mesh: meshed, refused, document: opened, gallery, file, combs: combed, repaired, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
+		({ picture, moved, outline, verdicts: judged, measures, mesh: meshed, refused, document: opened, gallery, file, combs: combed, changed, safe: (h) => panel.mark(h.limits) }[head.kind] || (() => {}))(head, arrays);
 	}
 	function picture(head, arrays) {
 		if (head.seq < s.shown || (head.seq === s.shown && s.final?.seq === head.seq)) return;
-		const keepView = s.scene !== null && !s.fresh; s.fresh = false;
+		const keepView = s.scene !== null && !s.fresh; s.fresh = false; if (!keepView) s.picked = null;
 		s.scene = new Scene(head, arrays); s.sceneName = head.scene || ""; view.load(s.scene, keepView);
 		s.unit = head.unit; lookAgain(); wireNow(); arrived(head);
 		if (head.final) {
-			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc);
+			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc, head.members);
 			$.code.textContent = head.python;
 			if (head.seq === s.seq) {
 				s.solved = s.doc; judge(head); if (head.proved) s.lastProved = s.doc;
@@ -181,7 +191,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		const name = head.proved ? head.name : head.name.replace(/^([^.]*)/, "$1-not-proved");
 		download(new Blob([arrays.content]), name); say(head.proved ? `${name} was saved` : `${name} was saved; its shape is not proved`);
 	}
-	function repaired(head) { $.repair.disabled = false; openDocument(head.document, false); }
+	function changed(head) { $.repair.disabled = false; openDocument(head.document, false); }
 
 	// ---- buttons
 	function repair() { $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
@@ -224,37 +234,61 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function drawDiagram() { $.diagram.replaceChildren(diagram(s.combs, Number($.curves.value) || 0)); }
 
-	// ---- marks in the picture: points that can be dragged, and witnesses
-	const marks = new Map();
+	// ---- marks in the picture: points and handles that can be dragged, and witnesses
+	const marks = new Map(), pulled = (kind) => kind === "through" && s.scene.tetrahedra;
+	const gripOf = (at) => { const known = (s.solved && get(s.solved, [...pointsPath(), "handles"])) || []; return s.scene?.tetrahedra ? grip(s.scene, at, s.final?.shares[known.findIndex(([other]) => same(other, at))]) : null; };
 	function overlay() {
 		if (!s.scene || !s.doc) return;
 		const wanted = new Map(), held = s.doc.kind === "teapot" ? {} : get(s.doc, pointsPath()) || {};
-		for (const kind of KINDS) (held[kind] || []).forEach((p, i) => wanted.set(`${kind} ${i}`, { kind, i, p: p.map(number), text: `${kind} ${i + 1}` }));
-		if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: v.witness, text: `${v.claim} fails here` }); });
+		for (const kind of KINDS) (held[kind] || []).forEach((p, i) => {
+			const at = s.scene.local(p.map(number)), keys = pulled(kind) ? PULLING : "the arrow keys move it";
+			wanted.set(`${kind} ${i}`, { kind, p: at, way: pulled(kind) ? normalAt(s.scene, at) : null, text: `${kind} ${i + 1}`, about: `${p.map((x) => short(number(x))).join(", ")}; ${keys}`, take: () => takePoint(kind, i) });
+		});
+		(held.handles || []).forEach(([at, value], i) => {
+			const g = gripOf(at);
+			if (g) wanted.set(`handle ${i}`, { kind: "handle", p: g.place, way: g.normal, text: `handle ${i + 1}`, about: `${short(number(value))}; ${PULLING}`, take: () => takeHandle(at, i) });
+		});
+		if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: s.scene.local(v.witness), text: `${v.claim} fails here`, about: v.witness.map(short).join(", ") }); });
 		for (const [key, g] of marks) if (!wanted.has(key)) { g.remove(); marks.delete(key); }
 		for (const [key, m] of wanted) {
 			let g = marks.get(key);
 			if (!g) {
 				g = svg("g", { class: `mark ${m.kind}` }); g.append(svg("circle", { r: 7 }), svg("path", { d: "M-11 0H11M0-11V11" }), svg("text", { x: 12, y: -9 }));
-				if (m.kind !== "witness") { g.setAttribute("tabindex", 0); g.setAttribute("role", "button"); draggable(g, m.kind, m.i); }
+				if (m.take) { g.setAttribute("tabindex", 0); g.setAttribute("role", "button"); draggable(g); }
 				marks.set(key, g); $.marks.append(g);
 			}
-			const [x, y] = view.toScreen(s.scene.local(m.p));
-			g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.p.map(short).join(", ")}; the arrow keys move it`);
+			g.take = m.take; g.pulls = Boolean(m.way);
+			const [x, y] = view.toScreen(m.p);
+			g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.about}`);
+			if (m.way) { const [u, v] = view.toScreen(plus(m.p, m.way, ARROW * s.scene.reach)); g.childNodes[1].setAttribute("d", `M0 0L${(u - x).toFixed(1)} ${(v - y).toFixed(1)}`); }
 		}
 	}
-	function draggable(g, kind, i) {
-		const path = () => [...pointsPath(), kind, i], place = () => get(s.doc, path()).map(number);
-		const put2 = (p) => act.move(path(), s.scene.world(p).map((x) => String(Number(x.toFixed(4)))));
-		let grip = null;
-		g.addEventListener("pointerdown", (e) => { e.preventDefault(); g.focus(); g.setPointerCapture(e.pointerId); grip = view.toScreen(s.scene.local(place()))[2]; });
-		g.addEventListener("pointermove", (e) => { if (grip === null) return; const r = $.place.getBoundingClientRect(); put2(view.fromScreen(e.clientX - r.left, e.clientY - r.top, grip)); });
-		const end = () => { if (grip !== null) { grip = null; act.commit(); } };
+	// What is taken by the pointer or by keys: how it follows a shift on the screen, and further in depth or along the
+	// normal.  What pulls the surface goes along its normal, unless it is let `free`.
+	function along(place, normal) {
+		const [x, y] = view.toScreen(place), [u, v] = view.toScreen(plus(place, normal)), one = view.place.clientHeight / (2 * view.camera.wide);
+		const way = Math.hypot(u - x, v - y) > one * TOWARDS ? [u - x, v - y] : [0, -one], square = way[0] ** 2 + way[1] ** 2; // where it points at the eye, up pulls
+		return (dx, dy, pulled) => (dx * way[0] + dy * way[1]) / square + pulled / one;
+	}
+	function takePoint(kind, i) {
+		const path = [...pointsPath(), kind, i], place = s.scene.local(get(s.doc, path).map(number)), [x, y, deep] = view.toScreen(place);
+		const to = (p, digits) => act.move(path, s.scene.world(p).map((c) => String(Number(c.toFixed(digits))))), normal = pulled(kind) && normalAt(s.scene, place), far = normal && along(place, normal);
+		return (dx, dy, more, free) => (normal && !free ? to(plus(place, normal, far(dx, dy, more)), 7) : to(view.fromScreen(x + dx, y + dy, deep + more), 4));
+	}
+	function takeHandle(at, i) {
+		const { place, normal, change } = gripOf(at), far = along(place, normal), path = [...pointsPath(), "handles", i, 1], from = number(get(s.doc, path));
+		return (dx, dy, more) => act.move(path, String(Number((from + change * far(dx, dy, more)).toPrecision(7))));
+	}
+	function draggable(g) {
+		let follow = null, start = [0, 0];
+		g.addEventListener("pointerdown", (e) => { e.preventDefault(); g.focus(); g.setPointerCapture(e.pointerId); start = [e.clientX, e.clientY]; follow = g.take(); });
+		g.addEventListener("pointermove", (e) => follow?.(e.clientX - start[0], e.clientY - start[1], 0, e.shiftKey));
+		const end = () => { if (follow) { follow = null; act.commit(); } };
 		g.addEventListener("pointerup", end); g.addEventListener("pointercancel", end);
 		g.addEventListener("keydown", (e) => {
-			const way = { ArrowLeft: [-4, 0, 0], ArrowRight: [4, 0, 0], ArrowUp: [0, -4, 0], ArrowDown: [0, 4, 0], PageUp: [0, 0, 0.02], PageDown: [0, 0, -0.02] }[e.key];
+			const way = (g.pulls && !e.shiftKey ? PULLS : WAYS)[e.key];
 			if (!way) return;
-			e.preventDefault(); const [x, y, deep] = view.toScreen(s.scene.local(place())); put2(view.fromScreen(x + way[0], y + way[1], deep + way[2]));
+			e.preventDefault(); g.take()(...way, e.shiftKey);
 			clearTimeout(s.keyed); s.keyed = setTimeout(() => act.commit(), 500);
 		});
 	}
