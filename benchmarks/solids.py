@@ -14,12 +14,12 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from itertools import product
-from math import cos, pi, sin
 from pathlib import Path
 from statistics import median
 
 import pas
 from pas import solid
+from pas.bench.suites.solids import gear
 from pas.designs.teapot import Teapot, teapot
 from pas.render.parts import Look, draw_parts
 from pas.solid.solid import Solid
@@ -39,21 +39,6 @@ def lattice() -> Solid:
         end.insert(axis, 2)
         bars.append(solid.cylinder(start, end, "1/10", f"bar {len(bars)}"))
     return solid.union(bars)
-
-
-def gear(teeth: int) -> Solid:
-    """A disc of radius 1 with pointed teeth up to 5/4: each tooth is what two half planes and the disc's edge leave."""
-    turns = [2 * pi * (k + side / 2) / teeth for k in range(teeth) for side in (0, 1)]
-    rim = [(round(r * cos(t), 4), round(r * sin(t), 4)) for t, r in zip(turns, (1.0, 1.25) * teeth, strict=True)]
-    wedges = []
-    for k in range(teeth):
-        (a, b), (c, d), (e, f) = rim[2 * k], rim[2 * k + 1], rim[(2 * k + 2) % len(rim)]
-        edges = (((0, 0), (a, b)), ((a, b), (c, d)), ((c, d), (e, f)), ((e, f), (0, 0)))
-        sides = [f"({r - p!r})*(y - ({q!r})) - ({s - q!r})*(x - ({p!r}))" for (p, q), (r, s) in edges]
-        flanks = [solid.half_space(f"-({side})", f"side {2 * k + i}") for i, side in enumerate(sides[1:3])]
-        walls = [solid.patch("", f"-({side})") for side in (sides[0], sides[3])]
-        wedges.append(solid.intersection([*flanks, *walls]))
-    return solid.union(wedges) & solid.half_space("-z", "bottom") & solid.half_space("z - 2/5", "top")
 
 
 def plate() -> Solid:

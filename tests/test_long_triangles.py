@@ -53,6 +53,15 @@ def test_cylinders_and_cones_have_longer_triangles(shape, triangles):
     assert mesh.is_closed
 
 
+def test_triangles_on_planes_are_not_slender():
+    shape = solid.ball((0, 0, 0), 1) & solid.half_space("z", "cut")
+    mesh, few = shape.mesh(2e-3), shape.mesh(2e-3, quality="count")
+    cut = mesh.faces == mesh.names.index("cut")
+    assert cut.sum() > 50
+    assert mesh.smallest_angles[cut].min() > 4
+    assert len(mesh.triangles) < 1.02 * len(few.triangles)
+
+
 def test_quality_prefers_angles_or_few_triangles():
     shape = solid.cylinder((0, 0, 0), (0, 0, 3), "1/2")
     found = {q: shape.mesh(2e-3, quality=q) for q in ("angles", "balanced", "count")}

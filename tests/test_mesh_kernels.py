@@ -18,6 +18,7 @@ from pas.algebra.monomials import count
 from pas.algebra.tables import PieceTables
 from pas.mesh.coarsen import collapsed
 from pas.mesh.radial import Edges, flipped
+from pas.solid.jets import Jets
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
 
@@ -89,14 +90,32 @@ def test_rough_meshes_are_changed_alike(monkeypatch):
 
 
 @pytest.mark.parametrize("kernel", ["numpy", "compiled"])
-def test_tables_of_pieces(monkeypatch, kernel):
+@pytest.mark.parametrize("number", [3, 40])
+def test_tables_of_pieces(monkeypatch, kernel, number):
     monkeypatch.setenv(VARIABLE, kernel)
     rng = np.random.default_rng(4)
-    coefficients = rng.normal(size=(3, 2, count(2)))
+    coefficients = rng.normal(size=(number, 2, count(2)))
     coefficients[:, 1, count(1) :] = 0
-    points, pieces = rng.uniform(-1, 1, (200, 3)), rng.integers(3, size=200)
+    points, pieces = rng.uniform(-1, 1, (200, 3)), rng.integers(number, size=200)
     values = PieceTables(coefficients, (2, 1))(points, pieces)
     x, y, z = points.T
     monomials = np.stack([np.ones(200), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z])
     assert values == pytest.approx(np.einsum("nkc,cn->kn", coefficients[pieces], monomials), abs=1e-14)
     assert PieceTables(coefficients[:, 1:], (1,))(points[:0], pieces[:0]).shape == (1, 0)
+
+
+@pytest.mark.parametrize("number", [4, 60])
+@pytest.mark.usefixtures("compiler")
+def test_jets_of_many_polynomials_are_the_same_bits(monkeypatch, number):
+    rng = np.random.default_rng(number)
+    texts = ["x - {}", "x^2 + {}*y*z - 1", "7", "x^5 - {}*x*y^2*z + z^3", "y^5 - {}*x^4"]
+    jets = Jets([pas.Polynomial(texts[k % 5].format(k + 1)) for k in range(number)])
+    points, numbers = rng.uniform(-1, 1, (300, 3)), rng.integers(number, size=300)
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        found.append(jets(points, numbers))
+    assert np.array_equal(*found)
+    step = 1e-6 * np.eye(3)[:, None]
+    slopes = [jets(points + s, numbers)[:, 0] for s in step]
+    assert pytest.approx((np.array(slopes) - found[0][:, 0]) / 1e-6, rel=1e-3, abs=1e-3) == found[0][:, 1:].T

@@ -14,6 +14,7 @@ import pas
 from pas import solid
 from pas.generatrix.boundary import Boundary
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import smallest_angles
 from pas.parametric.framed import extent
 
 PIPES = [pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
@@ -173,3 +174,36 @@ def test_corner_normals_are_made_when_they_are_asked_for():
         assert (one.normals == normals[None]).all() and np.allclose(one.point_normals, normals)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = mesh.nothing
+
+
+def polynomial(text, size):
+    return pas.Polynomial(text).surface((-size,) * 3, (size,) * 3)
+
+
+TRADED = {
+    "graph over directions": lambda: pas.blend(PIPES, 1).surface,
+    "blend": lambda: pas.blend(PIPES, 1),
+    "hollow blend": lambda: pas.blend(PIPES, 1).hollow("1/20"),
+    "from a lattice": lambda: polynomial("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)", 2),
+    "ends at walls": lambda: polynomial("z - x^2 + y^2", 1),
+}
+
+
+@pytest.mark.parametrize("name", TRADED)
+def test_surfaces_have_meshes_with_good_angles_or_few_triangles(name):
+    shape, tolerance = TRADED[name](), 3e-3
+    angles, usual, count = (shape.mesh(tolerance, quality=q) for q in ("angles", "balanced", "count"))
+    assert len(count.triangles) < 0.9 * len(usual.triangles)
+    if name != "hollow blend":  # each of its sides has a best mesh, and the rings between them are what they are
+        worst = [smallest_angles(mesh.points[mesh.triangles]).min() for mesh in (angles, usual, count)]
+        assert worst[0] >= worst[1] and worst[0] > worst[2]
+    assert all(mesh.is_manifold for mesh in (angles, usual, count))
+    assert max(mesh.deviation for mesh in (angles, usual, count)) <= tolerance
+    assert np.array_equal(usual.points, shape.mesh(tolerance).points)
+    with pytest.raises(ValueError, match="quality must be one of 'angles', 'balanced', 'count', not 'good'"):
+        shape.mesh(tolerance, quality="good")
+
+
+def test_the_smallest_angles_of_triangles():
+    corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [3**0.5, 0, 0], [0, 0, 1]]], dtype=float)
+    assert np.allclose(np.degrees(smallest_angles(corners)), [45, 30])

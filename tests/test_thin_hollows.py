@@ -11,7 +11,8 @@ import pas
 from pas import solid
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.bank import Bank
-from pas.solid.separate import apart, cavities
+from pas.solid.separate import apart, cavities, is_shell
+from pas.solid.shell import shelled
 
 BALL = solid.ball((0, 0, 0), 1)
 THIN = "1/200"
@@ -39,7 +40,7 @@ def test_walls_of_a_200th_of_the_size(name):
     assert mesh.volume == pytest.approx(volume, rel=5e-2)
     assert set(mesh.names) == set(shape.faces)
     assert np.abs(shape.value(mesh.points)).max() < 1e-9
-    assert len(cavities(shape.tree, shape.box)) == pieces - 1
+    assert len(list(cavities(shape.tree, shape.box))) == pieces - 1
 
 
 def test_pieces_that_bound_nothing_are_left_out():
@@ -72,3 +73,67 @@ def test_polynomials_that_vanish_together_are_not_told_apart():
     assert Bank([sphere, wider]).never_both(centers, half).all()
     assert not Bank([sphere, pas.Polynomial("z - 1")]).never_both(centers, half)[0]
     assert not Bank([sphere, sphere]).never_both(centers, half).any()
+
+
+ROUND = solid.ball((0, 0, 0), 1, "ball")
+LENS = ROUND & solid.ball((0, 0, 1), 1, "other")
+
+
+def lens(radius, apart):
+    """The volume that two equal balls have in common."""
+    return pi / 12 * (4 * radius + apart) * (2 * radius - apart) ** 2
+
+
+SHELLS = {
+    "ball": (ROUND, 0.01, 4 / 3 * pi * (1 - 0.99**3), 2),
+    "box": (BOX, 0.005, 1 - 0.99**3, 2),
+    "cylinder": (solid.cylinder((0, 0, -1), (0, 0, 1), 1, face="tin"), 0.01, 2 * pi * (1 - 0.99**3), 2),
+    "sharp edge": (LENS, 0.01, lens(1, 1) - lens(0.99, 1), 2),
+    "two balls": (ROUND | solid.ball((0, 0, 1), 1, "other"), 0.015, None, 2),
+    "torus": (solid.torus((0, 0, 0), (0, 0, 1), 1, "1/3"), 0.0133, 2 * pi**2 * (1 / 9 - (1 / 3 - 0.0133) ** 2), 0),
+}  # fmt: skip
+
+
+def hollowed(shape, thickness, volume, characteristic, tolerance=None):
+    hollow = shape.shell(thickness)
+    mesh = hollow.mesh(tolerance)
+    assert is_closed_manifold(mesh.triangles)
+    assert (mesh.components, mesh.euler_characteristic) == (2, 2 * characteristic)
+    assert set(mesh.names) == set(hollow.faces)
+    assert np.abs(hollow.value(mesh.points)).max() < 1e-9
+    if volume is not None:
+        assert mesh.volume == pytest.approx(volume, rel=1e-2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHELLS)
+def test_shells_of_a_200th_of_the_size(name):
+    hollowed(*SHELLS[name])
+
+
+def test_a_thin_shell_is_meshed_side_by_side_wherever_it_is_moved():
+    shape = ROUND.shell(0.02).scale("1/2").rotate((1, 1, 0), 30).translate((1, 2, 3))
+    mesh = shape.mesh(1.5e-3)
+    assert (mesh.components, mesh.euler_characteristic, mesh.is_closed) == (2, 4, True)
+    assert mesh.volume == pytest.approx(pi / 6 * (1 - 0.98**3), rel=1e-2)
+    assert len(mesh.triangles) < 10_000
+
+
+def test_a_shell_is_within_a_thickness_of_all_faces_or_it_is_open():
+    wall = shelled(LENS, 0.1, (), 0.05)
+    opened = shelled(LENS, 0.1, ("other",), 0.05)
+    assert is_shell(wall.parts[-1], LENS.tree)
+    assert not is_shell(opened.parts[-1], LENS.tree)
+    assert not is_shell(wall.parts[-1], ROUND.tree)
+    assert not is_shell(wall.parts[-1].parts[0], LENS.tree)  # of one face alone
+
+
+def test_distances_are_negative_outside():
+    near = shelled(BOX, 0.1, (), 0.05).parts[-1].parts[0].function  # from x = 0
+    depths = np.array([-0.2, -0.05, 0.05, 0.1, 0.3])
+    places = np.stack([depths, np.full(5, 0.5), np.full(5, 0.5)], axis=1)
+    values = near.jets(places)[:, 0]
+    assert (np.sign(values[[0, 1, 2, 4]]) == [-1, -1, -1, 1]).all()
+    assert np.abs(values - (depths - 0.1))[1:4].max() < 1e-12
+    inside, outside = near.decided(places, np.full((5, 3), 0.01))
+    assert (inside.tolist(), outside.tolist()) == ([True, True, True, False, False], [False] * 4 + [True])

@@ -15,6 +15,9 @@ from pas.limits import checkpoint
 BLOCK = 1 << 15
 """Points worked on between two looks at the clock."""
 
+MANY, EACH = 8, 256
+"""Pieces above which, and points of each below which, calls for each piece outweigh the work for numpy."""
+
 
 class PieceTables:
     """The coefficients (P, m, C(n+3, 3)) of m polynomials on each of P pieces, number k of degree `degrees[k]`.
@@ -48,8 +51,13 @@ class PieceTables:
         return result
 
     def _one_by_one(self, kernel: Kernel, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
-        """The same by calls for each piece and degree."""
-        for piece in np.flatnonzero(np.bincount(pieces, minlength=len(self._tables))):
+        """The same by calls for each piece and degree; where pieces have few points each, for each coefficient."""
+        used = np.flatnonzero(np.bincount(pieces, minlength=len(self._tables)))
+        if len(used) > MANY and len(points) < EACH * len(used):
+            for number, degree in enumerate(self._degrees):
+                out[number] = _rule(self._tables[pieces, number], degree, points)
+            return
+        for piece in used:
             rows = np.flatnonzero(pieces == piece)
             places = np.ascontiguousarray(points[rows].T)
             for degree in sorted(set(self._degrees)):
@@ -63,3 +71,18 @@ class PieceTables:
         """The degrees (m,), and the tables of each piece as a row, in the order in which compiled code meets them."""
         rows = [self._tables[:, k, order_of_rule(n)] for k, n in enumerate(self._degrees)]
         return np.array(self._degrees, dtype=np.intp), np.ascontiguousarray(np.concatenate(rows, axis=1))
+
+
+def _rule(coefficients: Floats, degree: int, points: Floats) -> Floats:
+    """Horner's rule at points (N, 3), each with a polynomial of its own (N, C(n+3, 3) or more)."""
+    (x, y, z), columns = points.T, iter(coefficients[:, order_of_rule(degree)].T)
+    result = np.zeros(len(points))
+    for i in range(degree + 1):
+        in_y = np.zeros(len(points))
+        for j in range(i + 1):
+            in_z = next(columns)
+            for _ in range(j):
+                in_z = in_z * z + next(columns)
+            in_y = in_y * y + in_z if j else in_z
+        result = result * x + in_y if i else in_y
+    return result

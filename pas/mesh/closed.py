@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
@@ -21,23 +22,25 @@ from pas.mesh.collapse import RINGS, untangle
 from pas.mesh.deviation import Deviation, edge_distances
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
+from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
 from pas.mesh.quality import Quality
 from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
 from pas.mesh.remesh import flip, pair_normals, project, smooth
+from pas.mesh.rows import any_of
 from pas.mesh.shells import mesh_apart
 from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
 
-LATER_SMOOTHINGS, REFINEMENTS = 1, 40
+LATER_SMOOTHINGS, REFINEMENTS, LAST_REFINEMENTS = 1, 40, 4
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
-FEW = 0.01
-"""Share of the edges that must be split for the mesh to be smoothed again; where fewer are, edges are flipped about the
-new vertices alone."""
+FEW, SMOOTHED = 0.01, 1
+"""Share of the edges that must be split for all of the mesh to be smoothed again; where fewer are, edges are flipped
+about the new vertices alone, and so many rings of vertices about these are smoothed."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +81,21 @@ def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Qua
     octree = first_lattice(field)
     shells = field.shells() if octree.open_share > THIN else []
     found = mesh_apart(field, shells, tolerance, partial(_triangulated, quality=quality)) if len(shells) > 1 else None
-    mesh, reached = _triangulated(field, tolerance, octree, quality) if found is None else found
+    mesh, reached = _whole(field, tolerance, octree, quality) if found is None else found
     return FaceMesh(mesh, pair_normals(mesh, field), reached)
+
+
+def _whole(field: FaceField, tolerance: float, octree: Octree, quality: Quality) -> tuple[Labelled, float]:
+    """The mesh of a boundary and its measured distance; of one that touches itself in points, surface by surface."""
+    try:
+        return _triangulated(field, tolerance, octree, quality)
+    except MeshError:
+        surfaces = field.touching()
+        mesher = partial(_triangulated, quality=quality)
+        found = mesh_touching(field, surfaces, tolerance, mesher) if len(surfaces) > 1 else None
+        if found is None:
+            raise
+        return found
 
 
 def _triangulated(
@@ -88,52 +104,70 @@ def _triangulated(
     """The mesh and its measured distance; where long triangles do not come out, without them."""
     first, plain = first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field.without_lines()
     try:
-        return _refined(first, plain if quality is Quality.ANGLES else field, tolerance, quality.slenderest)
+        return _refined(first, plain if quality is Quality.ANGLES else field, tolerance, quality)
     except MeshError:
         if plain is field or quality is Quality.ANGLES:
             raise
-        return _refined(first, plain, tolerance, quality.slenderest)
+        return _refined(first, plain, tolerance, quality)
 
 
-def _refined(first: Labelled, field: FaceField, tolerance: float, slenderest: float) -> tuple[Labelled, float]:
+def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
     mesh = _with_fine_curves(first, field, tolerance)
     aim = AIM * tolerance
-    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim, slenderest)
-    far, near, known = np.empty((0, 2), dtype=np.intp), None, None
+    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim, quality)
+    near, known = None, None
     for _ in range(REFINEMENTS):
         checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
         mesh = untangle(mesh, field, FOLD, aim, near)
         known = Deviation.of(mesh, field, known)
         if known.worst <= tolerance:
-            return _finished(known, field, tolerance, slenderest)
-        edges, inside = mesh.topology.edges, known.inside.copy()
-        inside[(known.edges[_edges_of(mesh)] > aim).any(axis=1)] = 0.0  # those are halved anyhow
-        far = far_edges(mesh.points, mesh.triangles, edges, (known.edges, inside), tolerance)
-        require_room(field, len(mesh.triangles), len(far) / len(edges), tolerance, known.worst)
-        old, mesh = len(mesh.points), _split(mesh, field, far)
-        if len(far) > FEW * len(edges):
-            near = None
-            for _ in range(LATER_SMOOTHINGS):
-                mesh = smooth(flip(mesh, field, 2, aim), field)
-        else:
-            near = mesh.topology.around(np.arange(old, len(mesh.points)), RINGS)
-        mesh = flip(mesh, field, limit=aim, near=near)
+            return _finished(known, field, tolerance, quality)
+        far = _far(known, tolerance)
+        mesh, near = _halved(known, field, tolerance, far)
     found = find_trouble(field, mesh.points[far].mean(axis=1), float(mesh.lengths.max()))
     why = "a face may have a singular point" if found is None else found.sentence
     raise not_reached(field, len(mesh.triangles), tolerance, known.worst if known else np.inf, f": {why}")
 
 
-def _finished(known: Deviation, field: FaceField, tolerance: float, slenderest: float) -> tuple[Labelled, float]:
+def _far(known: Deviation, tolerance: float) -> Integers:
+    """The edges (E, 2) that are to be halved."""
+    mesh, inside = known.mesh, known.inside.copy()
+    inside[any_of(known.edges[_edges_of(mesh)] > AIM * tolerance)] = 0.0  # those are halved anyhow
+    return far_edges(mesh.points, mesh.triangles, mesh.topology.edges, (known.edges, inside), tolerance)
+
+
+def _halved(
+    known: Deviation, field: FaceField, tolerance: float, far: Integers
+) -> tuple[Labelled, NDArray[np.bool_] | None]:
+    """The mesh with edges halved and others about them flipped; about which vertices (N,), if not about all."""
+    mesh, share = known.mesh, len(far) / len(known.edges)
+    require_room(field, len(mesh.triangles), share, tolerance, known.worst)
+    old, mesh = len(mesh.points), _split(mesh, field, far)
+    aim, near = AIM * tolerance, None
+    if share > FEW:
+        for _ in range(LATER_SMOOTHINGS):
+            mesh = smooth(flip(mesh, field, 2, aim), field)
+    else:
+        new = np.arange(old, len(mesh.points))
+        near = mesh.topology.around(new, RINGS)
+        mesh = smooth(flip(mesh, field, 2, aim, near), field, mesh.topology.around(new, SMOOTHED))
+    return flip(mesh, field, limit=aim, near=near), near
+
+
+def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
     """The mesh without what refining left on straight lines, where that is as near and as sound; and how near.
 
     Raises `MeshError` where the mesh itself is not sound.
     """
-    mesh = known.mesh
-    aim = AIM * tolerance
-    longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, slenderest)
-    if longer is not mesh:
+    mesh, aim = known.mesh, AIM * tolerance
+    longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
+    for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):
         further = Deviation.of(longer, field)
-        if further.worst <= tolerance and not unsound(longer, field, tolerance)[0]:
+        if further.worst > tolerance:
+            longer = _halved(further, field, tolerance, _far(further, tolerance))[0]
+        elif unsound(longer, field, tolerance)[0]:
+            break
+        else:
             return longer, further.worst
     reason, _ = unsound(mesh, field, tolerance)
     if reason:

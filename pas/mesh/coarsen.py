@@ -11,7 +11,8 @@ from scipy.sparse import csr_array
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.radial import TURNED, Edges, dots, upright
+from pas.mesh.radial import TURNED, Edges, upright
+from pas.mesh.rows import dots
 
 SHORT = 0.7
 """Edges this many times as long as they should be are collapsed."""

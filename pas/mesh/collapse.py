@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import cross
-from pas.mesh.labelled import BITS, Labelled, Topology
+from pas.mesh.labelled import Labelled, Topology, triangle_keys
 from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
+from pas.mesh.rows import any_of, cross, dots, norms
 
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
@@ -56,15 +56,15 @@ def coarsen(
     chosen: Callable[[Labelled, Integers, NDArray[np.bool_]], Integers],
     most: Floats | None = None,
     limit: float | None = None,
-    slenderest: float = 0.0,
+    slenderest: Floats | None = None,
 ) -> Labelled:
     """Edges are collapsed and others flipped until hardly any vertex goes; all others stay where they are.
 
     `chosen(mesh, numbers, fresh)` gives the rows of the edges that may go, of those with a vertex that is `fresh` (N,),
     whose triangles are not those of the last time; `numbers` (N,) are the vertices' numbers in the mesh at first.
     `most` (N,) says how far edges may be from their faces and curves that take the place of those of a vertex that
-    goes, and none makes triangles whose height over their longest side is less than `slenderest` but where there are
-    such already; `limit` is that of `flip`.
+    goes, and none makes triangles whose height over their longest side is less than `slenderest` says of their labels
+    (2, L), where vertices on curves go and those inside, but where there are such already; `limit` is that of `flip`.
     """
     numbers, fresh = np.arange(len(mesh.points)), np.ones(len(mesh.points), dtype=bool)
     near = None
@@ -77,7 +77,7 @@ def coarsen(
         smaller, used = found
         fresh = _changed(smaller, used, mesh)
         mesh, gone = flip(smaller, field, 2, limit, None if near is None else fresh), len(mesh.points) - len(used)
-        fresh[mesh.triangles[(mesh.triangles != smaller.triangles).any(axis=1)]] = True
+        fresh[mesh.triangles[any_of(mesh.triangles != smaller.triangles)]] = True
         numbers, near = numbers[used], fresh
         if gone < FEW * len(numbers):
             return mesh
@@ -85,16 +85,10 @@ def coarsen(
 
 def _changed(mesh: Labelled, used: Integers, before: Labelled) -> NDArray[np.bool_]:
     """Which vertices (N,), of given numbers before, have triangles that were not there."""
-    known = np.isin(_keys(used[mesh.triangles]), _keys(before.triangles))
+    known = np.isin(triangle_keys(used[mesh.triangles]), triangle_keys(before.triangles))
     result = np.zeros(len(mesh.points), dtype=bool)
     result[mesh.triangles[~known]] = True
     return result
-
-
-def _keys(triangles: Integers) -> Integers:
-    """The same number for the same three vertices."""
-    a, b, c = np.sort(triangles, axis=1).T
-    return np.asarray((a << BITS | b) << BITS | c)
 
 
 def _collapse_once(
@@ -103,7 +97,7 @@ def _collapse_once(
     rows: Integers,
     most: Floats | None = None,
     fresh: NDArray[np.bool_] | None = None,
-    slenderest: float = 0.0,
+    slenderest: Floats | None = None,
 ) -> tuple[Labelled, Integers] | None:
     """The mesh after collapses of edges in given rows, and which vertices are left; None where none can be done."""
     rows = rows[np.argsort(mesh.lengths[rows], kind="stable")]
@@ -158,7 +152,7 @@ def untangle(
     only triangles at these vertices are looked at, at first.
     """
     for _ in range(UNTANGLINGS):
-        rows = np.arange(len(mesh.triangles)) if near is None else np.flatnonzero(near[mesh.triangles].any(axis=1))
+        rows = np.arange(len(mesh.triangles)) if near is None else np.flatnonzero(any_of(near[mesh.triangles]))
         folded, near = rows[cosines(mesh, field, rows) < fold], None
         if not len(folded) or len(folded) > MANY * len(mesh.triangles):
             break
@@ -166,7 +160,7 @@ def untangle(
         marked[mesh.triangles[folded]] = True
 
         def short(m: Labelled, edges: Integers, marked: NDArray[np.bool_] = marked) -> NDArray[np.bool_]:
-            return np.asarray(marked[edges].any(axis=1))
+            return any_of(marked[edges])
 
         mesh = collapse(mesh, field, short, 1)
         left = cosines(mesh, field) < fold
@@ -185,9 +179,9 @@ def _off_chords(mesh: Labelled, removed: Integers, kept: Integers) -> Floats:
     rows = np.flatnonzero(mesh.topology.label_count[removed] > 1)  # with two neighbours along their curve
     p, a = mesh.points[removed[rows]], mesh.points[kept[rows]]
     chord = mesh.points[total[removed[rows]] - kept[rows]] - a
-    square = np.maximum((chord * chord).sum(axis=1), 1e-300)
+    square = np.maximum(dots(chord, chord), 1e-300)
     foot = a + np.clip(((p - a) * chord).sum(axis=1) / square, 0.0, 1.0)[:, None] * chord
-    result[rows] = np.sqrt(((p - foot) ** 2).sum(axis=1))
+    result[rows] = norms(p - foot)
     return result
 
 
@@ -229,32 +223,33 @@ def _keeps_straight(
 
 
 def _keeps_orientation(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, slenderest: float | None
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, slenderest: Floats | None
 ) -> NDArray[np.bool_]:
     """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`.
 
-    Where triangles may become long they must be it clearly, and not more slender than the `slenderest`.
+    Where triangles may become long they must be it clearly, and not more slender than `slenderest` says of labels.
     """
     row, corner = _fans(mesh.topology, removed)
     triangle = corner // 3
     old = mesh.triangles[triangle]
-    long = slenderest is not None
-    flattest = np.full(len(removed), slenderest if long else 0.0)
-    if long:  # what is slender already may be replaced by what is as slender
+    flattest = np.full(len(removed), np.inf)
+    if slenderest is not None:  # what is slender already may be replaced by what is as slender
         np.minimum.at(flattest, row, _height(mesh.points[old]))
-    stays = ~(old == kept[row][:, None]).any(axis=1)
+    stays = ~any_of(old == kept[row][:, None])
     row, triangle, old = row[stays], triangle[stays], old[stays]
     moves = old == removed[row][:, None]
     p = mesh.points[np.where(moves, kept[row][:, None], old)]
     area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
     own = normals[np.where(moves, at_kept[:, None], mesh.topology.corner_pairs[triangle])]
-    normal = own.sum(axis=1)
-    side = (area * normal).sum(axis=1)
-    bad = side <= (HELD if long else KEPT) * np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
-    if long:
+    normal = own[:, 0] + own[:, 1] + own[:, 2]
+    side = dots(area, normal)
+    bad = side <= (KEPT if slenderest is None else HELD) * np.sqrt(dots(area, area) * dots(normal, normal))
+    if slenderest is not None:
         along = (own * area[:, None]).sum(axis=2).min(axis=1)
-        bad |= (_height(p) < flattest[row]) | (along < TURNED * np.sqrt((area * area).sum(axis=1)))
+        inside = (mesh.topology.label_count[removed[row]] == 1).astype(np.intp)
+        least = slenderest[inside, mesh.labels[triangle]]
+        bad |= (_height(p) < np.minimum(flattest[row], least)) | (along < TURNED * norms(area))
     good = np.ones(len(removed), dtype=bool)
     good[row[bad]] = False
     return good
@@ -264,12 +259,12 @@ def _height(corners: Floats) -> Floats:
     """The heights of triangles (T, 3, 3) over their longest sides (T,)."""
     sides = [corners[:, (i + 1) % 3] - corners[:, i] for i in range(3)]
     area = cross(sides[0], sides[1])
-    longest = np.max([(side * side).sum(axis=1) for side in sides], axis=0)
-    return np.asarray(np.sqrt((area * area).sum(axis=1)) / np.maximum(longest, 1e-300))
+    longest = np.max([dots(side, side) for side in sides], axis=0)
+    return np.asarray(norms(area) / np.maximum(longest, 1e-300))
 
 
 def _independent(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None, slenderest: float
+    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None, slenderest: Floats | None
 ) -> NDArray[np.bool_]:
     """A subset of the collapses that keep the topology and the sides of triangles, earlier ones preferred.
 
@@ -281,7 +276,7 @@ def _independent(
     if most is not None:
         sound = _keeps_straight(mesh, normals, removed, kept, most)
     sound[sound] = _keeps_topology(mesh.topology, removed[sound], kept[sound])
-    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], None if most is None else slenderest)
+    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], slenderest)
     chosen = np.zeros(len(removed), dtype=bool)
     open_ = np.flatnonzero(sound)
     for _ in range(ROUNDS):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import cross
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -85,7 +86,7 @@ def oriented(
     ends = nodes[edges]
     rise = (ends[:, 1] - ends[:, 0]) * np.where(negative[edges[:, 0]], 1.0, -1.0)[:, None]
     p = points[triangles]
-    normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    normal = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     wrong = np.einsum("tx,tkx->t", normal, rise[triangles]) < 0
     return np.where(wrong[:, None], triangles[:, [0, 2, 1]], triangles)
 

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.labelled import BITS, Labelled
+from pas.mesh.labelled import BITS, Labelled, triangle_keys
 from pas.mesh.refine import farthest_inside, inner_points
 from pas.mesh.remesh import least_norm, placing
+from pas.mesh.rows import all_of, norms
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def edge_distances(field: FaceField, mesh: Labelled, chosen: Integers | slice = 
     result = np.zeros(len(middles))
     for rows, functions in placing(field, mesh.topology.edge_labels[chosen]):
         step = least_norm(field, functions, middles[rows])
-        result[rows] = np.sqrt((step * step).sum(axis=1))
+        result[rows] = norms(step)
     return result
 
 
@@ -57,7 +58,7 @@ def inner_distances(field: FaceField, mesh: Labelled, chosen: Integers | slice =
     points = inner_points(mesh.points[mesh.triangles[chosen]])
     labels = mesh.labels[chosen]
     steps = least_norm(field, np.repeat(labels, len(points) // max(len(labels), 1))[:, None], points)
-    return farthest_inside(np.sqrt((steps * steps).sum(axis=1)))
+    return farthest_inside(norms(steps))
 
 
 @dataclass(frozen=True)
@@ -75,24 +76,23 @@ class _Table:
 
     @classmethod
     def of_triangles(cls, mesh: Labelled) -> _Table:
-        a, b, c = np.sort(mesh.triangles, axis=1).T
-        return cls(mesh.triangles, (a << BITS | b) << BITS | c, mesh.labels[:, None])
+        return cls(mesh.triangles, triangle_keys(mesh.triangles), mesh.labels[:, None])
 
 
 def _same(points: Floats, before: Floats) -> NDArray[np.bool_]:
     """Which points (N,) are where those of the same number were."""
     result = np.zeros(len(points), dtype=bool)
     number = min(len(points), len(before))
-    result[:number] = (points[:number] == before[:number]).all(axis=1)
+    result[:number] = all_of(points[:number] == before[:number])
     return result
 
 
 def _known(new: _Table, old: _Table, values: Floats, same: NDArray[np.bool_]) -> Floats:
     """The values (K,) of what is there in both tables; NaN where it is not."""
     result = np.full(len(new.keys), np.nan)
-    rows = np.flatnonzero(same[new.vertices].all(axis=1))
+    rows = np.flatnonzero(all_of(same[new.vertices]))
     order = np.argsort(old.keys, kind="stable")
     at = order[np.minimum(np.searchsorted(old.keys, new.keys[rows], sorter=order), len(order) - 1)]
-    agree = (old.keys[at] == new.keys[rows]) & (old.labels[at] == new.labels[rows]).all(axis=1)
+    agree = (old.keys[at] == new.keys[rows]) & all_of(old.labels[at] == new.labels[rows])
     result[rows[agree]] = values[at[agree]]
     return result

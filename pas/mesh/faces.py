@@ -20,10 +20,10 @@ from scipy.sparse.csgraph import connected_components
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import cross
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
 from pas.mesh.remesh import least_norm, newton, placing
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
 
@@ -187,7 +187,7 @@ def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integer
         for at, functions in placing(field, pair[differ]):
             rows = differ[at]
             units = [unit_rows(field.jets(centers[rows], column)[:, 1:]) for column in functions.T[:2]]
-            result[rows] |= np.sqrt((cross(units[0], units[-1]) ** 2).sum(axis=1)) < FLAT
+            result[rows] |= norms(cross(units[0], units[-1])) < FLAT
     return result
 
 
@@ -201,8 +201,8 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
     for at, functions in placing(field, names):
         start = end[at]
         end[at] = newton(start, field, functions, size[at])
-        rest = np.sqrt((least_norm(field, functions, end[at]) ** 2).sum(axis=1))
-        moved = np.sqrt(((end[at] - start) ** 2).sum(axis=1))
+        rest = norms(least_norm(field, functions, end[at]))
+        moved = norms(end[at] - start)
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
     found = np.flatnonzero(~result)
     result[found] = ~_on_boundary(field, end[found], names[found], 1e-3 * size[found])
@@ -218,8 +218,8 @@ def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Float
     outwards = np.zeros_like(points)
     for label in names.T:
         gradient = field.jets(points, label)[:, 1:]
-        outwards += gradient / np.maximum(np.sqrt((gradient * gradient).sum(axis=1, keepdims=True)), 1e-300)
-    outwards /= np.maximum(np.sqrt((outwards * outwards).sum(axis=1, keepdims=True)), 1e-300)
+        outwards += gradient / np.maximum(norms(gradient)[:, None], 1e-300)
+    outwards /= np.maximum(norms(outwards)[:, None], 1e-300)
     step = reach[:, None] * outwards
     inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))
     result = np.asarray(inside & ~outside)
@@ -306,7 +306,7 @@ def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
         jets = field.jets(a[active] + here[:, None] * along, labels[active])
         before = (jets[:, 0] <= 0) == rising[active]
         low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
-        slope = (jets[:, 1:] * along).sum(axis=1)
+        slope = dots(jets[:, 1:], along)
         step = jets[:, 0] / np.where(slope != 0, slope, np.inf)
         new = here - step
         outside = (slope == 0) | (new < low[active]) | (new > high[active])

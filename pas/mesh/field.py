@@ -52,6 +52,10 @@ class RingCurve(RimCurve, Protocol):
     def middle(self) -> Floats:
         """A point (3,) of the plane inside the curve."""
 
+    @property
+    def opening(self) -> bool:
+        """Whether rays from 0 meet the surface inside the curve alone, not outside it."""
+
     def at(self, points: Floats) -> Floats:
         """The points of the curve (N, 3) at points (N, 3) near it."""
 
@@ -205,6 +209,12 @@ class FaceField(Field, Protocol):
     def shells(self) -> Sequence[FaceField]:
         """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
 
+    def touching(self) -> Sequence[FaceField]:
+        """The surfaces that have points in common at most, each as the boundary of a set; itself if one.
+
+        Each has these points among its special ones.
+        """
+
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
 
@@ -213,6 +223,9 @@ class FaceField(Field, Protocol):
 
         Planes, cylinders and cones have.
         """
+
+    def planes(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether faces of given labels (N,) are planes (N,)."""
 
     def without_lines(self) -> FaceField:
         """The same, none of whose faces is said to have straight lines; itself if none has."""

@@ -20,6 +20,7 @@ from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.remesh import cosines, flip, least_norm, pair_normals, placing, project, smooth
+from pas.mesh.rows import any_of, dots, norms
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
@@ -28,6 +29,9 @@ ones are tried at most, and how many must show the same pieces, holes and faces,
 
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
+
+ALONG_CURVES = 0.03
+"""Such a share that is no smaller in a finer lattice is left for a look."""
 
 PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
@@ -116,14 +120,21 @@ class _InVainError(MeshError):
 
 
 def _resolved(field: FaceField, octree: Octree) -> Octree:
-    """A lattice, refined until the boundary is clear in most of its cubes."""
+    """A lattice, refined until the boundary is clear in most of its cubes.
+
+    Or until no smaller share is clear in a finer one, if that is small: along a curve on which two faces are nearly
+    tangent it grows from lattice to lattice.
+    """
     octree = octree.until_seen()
     while octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
             raise _refusal(found, octree)
-        octree = octree.refined()
+        finer = octree.refined()
+        if octree.open_share < ALONG_CURVES and finer.open_share >= octree.open_share:
+            break
+        octree = finer
     return octree
 
 
@@ -194,7 +205,7 @@ def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
 
     def spare(m: Labelled, numbers: Integers, fresh: NDArray[np.bool_]) -> Integers:
         edges = m.topology.edges
-        return np.flatnonzero((m.lengths < longest[numbers][edges].min(axis=1)) & fresh[edges].any(axis=1))
+        return np.flatnonzero((m.lengths < longest[numbers][edges].min(axis=1)) & any_of(fresh[edges]))
 
     return coarsen(mesh, field, spare)
 
@@ -208,16 +219,16 @@ def _bend(mesh: Labelled, field: FaceField) -> Floats:
         a, b = mesh.triangles[:, i], mesh.triangles[:, j]
         turn = normals[topology.corner_pairs[:, i]] - normals[topology.corner_pairs[:, j]]
         along = points[a] - points[b]
-        bend = np.sqrt((turn * turn).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300))
+        bend = np.sqrt(dots(turn, turn) / np.maximum(dots(along, along), 1e-300))
         np.maximum.at(result, a, bend)
         np.maximum.at(result, b, bend)
     ends = np.concatenate([topology.seams, topology.seams[:, ::-1]])
     along = points[ends[:, 1]] - points[ends[:, 0]]
-    length = np.sqrt((along * along).sum(axis=1))
+    length = norms(along)
     units = along / np.maximum(length, 1e-300)[:, None]
-    turns = np.stack([np.bincount(ends[:, 0], u, minlength=topology.size) for u in units.T], axis=1)
+    turns: Floats = np.stack([np.bincount(ends[:, 0], u, minlength=topology.size) for u in units.T], axis=1)
     span = np.bincount(ends[:, 0], length, minlength=topology.size)
-    bent = np.sqrt((turns * turns).sum(axis=1)) / np.maximum(span / 2, 1e-300)
+    bent = norms(turns) / np.maximum(span / 2, 1e-300)
     return np.maximum(result, np.where(topology.fixed, 0.0, bent))
 
 
@@ -242,11 +253,11 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
     corner = mesh.topology.label_count > 2
     for vertices, functions in placing(field, mesh.topology.vertex_labels):
         steps = least_norm(field, functions, mesh.points[vertices])
-        far[vertices] = np.sqrt((steps * steps).sum(axis=1)) / (ON_FACE * mesh.sizes[vertices])
+        far[vertices] = norms(steps) / (ON_FACE * mesh.sizes[vertices])
     vertices, labels = mesh.topology.pairs[corner[mesh.topology.pairs[:, 0]]].T
     far[corner] = 0.0  # a corner may be one only within the tolerance
     steps = least_norm(field, labels[:, None], mesh.points[vertices])
-    np.maximum.at(far, vertices, np.sqrt((steps * steps).sum(axis=1)) / (CORNER * tolerance))
+    np.maximum.at(far, vertices, norms(steps) / (CORNER * tolerance))
     if far.max() > 1:
         place = place_of(field, mesh.points[far.argmax()])
         return f"near {place} faces come close without meeting", mesh.points[far > 1]

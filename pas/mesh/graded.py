@@ -19,15 +19,13 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.kernels import compiled
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, dots, flipped, settled, upright
+from pas.mesh.radial import Edges, centred, flipped, settled, upright
 from pas.mesh.refine import require_room, split, too_many, with_longest
+from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
 
 COARSE = 8e-3
 """Over the region's reach: the tolerance for the triangles that are then cut."""
-
-AIM = 0.72
-"""Share of the tolerance at which edges of triangles with equal angles are as long as the curvature lets them be."""
 
 LONGEST, GRADE = 0.3, 0.5
 """Of edges, over the region's reach; and by how much their length may grow from one end to the other, over it."""

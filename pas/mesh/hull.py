@@ -1,8 +1,8 @@
 """The first triangles of a graph over directions: Delaunay's on the sphere, with the rings on which it ends as edges.
 
 The convex hull of unit vectors is the Delaunay triangulation of the sphere.  A ring's edge that is missing is halved
-until all are there (conforming triangulation, Ruppert 1995); a pole inside each ring keeps its disc apart, which is
-then left out.
+until all are there (conforming triangulation, Ruppert 1995); a pole inside each ring, or opposite to an opening, keeps
+its disc apart, which is then left out.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from pas.mesh.field import Floats, Integers, RayField, RingCurve
-from pas.mesh.improve import cross
 from pas.mesh.radial import Edges, seen
+from pas.mesh.rows import cross
 from pas.mesh.shading import unit_rows
 
 AROUND = 12
@@ -60,9 +60,9 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     units, spacing = icosphere(level)
     rings = [ring.round(AROUND) for ring in field.rims]
     for ring in field.rims:
-        units = units[~ring.inside(units)]
+        units = units[ring.inside(units) == ring.opening]
     for _ in range(HALVINGS):
-        poles = np.array([ring.middle for ring in field.rims]).reshape(-1, 3)
+        poles = np.array([-ring.middle if ring.opening else ring.middle for ring in field.rims]).reshape(-1, 3)
         free = np.concatenate([*_collars(field, rings, spacing), units])
         free = free[_clear(free, rings, spacing)]
         points = np.concatenate([*rings, free, poles])
@@ -78,6 +78,8 @@ def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Float
     """Directions (N, 3) in circles around each ring, out to where the others are as close."""
     result = []
     for number, curve in enumerate(field.rims):
+        if curve.opening:
+            continue
         ring = curve.round(AROUND)
         way, width = ring - curve.middle, WIDER
         while np.arccos(np.clip(unit_rows(ring) @ unit_rows(curve.middle), -1, 1)).max() * width < SMALL * spacing:

@@ -16,7 +16,7 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-SOURCES = (Path(__file__).with_name("triangles.c"), Path(__file__).with_name("collapses.c"))
+SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in ("triangles", "collapses", "labelled"))
 
 EACH = 100
 """Products for a triangle in one of the functions, about."""
@@ -86,6 +86,43 @@ class CompiledTriangles:
         arguments = (len(triangles), triangles, len(points), points, normals, sizes, len(every), inner, every, rim)
         self._call("pas_collapsed", *arguments, fixed, *limits, result)
         return result
+
+    def labelled_edges(self, triangles: Integers, labels: Integers, size: int) -> tuple[Integers, Integers]:
+        """See `pas.mesh.labelled.Topology.edge_table`."""
+        count = len(triangles)
+        edges, both = np.empty((2, 3 * count // 2, 2), dtype=np.intp)
+        self._call("pas_labelled_edges", count, triangles, labels, size, _room(6 * count + size + 1), edges, both)
+        return edges, both
+
+    def labelled_pairs(self, triangles: Integers, labels: Integers, size: int, span: int) -> tuple[Integers, Integers]:
+        """The distinct `vertex * span + label`, sorted, and which of them each corner has (3 T,)."""
+        count, number = len(triangles), np.empty(1, dtype=np.intp)
+        keys, rows = np.empty((2, 3 * count), dtype=np.intp)
+        room = _room(3 * count + size + 1)
+        self._call("pas_labelled_pairs", count, triangles, labels, size, span, room, keys, rows, number)
+        return keys[: number[0]].copy(), rows
+
+    def flipped_faces(
+        self,
+        points: Floats,
+        triangles: tuple[Integers, Integers, Integers],
+        normals: tuple[Floats, Floats],
+        lines: tuple[NDArray[np.bool_], float] | None,
+        near: NDArray[np.bool_] | None,
+        passes: int,
+    ) -> Integers | None:
+        """The triangles, given with the rows of normals at their corners and their labels, after flips; None as before.
+
+        Of `normals` the first are those rows, the others those of the triangles.  See `pas.mesh.remesh.flip`.
+        """
+        (result, rows, labels), (known, facing) = (t.copy() for t in triangles), normals
+        straight, limit = (labels, 0.0) if lines is None else lines
+        marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
+        number = np.empty(1, dtype=np.intp)
+        mesh = (len(result), result, rows, labels, len(points), _room(6 * len(result) + len(points) + 1), points)
+        limits = (straight, lines is not None, limit, marked, near is not None, passes)
+        self._call("pas_flipped_faces", *mesh, known, facing.copy(), *limits, number)
+        return result if number[0] else None
 
 
 class _Workspace(threading.local):

@@ -13,11 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
+from pas.mesh.kernels import compiled
+from pas.mesh.rows import any_of, norms
 
 NONE = np.empty(0, dtype=np.intp)
 
 BITS = 21
 """Of a vertex number, of which three make the key of a triangle: two million vertices, more than meshes may have."""
+
+
+def triangle_keys(triangles: Integers) -> Integers:
+    """The same number (T,) for the same three vertices (T, 3), in whatever order."""
+    a, b, c = triangles.T
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    return np.asarray((low << BITS | (a + b + c - low - high)) << BITS | high)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +45,9 @@ class Topology:
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
         """The distinct keys of (vertex, label) pairs (P,), sorted, and which one each corner has (3 T,)."""
+        kernel = compiled(len(self.triangles))
+        if kernel is not None:
+            return kernel.labelled_pairs(self.triangles, self.labels, self.size, self._span)
         keys = (self.triangles * self._span + self.labels[:, None]).ravel()
         order = np.argsort(keys)
         ordered = keys[order]
@@ -82,6 +94,9 @@ class Topology:
     @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
+        kernel = compiled(len(self.triangles))
+        if kernel is not None:
+            return kernel.labelled_edges(self.triangles, self.labels, self.size)
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
         key = np.minimum(start, end) * self.size + np.maximum(start, end)
         order = np.argsort(key)
@@ -118,7 +133,7 @@ class Topology:
         result = np.zeros(self.size, dtype=bool)
         result[vertices] = True
         for _ in range(rings):
-            result[self.triangles[result[self.triangles].any(axis=1)]] = True
+            result[self.triangles[any_of(result[self.triangles])]] = True
         return result
 
     @cached_property
@@ -167,9 +182,8 @@ class Labelled:
     @cached_property
     def lengths(self) -> Floats:
         """The lengths (E,) of the edges."""
-        ends = self.points[self.topology.edges]
-        difference = ends[:, 0] - ends[:, 1]
-        return np.asarray(np.sqrt((difference * difference).sum(axis=1)))
+        start, end = self.topology.edges.T
+        return norms(self.points[start] - self.points[end])
 
     @cached_property
     def sizes(self) -> Floats:

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pas.algebra.inputs import shown
+from pas.algebra.monomials import Floats
+from pas.mesh.mesh import Mesh
 
 
 class Quality(Enum):
     """`ANGLES`: no long triangles; `COUNT`: as few triangles as the tolerance allows, however long.
 
-    `BALANCED`, which is usual, has long triangles along straight lines, with at least 1/40 of their length in height.
+    `BALANCED`, which is usual, has long triangles along straight lines, with at least 1/40 of their length in height,
+    1/10 on planes if vertices inside help; between short edges of a face and others far away there are worse ones.
+    Surfaces without faces are meshed with edges of several lengths, and the best of these meshes is kept.
     """
 
     ANGLES = "angles"
@@ -26,11 +34,46 @@ class Quality(Enum):
             names = ", ".join(repr(q.value) for q in cls)
             raise ValueError(f"quality must be one of {names}, not {shown(given)}") from None
 
-    @property
-    def slenderest(self) -> float:
-        """The least height over the longest side of triangles that are made long."""
-        return SLENDER if self is Quality.COUNT else PRINTABLE
+    def slenderest(self, planes: NDArray[np.bool_]) -> Floats:
+        """The least height over the longest side of triangles that are made long, on planes or other faces (N,).
 
+        For those that are made by taking away vertices on curves, and vertices inside faces (2, N).
+        """
+        if self is Quality.COUNT:
+            return np.full((2, len(planes)), SLENDER)
+        return np.stack([np.full(len(planes), PRINTABLE), np.where(planes, FLAT, PRINTABLE)])
+
+    @property
+    def aims(self) -> tuple[float, ...]:
+        """Shares of the tolerance at which edges of even triangles are as long as the curvature lets them be.
+
+        The first is the usual one: below, there are more triangles, and above, more edges that must be halved.
+        """
+        return AIMS[self]
+
+    def best(self, meshes: Sequence[Mesh]) -> Mesh:
+        """The one of some meshes that has the largest smallest angle, or the fewest triangles; the first of equals."""
+        if self is Quality.ANGLES:
+            return max(meshes, key=lambda mesh: smallest_angles(mesh.points[mesh.triangles]).min(initial=np.pi))
+        return min(meshes, key=lambda mesh: len(mesh.triangles))
+
+
+def smallest_angles(corners: Floats) -> Floats:
+    """The smallest angle in radians of each triangle (T, 3, 3), (T,)."""
+    sides = np.roll(corners, 1, axis=1) - corners
+    units = sides / np.maximum(np.linalg.norm(sides, axis=2, keepdims=True), 1e-300)
+    cosines = -(units * np.roll(units, 1, axis=1)).sum(axis=2)
+    return np.asarray(np.arccos(np.clip(cosines, -1.0, 1.0)).min(axis=1))
+
+
+AIM = 0.72
+"""The usual share: angles are as good as with shorter edges in the mean, and few edges must be halved."""
+
+AIMS = {Quality.ANGLES: (AIM, 0.66, 0.6, 0.5), Quality.BALANCED: (AIM,), Quality.COUNT: (AIM, 0.85, 1.0, 1.2)}
 
 PRINTABLE, SLENDER = 0.025, 5e-4
 """Of triangles that printers' programs take; and of such that rounding to single precision, as STL has it, leaves."""
+
+FLAT = 0.1
+"""Of triangles on planes, where a few more vertices inside do for good ones; along the lines of a cylinder it takes
+many, and where the sides of a plane are long and near to each other nothing helps."""

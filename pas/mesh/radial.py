@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from pas.mesh.field import Floats, Integers
-from pas.mesh.improve import cross
 from pas.mesh.kernels import compiled
+from pas.mesh.rows import cross, dots
 
 FLIPS = 8
 """Passes of flips, each over an independent set of edges."""
@@ -103,11 +103,6 @@ def _sorted(keys: Integers) -> tuple[Integers, Integers]:
     both = np.sort(keys * count + np.arange(count))
     ordered = both // count
     return ordered, both - ordered * count
-
-
-def dots(u: Floats, v: Floats) -> Floats:
-    """The products (N,) of vectors (N, 3), summed from the first to the third."""
-    return np.asarray(u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1] + u[:, 2] * v[:, 2])
 
 
 def facets(points: Floats, triangles: Integers) -> Floats:

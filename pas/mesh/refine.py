@@ -6,6 +6,7 @@ import numpy as np
 
 from pas.errors import MeshError
 from pas.mesh.field import Field, Floats, Integers
+from pas.mesh.rows import dots
 
 AIM = 0.8
 """Edges are split down to this share of the tolerance, since smoothing gives some of it back."""
@@ -62,7 +63,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     low, high = edges.min(axis=1), edges.max(axis=1)
     order = np.argsort(low * size + high)
     keys = (low * size + high)[order]
-    middles = points[edges].mean(axis=1)[order]
+    middles = (points[edges[order, 0]] + points[edges[order, 1]]) / 2
     ends = np.zeros(size, dtype=bool)
     ends[edges] = True
     a, b, c = (ends[triangles[:, i]] for i in range(3))
@@ -116,8 +117,9 @@ def far_edges(
 
 def with_longest(points: Floats, triangles: Integers, edges: Integers) -> Integers:
     """The edges (E, 2) and the longest one of each triangle (T, 3), each once, the lower vertex first."""
-    p = points[triangles]
-    lengths = np.stack([((p[:, (i + 1) % 3] - p[:, i]) ** 2).sum(axis=1) for i in range(3)], axis=1)
+    p = [points[column] for column in triangles.T]
+    sides = [p[(i + 1) % 3] - p[i] for i in range(3)]
+    lengths = np.stack([dots(side, side) for side in sides], axis=1)
     longest = lengths.argmax(axis=1)[:, None]
     ends = [np.take_along_axis(triangles, (longest + i) % 3, axis=1) for i in range(2)]
     return np.unique(np.sort(np.concatenate([edges, np.concatenate(ends, axis=1)]), axis=1), axis=0)

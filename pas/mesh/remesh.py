@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import cross, flip_once, to_centres
+from pas.mesh.improve import flip_once, to_centres
+from pas.mesh.kernels import compiled
 from pas.mesh.labelled import Labelled
+from pas.mesh.rows import any_of, cross, dots, norms
 from pas.mesh.shading import unit_rows
 
 NEWTON_STEPS = 16
@@ -70,8 +72,8 @@ def project(mesh: Labelled, field: FaceField, reach: Floats, chosen: Integers | 
         start = points[vertices]
         most = reach[vertices]
         end = newton(start, field, functions, most)
-        rest = np.sqrt((least_norm(field, functions, end) ** 2).sum(axis=1))
-        lost = (rest > 1e-9 * most) | (np.sqrt(((end - start) ** 2).sum(axis=1)) > NEARBY * most)
+        rest = norms(least_norm(field, functions, end))
+        lost = (rest > 1e-9 * most) | (norms(end - start) > NEARBY * most)
         points[vertices] = np.where((corner[vertices] & lost)[:, None], start, end)
     return mesh.moved(points)
 
@@ -86,7 +88,7 @@ def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats)
     for _ in range(NEWTON_STEPS):
         checkpoint()
         step = -least_norm(field, functions[active], points[active])
-        length = np.sqrt((step * step).sum(axis=1, keepdims=True))
+        length = norms(step)[:, None]
         points[active] += step * np.minimum(1.0, reach[active, None] / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-14 * (1 + np.abs(points[active]).max(axis=1))]
         if not len(active):
@@ -103,14 +105,14 @@ def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Fl
     jets = [field.jets(points, column) for column in each.T]
     if len(jets) == 1:
         values, gradient = jets[0][:, :1], jets[0][:, 1:]
-        return values * gradient / np.maximum((gradient * gradient).sum(axis=1, keepdims=True), 1e-300)
+        return values * gradient / np.maximum(dots(gradient, gradient)[:, None], 1e-300)
     values = np.stack([j[:, 0] for j in jets], axis=1)
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
-    size = np.maximum(np.sqrt((matrix * matrix).sum(axis=2)), 1e-300)
+    size = np.maximum(np.stack([norms(m) for m in matrix.transpose(1, 0, 2)], axis=1), 1e-300)
     matrix, values = matrix / size[..., None], values / size
     if len(jets) > 2:
         return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
-    cosine = (matrix[:, 0] * matrix[:, 1]).sum(axis=1, keepdims=True)
+    cosine = dots(matrix[:, 0], matrix[:, 1])[:, None]
     square = 1 - cosine * cosine
     u, v = values.T[..., None]
     result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
@@ -127,7 +129,7 @@ def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = No
     inner = topology.label_count[topology.pairs[:, 0]] == 1
     vertices = topology.pairs[inner, 0]
     normal = pair_normals(mesh, field)[inner]
-    move[vertices] -= (move[vertices] * normal).sum(axis=1, keepdims=True) * normal
+    move[vertices] -= dots(move[vertices], normal)[:, None] * normal
     move[vertices[~normal.any(axis=1)]] = 0.0  # an apex stays
     both = np.concatenate([topology.seams, topology.seams[:, ::-1]])
     along = np.stack([np.bincount(both[:, 0], points[both[:, 1], i], minlength=size) for i in range(3)], axis=1)
@@ -152,8 +154,29 @@ def flip(
     On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
     With `near` (N,), only edges about these vertices.
     """
-    known, triangles, changed = pair_normals(mesh, field), mesh.triangles.copy(), False
-    normals = known[mesh.topology.corner_pairs].sum(axis=1)
+    known = pair_normals(mesh, field)
+    facing = _summed(known, mesh.topology.corner_pairs)
+    kernel = compiled(len(mesh.triangles))
+    if kernel is None:
+        triangles = _flipped(mesh, field, (known, facing), passes, limit, near)
+    else:
+        tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
+        lines = None if limit is None else (field.lines(mesh.labels), limit)
+        triangles = kernel.flipped_faces(mesh.points, tables, (known, facing), lines, near, passes)
+    topology = mesh.topology if triangles is None else replace(mesh.topology, triangles=triangles)
+    return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
+
+
+def _flipped(
+    mesh: Labelled,
+    field: FaceField,
+    normals: tuple[Floats, Floats],
+    passes: int,
+    limit: float | None,
+    near: NDArray[np.bool_] | None,
+) -> Integers | None:
+    """The triangles after flips by numpy, by normals of pairs and of triangles; None where nothing was flipped."""
+    (known, facing), triangles, changed = normals, mesh.triangles.copy(), False
     rows = np.arange(len(triangles))
 
     def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
@@ -165,22 +188,27 @@ def flip(
         return result
 
     def about(first: Integers, second: Integers) -> Floats:
-        return normals[rows[first]] + normals[rows[second]]
+        return facing[rows[first]] + facing[rows[second]]
 
     for _ in range(passes):
         checkpoint()
         if near is not None:
-            rows = np.flatnonzero(near[triangles].any(axis=1))
+            rows = np.flatnonzero(any_of(near[triangles]))
         part = triangles[rows]
         owners = flip_once(mesh.points, part, about, mesh.labels[rows], None if limit is None else nearer, near)
         if not len(owners):
             break
-        normals[rows[owners]] = about(owners[:, 0], owners[:, 1])[:, None] / 2
+        facing[rows[owners]] = about(owners[:, 0], owners[:, 1])[:, None] / 2
         triangles[rows], changed = part, True
         near = np.zeros(len(mesh.points), dtype=bool)
         near[part[owners]] = True  # elsewhere nothing is left to flip
-    topology = replace(mesh.topology, triangles=triangles) if changed else mesh.topology
-    return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
+    return triangles if changed else None
+
+
+def _summed(values: Floats, rows: Integers) -> Floats:
+    """The sums (T, 3) of values (P, 3) in given rows (T, 3)."""
+    a, b, c = rows.T
+    return np.asarray(values[a] + values[b] + values[c])
 
 
 def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Floats:
@@ -190,7 +218,7 @@ def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Fl
     """
     along = points[edges[:, 1]] - points[edges[:, 0]]
     turn = normals[rows[:, 1]] - normals[rows[:, 0]]
-    return np.asarray(np.abs((along * turn).sum(axis=1)) / 8)
+    return np.asarray(np.abs(dots(along, turn)) / 8)
 
 
 def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Floats:
@@ -204,8 +232,8 @@ def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Fl
 
 def cosines(mesh: Labelled, field: FaceField, chosen: Integers | slice = slice(None)) -> Floats:
     """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
-    p = mesh.points[mesh.triangles[chosen]]
-    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    normal = pair_normals(mesh, field)[mesh.topology.corner_pairs[chosen]].sum(axis=1)
-    size = np.sqrt((area * area).sum(axis=1) * (normal * normal).sum(axis=1))
-    return np.asarray((area * normal).sum(axis=1) / np.maximum(size, 1e-300))
+    a, b, c = (mesh.points[column] for column in mesh.triangles[chosen].T)
+    area = cross(b - a, c - a)
+    normal = _summed(pair_normals(mesh, field), mesh.topology.corner_pairs[chosen])
+    size = np.sqrt(dots(area, area) * dots(normal, normal))
+    return np.asarray(dots(area, normal) / np.maximum(size, 1e-300))

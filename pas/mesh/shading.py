@@ -15,7 +15,8 @@ GROUPS = 8
 
 def unit_rows(vectors: Floats) -> Floats:
     """The vectors (..., 3) at length one; those of length 0 stay."""
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
+    x, y, z = (vectors[..., i] for i in range(3))
+    return np.asarray(vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-300)[..., None])
 
 
 def mean_normals(count: int, triangles: Integers, normals: Floats) -> Floats:

@@ -50,7 +50,7 @@ def mesh_apart(
             for j, other in enumerate(shells)
             if i != j
         ):
-            return _together(field, shells, meshes), max(reached)
+            return together(field, shells, meshes), max(reached)
     return None
 
 
@@ -59,7 +59,8 @@ def _points(mesh: Labelled) -> Floats:
     return np.concatenate([mesh.points, inner_points(mesh.points[mesh.triangles])])
 
 
-def _together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
+def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
+    """The mesh of a boundary from those of its surfaces, without the pieces of these that bound nothing."""
     points, triangles, labels, pinned, start = [], [], [], [], 0
     for shell, mesh in zip(shells, meshes, strict=True):
         kept = _bounding(field, shell, mesh)

@@ -11,16 +11,17 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers, RayField
-from pas.mesh.graded import AIM, Graph, fineness, finished, looked_at, remeshed
+from pas.mesh.graded import Graph, fineness, finished, looked_at, remeshed
 from pas.mesh.hull import hull
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import AIM
 from pas.mesh.radial import Edges
 
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
 
 
-def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
+def star(field: RayField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
     """A mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
 
     Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
@@ -28,7 +29,7 @@ def star(field: RayField, tolerance: float, most: int | None = None) -> Mesh:
     """
     if field.first is None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
-    graph = remeshed(field, field.first, AIM * tolerance * fineness(field, tolerance) ** 2)
+    graph = remeshed(field, field.first, aim * tolerance * fineness(field, tolerance) ** 2)
     require_once(field, graph.points[graph.rim < 0])
     return finished(field, graph, tolerance, most)
 

@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 from pas.mesh.collapse import coarsen
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
+from pas.mesh.quality import Quality
 from pas.mesh.remesh import edge_sags, pair_normals
+from pas.mesh.rows import any_of
 
 STRAIGHT, ALLOWED = 0.3, 0.25
 """An edge counts as straight whose middle is nearer to its face than that share of what the edges may be that take
 its place; and share of the tolerance that these may be off, where those that are there are not further."""
 
 
-def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float, slenderest: float) -> Labelled:
+def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float, quality: Quality) -> Labelled:
     """The mesh with few vertices on lines.
 
     Edges at each vertex may be off by a share of `aim` (N,), or as far as some are.
@@ -30,14 +32,14 @@ def coarser(mesh: Labelled, field: FaceField, aim: Floats, limit: float, slender
     off = edge_sags(mesh, field, chosen)[chosen]
     for ends in edges[chosen].T:
         np.maximum.at(allowed, ends, off)
-    return straightened(mesh, field, allowed, limit, slenderest)
+    return straightened(mesh, field, allowed, limit, quality)
 
 
-def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float, slenderest: float) -> Labelled:
+def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float, quality: Quality) -> Labelled:
     """The mesh without vertices on lines, as far as edges at vertices may be off (N,); none elsewhere goes.
 
     Edges on these faces that are off further than `limit` are flipped where that helps.  Triangles do not become more
-    slender than the `slenderest`, height over longest side.
+    slender than the `quality` allows.
     """
     vertices, labels = mesh.topology.pairs.T
     lines_meet = labels[~pair_normals(mesh, field).any(axis=1)]  # in an apex, about which triangles must stay short
@@ -49,7 +51,8 @@ def straightened(mesh: Labelled, field: FaceField, allowed: Floats, limit: float
 
     def straight(m: Labelled, numbers: Integers, fresh: NDArray[np.bool_]) -> Integers:
         edges, most = m.topology.edges, allowed[numbers]
-        close = np.where(fresh[edges].any(axis=1), STRAIGHT * most[edges].max(axis=1), 0.0)
+        close = np.where(any_of(fresh[edges]), STRAIGHT * most[edges].max(axis=1), 0.0)
         return np.flatnonzero(edge_sags(m, field, close > 0) < close)
 
+    slenderest = quality.slenderest(field.planes(np.arange(int(labels.max()) + 1)))
     return coarsen(mesh, field, straight, allowed, limit, slenderest)

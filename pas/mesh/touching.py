@@ -11,7 +11,7 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import cross
+from pas.mesh.rows import cross
 from pas.mesh.shading import unit_rows
 
 STEPS, STILL = 24, 1e-15

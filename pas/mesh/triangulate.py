@@ -19,9 +19,10 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
-from pas.mesh.graded import AIM, FOLDED, Graph, coarsened, fineness, finished, looked_at, remeshed
+from pas.mesh.graded import FOLDED, Graph, coarsened, fineness, finished, looked_at, remeshed
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import AIM
 from pas.mesh.radial import Edges, upright
 from pas.mesh.topology import edge_table, is_manifold, piece_count
 
@@ -48,7 +49,7 @@ FOLDS = 0.03
 """Share of folded triangles, and of such without area, that coarsening and smoothing may have to mend."""
 
 
-def triangulate(field: CellField, tolerance: float, most: int | None = None) -> Mesh:
+def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
     """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
@@ -57,7 +58,7 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None) -> 
     why = "there is no surface in the region: the function does not change sign"
     for first in field.beginnings:
         try:
-            return _from(field, first.graph, tolerance, most)
+            return _from(field, first.graph, tolerance, most, aim)
         except ArithmeticError as error:
             why = f"no good mesh was found: {error}{first.trouble}"
     raise MeshError(why)
@@ -131,9 +132,9 @@ def _finest(cells: Subdivision) -> bool:
     return cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
 
 
-def _from(field: CellField, graph: Graph, tolerance: float, most: int | None) -> Mesh:
+def _from(field: CellField, graph: Graph, tolerance: float, most: int | None, aim: float) -> Mesh:
     """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
-    coarse = AIM * tolerance * fineness(field, tolerance) ** 2
+    coarse = aim * tolerance * fineness(field, tolerance) ** 2
     graph = remeshed(field, coarsened(field, graph, coarse), coarse)
     if not field.within(graph.points):
         raise ArithmeticError("the mesh leaves the region")

@@ -11,13 +11,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, place_of
+from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.remesh import least_norm
+from pas.mesh.rows import cross, norms
+from pas.mesh.shading import unit_rows
 
 PLACES = 10
 """That are looked at, spread over those given."""
@@ -91,8 +95,8 @@ class _Place:
     def __init__(self, field: FaceField, place: Floats, spacing: float) -> None:
         self.field, self.place, self.spacing = field, place, spacing
         self.extent = float(np.ptp(field.box, axis=0).max())
-        count = len(field.signs(place[None]))
-        self.near = [c for c in range(count) if self._distance(place, c) < NEAR * spacing]
+        every = np.arange(len(field.signs(place[None])))
+        self.near: list[int] = every[self._distances(place, every) < NEAR * spacing].tolist()
 
     @property
     def worst(self) -> Found | None:
@@ -105,22 +109,23 @@ class _Place:
             point = self._critical(column)
             if point is not None and column in self._deciding(point, [column]):
                 yield "singular", self._names([column]), point
-            elif self._radius(column) < self.spacing:
+            elif self._radii[column] < self.spacing:
                 yield "bent", self._names([column]), self.place
-        for a, b in combinations(self.near, 2):
+        pairs = [*combinations(self.near, 2)]
+        for a, b in pairs:
             point = self._parallel(a, b)
             if point is not None and {a, b} <= {*self._deciding(point, [a, b])}:
                 touching = self._distance(point, a) <= ZERO * self.extent
                 yield "touch" if touching else "close", self._names([a, b]), point
-        for group in (self.near, *combinations(self.near, 2)):
-            yield from self._meeting(group)
+        for groups in ([self.near], pairs) if len(self.near) > 1 else ():
+            found = [(group, p) for group, p in zip(groups, self._common(groups), strict=True) if p is not None]
+            close = self._vanishing(np.array([p for _, p in found]).reshape(-1, 3))
+            for (group, point), zero in zip(found, close, strict=True):
+                yield from self._meeting(group, point, zero)
 
-    def _meeting(self, group: Sequence[int]) -> Iterator[Found]:
-        """What is wrong where functions vanish together."""
-        point = self._common(group) if len(group) > 1 else None
-        if point is None:
-            return
-        deciding = self._deciding(point, group)
+    def _meeting(self, group: Sequence[int], point: Floats, close: NDArray[np.bool_]) -> Iterator[Found]:
+        """What is wrong at a point where functions vanish together, those of `near` that are `close` (n,)."""
+        deciding = self._deciding(point, group, close)
         normals = np.array([self._normal(point, c) for c in deciding]).reshape(-1, 3)
         if len(deciding) == 2:
             kind = self._edge(point, deciding, normals)
@@ -143,9 +148,15 @@ class _Place:
         odd = alone.index(sum(alone) == 1)
         return "flat" if (180 - angle if odd in (0, 3) else angle) < FLAT else ""
 
-    def _deciding(self, point: Floats, group: Sequence[int]) -> list[int]:
-        """The functions that vanish at a point, with those of a group, and decide there what is inside."""
-        zero = [c for c in self.near if c in group or self._distance(point, c) <= ZERO * self.extent]
+    def _vanishing(self, points: Floats) -> NDArray[np.bool_]:
+        """Which functions of `near` vanish at points (K, 3), (K, n)."""
+        far = self._distances(np.repeat(points, len(self.near), axis=0), np.tile(self.near, len(points)))
+        return np.asarray(far.reshape(len(points), len(self.near)) <= ZERO * self.extent)
+
+    def _deciding(self, point: Floats, group: Sequence[int], close: NDArray[np.bool_] | None = None) -> list[int]:
+        """The functions that vanish at a point, those `close` (n,) or of a group, and decide there what is inside."""
+        close = self._vanishing(point[None])[0] if close is None else close
+        zero = [c for c, vanishes in zip(self.near, close, strict=True) if c in group or vanishes]
         if len(zero) > MOST_ACTIVE:
             return []
         inside = np.array(self._patterns(point, zero)).reshape((2,) * len(zero))
@@ -176,10 +187,10 @@ class _Place:
 
     def _parallel(self, a: int, b: int) -> Floats | None:
         """A point on one surface with the other's normal, less than the spacing away from that one."""
-        point = self._common([b])
+        point = self._feet[b]
         if point is None:
             return None
-        if self._sine(point, a, b) > 2 * FARTHEST * self.extent * (1 / self._radius(a) + 1 / self._radius(b)):
+        if self._turned[a, b] > 2 * FARTHEST * self.extent * (1 / self._radii[a] + 1 / self._radii[b]):
             return None  # they bend too little for their normals to become parallel
         scale = [1 / max(float(np.linalg.norm(self._jet(point, c)[1:])), 1e-300) for c in (a, b)]
         f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
@@ -199,17 +210,41 @@ class _Place:
         on = self._distance(point, b) < ZERO * self.extent and self._sine(point, a, b) < PARALLEL
         return point if on and self._distance(point, a) < self.spacing else None
 
-    def _common(self, group: Sequence[int]) -> Floats | None:
-        """A common zero of functions."""
-        point = self.place
+    @cached_property
+    def _feet(self) -> dict[int, Floats | None]:
+        """A point of each surface near the place."""
+        return dict(zip(self.near, self._common([[c] for c in self.near]), strict=True))
+
+    @cached_property
+    def _turned(self) -> dict[tuple[int, int], float]:
+        """Of each pair of surfaces the sine of the angle between their normals, at the foot of the second."""
+        result = {}
+        for b, foot in self._feet.items():
+            if foot is not None:
+                here = np.broadcast_to(foot, (len(self.near), 3))
+                units = unit_rows(self.field.jets(here, 2 * np.array(self.near))[:, 1:])
+                own = units[self.near.index(b)]
+                sines = norms(cross(units, np.broadcast_to(own, units.shape)))
+                result.update({(a, b): float(sine) for a, sine in zip(self.near, sines, strict=True)})
+        return result
+
+    def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
+        """A common zero of the functions of each group, all of one length; None where there is none nearby."""
+        labels = 2 * np.array(groups, dtype=np.intp)
+        points, active = np.tile(self.place, (len(groups), 1)), np.arange(len(groups))
+        there = np.ones(len(groups), dtype=bool)
         for _ in range(STEPS):
-            step = self._step(-least_norm(self.field, tuple(2 * c for c in group), point[None])[0])
-            point = point + step
-            if not np.isfinite(point).all() or self._far(point):
-                return None
-            if np.abs(step).max() < ZERO * self.spacing:
+            if not len(active):
                 break
-        return point if max(self._distance(point, c) for c in group) <= ZERO * self.extent else None
+            step = -least_norm(self.field, labels[active], points[active])
+            step *= np.minimum(1.0, NEAR * self.spacing / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
+            points[active] += step
+            away = np.linalg.norm(points[active] - self.place, axis=1)
+            there[active] = away <= FARTHEST * self.extent  # not where it is no number
+            active = active[there[active] & (np.abs(step).max(axis=1) >= ZERO * self.spacing)]
+        for row in np.flatnonzero(there).tolist():
+            there[row] = self._distances(points[row], groups[row]).max() <= ZERO * self.extent
+        return [point if good else None for point, good in zip(points, there, strict=True)]
 
     def _solve(self, matrix: Floats, right: Floats) -> Floats:
         if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
@@ -227,8 +262,13 @@ class _Place:
         return self.field.jets(point[None], 2 * column)[0]
 
     def _distance(self, point: Floats, column: int) -> float:
-        value, *gradient = self._jet(point, column)
-        return float(abs(value) / max(float(np.linalg.norm(gradient)), 1e-300))
+        return float(self._distances(point, [column])[0])
+
+    def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
+        """Of points (N, 3), or of one, from the surfaces of functions (N,), to first order."""
+        labels = 2 * np.asarray(columns, dtype=np.intp)
+        jets = self.field.jets(np.broadcast_to(points, (len(labels), 3)), labels)
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), 1e-300))
 
     def _normal(self, point: Floats, column: int) -> Floats:
         gradient = self._jet(point, column)[1:]
@@ -245,10 +285,11 @@ class _Place:
         slopes = (around[:3] - around[3:]) / (2 * step)
         return np.asarray(slopes + slopes.T) / 2
 
-    def _radius(self, column: int) -> float:
-        """The radius of curvature where a surface bends most."""
-        bend = float(np.abs(self._slopes(self.place, column)).max())
-        return float(np.linalg.norm(self._jet(self.place, column)[1:])) / max(bend, 1e-300)
+    @cached_property
+    def _radii(self) -> dict[int, float]:
+        """The radius of curvature of each surface where it bends most."""
+        bends = {c: float(np.abs(self._slopes(self.place, c)).max()) for c in self.near}
+        return {c: float(np.linalg.norm(self._jet(self.place, c)[1:])) / max(b, 1e-300) for c, b in bends.items()}
 
     def _names(self, columns: Sequence[int]) -> str:
         times = Counter(self.field.face(2 * c) for c in columns)

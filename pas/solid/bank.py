@@ -8,15 +8,15 @@ about the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cache, cached_property
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import CHUNK_ENTRIES, evaluate, horner
+from pas.algebra.kernels import CHUNK_ENTRIES, evaluate
 from pas.algebra.monomials import Floats, count, exponents, positions
 from pas.algebra.polynomial import Polynomial
-from pas.limits import checkpoint
 from pas.solid.tree import Bools
 
 Integers = NDArray[np.intp]
@@ -24,13 +24,18 @@ Integers = NDArray[np.intp]
 BOX_CHUNK = 1 << 22
 """Numbers held at once while boxes are bounded."""
 
+MOST_BENT, TOGETHER = 5, 4096
+"""Degree above which boxes have too many B-coefficients for what they tell; and boxes of which all are held at once."""
+
+NOISE = 1e-13
+"""Over what a polynomial may change in a box: what rounding leaves unknown of its B-coefficients."""
+
 
 class Bank:
     """M polynomials as doubles."""
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
         self.polynomials = tuple(polynomials)
-        self._jet_tables: dict[int, Floats] = {}
 
     def __len__(self) -> int:
         return len(self.polynomials)
@@ -47,56 +52,14 @@ class Bank:
         """Values (M, N) at points (N, 3)."""
         return evaluate(points, self._matrix).T if len(self) else np.empty((0, len(points)))
 
-    def jets(self, number: int, points: Floats) -> Floats:
-        """Values and gradients (N, 4) of one polynomial at points (N, 3)."""
-        checkpoint()
-        degree = max(self.polynomials[number].degree, 0)
-        if number not in self._jet_tables:
-            p = self.polynomials[number]
-            self._jet_tables[number] = np.stack([q.dense(degree) for q in (p, *map(p.diff, range(3)))])
-        values = np.empty((4, len(points)))
-        horner(self._jet_tables[number], degree, np.ascontiguousarray(points.T), values)
-        return values.T
-
-    def jets_of(self, numbers: Integers, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3), each of a polynomial of its own (N,).
-
-        Planes and quadrics, of which machines have hundreds, are evaluated together.
-        """
-        result = np.empty((len(points), 4))
-        table, low = self._quadrics
-        rows = np.flatnonzero(low[numbers])
-        p, (constant, slopes, bends) = points[rows], np.split(table[numbers[rows]], (1, 4), axis=1)
-        bent = np.einsum("nij,nj->ni", bends.reshape(-1, 3, 3), p)
-        result[rows, 0] = constant[:, 0] + ((slopes + bent / 2) * p).sum(axis=1)
-        result[rows, 1:] = slopes + bent
-        rows = np.flatnonzero(~low[numbers])
-        rows = rows[np.argsort(numbers[rows], kind="stable")]
-        for own in np.split(rows, np.flatnonzero(np.diff(numbers[rows])) + 1):
-            if len(own):
-                result[own] = self.jets(int(numbers[own[0]]), points[own])
-        return result
-
-    @cached_property
-    def _quadrics(self) -> tuple[Floats, Bools]:
-        """Value, gradient and second derivatives at 0 (M, 13) of polynomials, and which (M,) are told by these."""
-        low = np.array([p.degree <= 2 for p in self.polynomials], dtype=bool)
-        table = np.zeros((len(self), 13))
-        for row in np.flatnonzero(low):
-            p = self.polynomials[row]
-            slopes = [p.diff(i) for i in range(3)]
-            known = (p, *slopes, *(s.diff(i) for s in slopes for i in range(3)))
-            table[row] = [q.dense(max(q.degree, 0))[0] for q in known]
-        return table, low
-
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3), or (1, 3) for all."""
         yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)
         for expansion in self._expansions:
             for part, values, powers in expansion.about(centers, halves):
-                change = (np.abs(values[:, :, 1:]) @ powers[:, 1:, None])[..., 0]
-                yes[expansion.rows, part] = (values[:, :, 0] + change <= 0).T
-                no[expansion.rows, part] = (values[:, :, 0] - change > 0).T
+                below, above = expansion.range_of(values, powers)
+                yes[expansion.rows, part] = (above <= 0).T
+                no[expansion.rows, part] = (below > 0).T
         return yes, no
 
     def slopes(self, chosen: Integers, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
@@ -150,7 +113,7 @@ class _Expansion:
     """Taylor expansions of some of the polynomials (their `rows`), all of one degree."""
 
     def __init__(self, polynomials: Sequence[Polynomial], rows: Integers, degree: int) -> None:
-        self.rows, self.exponents = rows, np.array(exponents(degree))
+        self.rows, self.degree, self.exponents = rows, degree, np.array(exponents(degree))
         where = positions(degree)
         size = len(self.exponents)
         self._table = np.zeros((size, len(rows), size))
@@ -176,10 +139,42 @@ class _Expansion:
                 self._powers(halves if len(halves) == 1 else halves[part]),
             )
 
+    def range_of(self, values: Floats, powers: Floats) -> tuple[Floats, Floats]:
+        """The least and greatest values (n, count) that polynomials may have in boxes; see `about`.
+
+        By the Taylor expansion, and where that leaves the sign open by B-coefficients: blends touch the walls in which
+        they end, and beside a multiple zero the terms are large, of opposite signs.
+        """
+        middle, powers = values[:, :, 0], np.broadcast_to(powers, (len(values), powers.shape[1]))
+        change = (np.abs(values[:, :, 1:]) @ powers[:, 1:, None])[..., 0]
+        below, above = middle - change, middle + change
+        boxes, members = np.nonzero((below <= 0) & (above > 0) & (2 <= self.degree <= MOST_BENT))
+        for start in range(0, len(boxes), TOGETHER):
+            row, member = boxes[start : start + TOGETHER], members[start : start + TOGETHER]
+            forms = (values[row, member] * powers[row]) @ b_forms(self.degree)
+            noise = NOISE * change[row, member]
+            below[row, member], above[row, member] = forms.min(axis=1) - noise, forms.max(axis=1) + noise
+        return below, above
+
     def _powers(self, half: Floats) -> Floats:
         """`r^a` for all exponents (N, count)."""
-        powers = half[..., None] ** np.arange(self.exponents.max() + 1)
-        return np.asarray(np.prod([powers[:, axis, self.exponents[:, axis]] for axis in range(3)], axis=0))
+        powers = np.ones((*half.shape, int(self.exponents.max()) + 1))
+        np.multiply.accumulate(np.broadcast_to(half[..., None], powers[..., 1:].shape), axis=-1, out=powers[..., 1:])
+        x, y, z = (powers[:, axis, self.exponents[:, axis]] for axis in range(3))
+        return np.asarray(x * y * z)
+
+
+@cache
+def b_forms(degree: int) -> Floats:
+    """The matrix (count, (degree + 1)^3) from coefficients to B-coefficients of degree n in each of three in [-1, 1].
+
+    Those of `u^a` are its polar form at i ones and n - i times -1: mean products of a of these.
+    """
+    ends = [np.repeat([1.0, -1.0], [i, degree - i]) for i in range(degree + 1)]
+    sums = np.array([np.poly(-e) for e in ends]).T  # of all products of a of them
+    polar = sums / np.array([comb(degree, a) for a in range(degree + 1)])[:, None]
+    x, y, z = (polar[[e[axis] for e in exponents(degree)]] for axis in range(3))
+    return np.asarray(np.einsum("ai,aj,ak->aijk", x, y, z).reshape(len(x), -1))
 
 
 def _shift_operator(degree: int, axis: int) -> Floats:

@@ -29,11 +29,17 @@ PARTS = 32
 EVERYWHERE = 3
 """Halvings of all boxes, after which only those at the sides of their hull are halved."""
 
+AT_ONCE = 300
+"""Boxes that are halved together though not all of them are at the sides of the hull: rounds take time as well."""
+
 OCTAVES = 30
 """Sizes of the boxes about the origin with which the search begins where planes do not bound the set."""
 
 SLACK = 1e-9
 """By which the boxes of planes are larger, over what they measure, for rounding."""
+
+NOTHING = np.array([[np.inf] * 3, [-np.inf] * 3])
+"""The box of no points."""
 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -43,7 +49,12 @@ def bounding_box(tree: Tree) -> Floats:
 
     Raises `GeometryError` where the set is empty or extends too far to be bounded.
     """
-    boxes = [box for part in _branches(tree) if (box := _branch_box(part)) is not None]
+    boxes, seen = [], NOTHING
+    for part in _branches(tree):
+        found = _branch_box(part, seen)
+        if found is not None:
+            boxes.append(found[0])
+            seen = found[1]
     if not boxes:
         raise GeometryError("the solid is empty: no point satisfies all of its inequalities")
     return _hull(boxes)
@@ -56,18 +67,19 @@ def _branches(tree: Tree) -> list[Tree]:
     return [tree]
 
 
-def _branch_box(tree: Tree) -> Floats | None:
+def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
+    """See `_shrunk`."""
     program = Program(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
     if start is None:
         return None
     try:
-        return _shrunk(program, start)
+        return _shrunk(program, start, seen)
     except GeometryError:
         within = _within_unions(tree, start)
         if (within == start).all():
             raise
-        return _shrunk(program, within)
+        return _shrunk(program, within, seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
@@ -150,13 +162,13 @@ def _programmed(matrix: Floats, box: Floats) -> Floats | None:
     return np.asarray(ends + np.array([[-1.0], [1.0]]) * SLACK * (1 + np.abs(ends)))
 
 
-def _shrunk(program: Program, start: Floats) -> Floats | None:
+def _shrunk(program: Program, start: Floats, seen: Floats) -> tuple[Floats, Floats] | None:
     """The hull of the boxes that cannot be ruled out, halved until those at its sides are small beside it.
 
-    A side is left as it is where points of the set come that near to it.
+    Also the box of all points seen: of the set, and of others in the box `seen`.  A side is left as it is where such
+    points come that near to it.
     """
     known, new = (np.empty((0, 3)), np.empty((0, 3))), _first_boxes(start)
-    seen = np.array([[np.inf] * 3, [-np.inf] * 3])
     for level in range(LEVELS):
         checkpoint(f"bounding a solid ({len(new[0])} boxes)")
         yes, no = program.taylor(*new)
@@ -169,7 +181,8 @@ def _shrunk(program: Program, start: Floats) -> Floats | None:
         seen = _hull([seen, *np.repeat(within[:, None], 2, axis=1)])
         hull = np.stack([(centers - halves).min(axis=0), (centers + halves).max(axis=0)])
         large = 2 * halves * PARTS >= np.ptp(hull, axis=0)
-        open_ = large.any(axis=1) & (_at_sides(centers, halves, hull, seen) if level >= EVERYWHERE else True)
+        further = _beyond(centers, halves, seen) if level < EVERYWHERE else _at_sides(centers, halves, hull, seen)
+        open_ = large.any(axis=1) & further
         if not open_.any() or len(centers) > MOST_BOXES:
             break
         known, new = (centers[~open_], halves[~open_]), _halved(centers[open_], halves[open_], large[open_])
@@ -178,16 +191,23 @@ def _shrunk(program: Program, start: Floats) -> Floats | None:
             "the solid is unbounded or too large: it goes on beyond "
             f"{_describe(hull)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"
         )
-    return hull
+    return hull, seen
+
+
+def _beyond(centers: Floats, halves: Floats, seen: Floats) -> Bools:
+    """Which boxes are not within another one."""
+    return np.asarray(((centers - halves < seen[0]) | (centers + halves > seen[1])).any(axis=1))
 
 
 def _at_sides(centers: Floats, halves: Floats, hull: Floats, seen: Floats) -> Bools:
-    """Which boxes are at sides of their hull that are further out than all points that were seen of the set."""
+    """Which boxes are further out than all points seen; where these are many, only those at the hull's sides."""
     near = np.ptp(hull, axis=0) / PARTS
     low, high = centers - halves, centers + halves
-    lowest = (low < seen[0] - near) & (low - halves <= hull[0])
-    highest = (high > seen[1] + near) & (high + halves >= hull[1])
-    return np.asarray((lowest | highest).any(axis=1))
+    lowest, highest = low < seen[0] - near, high > seen[1] + near
+    result = (lowest | highest).any(axis=1)
+    if result.sum() > AT_ONCE:
+        result = ((lowest & (low - halves <= hull[0])) | (highest & (high + halves >= hull[1]))).any(axis=1)
+    return np.asarray(result)
 
 
 def _halved(centers: Floats, halves: Floats, along: Bools) -> tuple[Floats, Floats]:

@@ -3,30 +3,56 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.solid.tree import Bools
+from pas.solid.tree import Atom, Bools, Tree, image, mapped
 
 CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 """Of a cube about the origin."""
 
 
+@dataclass(frozen=True)
+class Followed:
+    """Faces, by name, of a set from which something is a distance, and the names of all of its faces."""
+
+    tree: Tree
+    faces: frozenset[str]
+    all: frozenset[str]
+
+    def moved(self, map_: Affine) -> Followed:
+        """The image under an affine map."""
+
+        def move(atom: Atom) -> Atom:
+            return replace(atom, function=image(atom.function, map_))
+
+        return replace(self, tree=mapped(self.tree, move))
+
+
 class Distance(ABC):
-    """A function whose values change by at most 1 per unit of length, such as a distance less a radius."""
+    """A function whose values change by at most 1 per unit of length, such as a distance less a radius.
+
+    `follows` are the faces of a set, if any, on which it is negative: it is a distance from them, less a thickness.
+    """
+
+    follows: Followed | None = None
 
     @abstractmethod
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3)."""
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
-        """Whether it is certainly <= 0, and certainly > 0, in boxes: the values are within half a diagonal."""
-        value, reach = self.jets(centers)[:, 0], np.sqrt((halves * halves).sum(axis=1))
-        return value + reach <= 0, value - reach > 0
+        """Whether it is certainly <= 0, and certainly > 0, in boxes: in the balls about them."""
+        return self.decided_within(centers, np.sqrt((halves * halves).sum(axis=1)))
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
+        value = self.jets(centers)[:, 0]
+        return value + radii <= 0, value - radii > 0
 
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
@@ -48,9 +74,18 @@ class Moved(Distance):
     map: Affine
     factor: float
 
+    @property
+    def follows(self) -> Followed | None:  # type: ignore[override]
+        """The images of the faces that the inner one follows."""
+        return self.inner.follows and self.inner.follows.moved(self.map)
+
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4)."""
         jets = self.inner.jets(self.map.inverse.points(points))
         jets[:, 0] *= self.factor
         jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
         return jets
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """What the inner one says of the balls before they were moved."""
+        return self.inner.decided_within(self.map.inverse.points(centers), radii / self.factor)

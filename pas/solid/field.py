@@ -19,7 +19,7 @@ from pas.errors import GeometryError
 from pas.mesh.field import FaceField
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
-from pas.solid.separate import apart, cavities
+from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
 from pas.solid.tree import Function, Tree
 
 Integers = NDArray[np.intp]
@@ -65,11 +65,23 @@ class SolidField:
         tree, box, seams, special = self._made_of
         for part, others in cavities(tree, box):
             inner, outer = (SolidField(t, box, (), special) for t in (part, others))
-            if apart(inner.program, outer.program, self.box):
+            if is_shell(part, others) or apart(inner.program, outer.program, self.box):
                 fields = [
                     SolidField(t, box, seams, special[_on(f, special)]) for t, f in ((part, inner), (others, outer))
                 ]
                 return [shell for found in fields for shell in found.shells()]
+        return [self]
+
+    def touching(self) -> list[SolidField]:
+        """The surfaces of the boundary that meet in points at most, at which both have a special point."""
+        tree, box, seams, special = self._made_of
+        for part, others in pieces(tree, box):
+            inner, outer = (SolidField(t, box, (), special) for t in (part, others))
+            points = contacts(inner.program, outer.program, self.box)
+            if points is not None:
+                known = np.concatenate([special, self.world(points)])
+                fields = [SolidField(t, box, seams, known[_on(f, known)]) for t, f in ((part, inner), (others, outer))]
+                return [surface for found in fields for surface in found.touching()]
         return [self]
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
@@ -138,15 +150,17 @@ class SolidField:
 
     def jets(self, points: Floats, label: int | Integers) -> Floats:
         """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside."""
-        if isinstance(label, np.ndarray):
-            signs = 1.0 - 2.0 * (label % 2)
-            return self.program.jets_of(points, label // 2) * signs[:, None]
-        jets = self.program.jets(points, label // 2)
-        return -jets if label % 2 else jets
+        labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
+        return self.program.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
 
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
         return self._lines[labels // 2]
+
+    def planes(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether labels' functions (N,) are planes (N,)."""
+        functions = [c.function for c in self.program.columns[: self.program.used]]
+        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])[labels // 2]
 
     def without_lines(self) -> SolidField:
         """The same, none of whose faces is said to have straight lines; itself if none has."""

@@ -18,6 +18,7 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.solid.bank import Bank
 from pas.solid.gates import Branch, Code, Gates, Leaf
+from pas.solid.jets import Jets
 from pas.solid.tree import Atom, Bools, Field, Function, Tree
 
 Integers = NDArray[np.intp]
@@ -117,25 +118,17 @@ class Program:
         chosen = self._gates.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
-    def jets_of(self, points: Floats, numbers: Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3), each of a column of its own (N,)."""
-        if len(numbers) and (numbers == numbers[0]).all():
-            return self.jets(points, int(numbers[0]))
-        result = np.empty((len(points), 4))
-        banked = np.isin(numbers, self._rows)
-        result[banked] = self._bank.jets_of(np.searchsorted(self._rows, numbers[banked]), points[banked])
-        for number in np.unique(numbers[~banked]):
+    def jets(self, points: Floats, numbers: Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3), each of a column of its own (N,), extra ones included."""
+        places = self._places[numbers]
+        if places.min(initial=0) >= 0:
+            return self._jets(points, places)
+        result, known = np.empty((len(points), 4)), places >= 0
+        result[known] = self._jets(points[known], places[known])
+        for number in np.unique(numbers[~known]):
             rows = numbers == number
-            result[rows] = self.jets(points[rows], int(number))
+            result[rows] = self._field_jets(int(number), points[rows])
         return result
-
-    def jets(self, points: Floats, number: int) -> Floats:
-        """Values and gradients (N, 4) of a column, extra ones included, at points (N, 3)."""
-        if number in self._fields:
-            return self._field_jets(number, points)
-        if number >= self.used:
-            return self._extra.jets(number - self.used, points)
-        return self._bank.jets(int(np.searchsorted(self._rows, number)), points)
 
     def _field_jets(self, number: int, points: Floats) -> Floats:
         """Values and gradients (N, 4) of a column that is no polynomial, in local coordinates."""
@@ -181,9 +174,18 @@ class Program:
         return np.array(found, dtype=np.intp), np.array(turned, dtype=bool)
 
     @cached_property
-    def _extra(self) -> Bank:
-        """The extra columns in local coordinates."""
-        return Bank([self._localised(c.function) for c in self.columns[self.used :]])  # type: ignore[arg-type]
+    def _places(self) -> Integers:
+        """Of each column its number in `_jets`, -1 where it is no polynomial."""
+        result = np.full(len(self.columns), -1, dtype=np.intp)
+        known = np.array([i for i in range(len(self.columns)) if i not in self._fields], dtype=np.intp)
+        result[known] = np.arange(len(known))
+        return result
+
+    @cached_property
+    def _jets(self) -> Jets:
+        """The polynomials of all columns, extra ones after those of the tree."""
+        extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
+        return Jets([*self._bank.polynomials, *extra])
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""

@@ -7,39 +7,78 @@ such that the gradients cancel, has one sign in it, so that f and g do not vanis
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.bank import Bank
 from pas.solid.bounds import bounding_box
+from pas.solid.distance import Distance
 from pas.solid.program import Program
-from pas.solid.tree import Node, Tree, combined, complement
+from pas.solid.tree import Atom, Node, Tree, combined, complement
 
 LEVELS, MOST = 14, 20_000
 """How often cubes are halved, and how many may be left on the way."""
 
+MOST_CONTACTS, NEAR = 100, 40.0
+"""Points in which boundaries may touch; how far around each cubes are left, over their half edge."""
+
+STEPS, STILL, MET = 30, 1e-15, 1e-12
+"""Of Newton's method for a point of contact, in local coordinates: its length, and that of a step and a distance there
+that are rounding."""
+
+BESIDE, FLATTEST = 1e-2, 1e-3
+"""How far from a cube a contact may be; the least difference of curvatures there, both in local coordinates."""
+
+SLACK = 1 / 16
+"""Share of a box by which that of a hollow may be larger, where it touches the sides: boxes are known no better."""
+
 MOST_PARTS = 8
-"""Parts of an intersection that are tried one by one."""
+"""Parts of an intersection whose boxes are looked for one by one."""
 
 
-def cavities(tree: Tree, box: Floats) -> list[tuple[Tree, Tree]]:
-    """The parts of an intersection whose complements lie within a box (2, 3), each with the others' intersection."""
-    if not isinstance(tree, Node) or tree.union or not 1 < len(tree.parts) <= MOST_PARTS:
-        return []
-    result = []
+def cavities(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
+    """The parts of an intersection whose complements lie within a box (2, 3), each with the others' intersection.
+
+    So does that of a shell's wall, which is within the others.
+    """
+    if not isinstance(tree, Node) or tree.union:
+        return
     for part in tree.parts:
-        try:
-            inner = bounding_box(complement(part))
-        except GeometryError:
-            continue
-        if (inner[0] >= box[0]).all() and (inner[1] <= box[1]).all():
-            result.append((part, combined(False, *(other for other in tree.parts if other is not part))))
-    return result
+        others = combined(False, *(other for other in tree.parts if other is not part))
+        if is_shell(part, others) or (len(tree.parts) <= MOST_PARTS and _is_within(complement(part), box)):
+            yield part, others
+
+
+def pieces(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
+    """The same, and each part of a union with the union of the others."""
+    yield from cavities(tree, box + SLACK * np.ptp(box, axis=0) * np.array([[-1.0], [1.0]]))
+    if isinstance(tree, Node) and tree.union and len(tree.parts) <= MOST_PARTS:
+        for part in tree.parts:
+            yield part, combined(True, *(other for other in tree.parts if other is not part))
+
+
+def _is_within(tree: Tree, box: Floats) -> bool:
+    """Whether a set lies in a box (2, 3), and is not empty."""
+    try:
+        own = bounding_box(tree)
+    except GeometryError:
+        return False
+    return bool((own[0] >= box[0]).all() and (own[1] <= box[1]).all())
+
+
+def is_shell(wall: Tree, tree: Tree) -> bool:
+    """Whether a set is what is within a thickness of any face of a tree, so that its boundary keeps that distance."""
+    parts = wall.parts if isinstance(wall, Node) and wall.union else (wall,)
+    followed = [p.function.follows for p in parts if isinstance(p, Atom) and isinstance(p.function, Distance)]
+    kept = {face for f in followed if f for face in f.faces}
+    return len(followed) == len(parts) and all(f and f.tree == tree and f.all <= kept for f in followed)
 
 
 def apart(first: Program, second: Program, box: Floats) -> bool:
@@ -47,17 +86,88 @@ def apart(first: Program, second: Program, box: Floats) -> bool:
 
     False where that is not shown.
     """
+    return not len(close(first, second, box)[0])
+
+
+def close(first: Program, second: Program, box: Floats) -> tuple[Floats, float]:
+    """The centres (N, 3) of the cubes in which two boundaries may meet, and their half edge: small, or many."""
     centers, half = box.mean(axis=0)[None], np.ptp(box, axis=0) / 2 * (1 + 1e-9)
-    for _ in range(LEVELS):
+    for level in range(LEVELS):
         checkpoint(f"telling surfaces apart ({len(centers)} cubes)")
         centers = centers[_may_meet(first, second, centers, half[None])]
-        if not len(centers):
-            return True
-        if len(centers) > MOST:
+        if not len(centers) or len(centers) > MOST or level == LEVELS - 1:
             break
         half = half / 2
         centers = np.concatenate([centers + half * np.array(side) for side in product((-1, 1), repeat=3)])
-    return False
+    return centers, float(half.max())
+
+
+def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
+    """The points (N, 3) in which two boundaries touch and do not cross; None where they may meet elsewhere.
+
+    That they meet nowhere else is proved, up to cubes of a 2^14th of the box around these points; in them, that the
+    difference of the two functions is definite across the common normal, so that one boundary stays on one side of the
+    other, is measured, as is the touching: it is so to rounding.
+    """
+    centers, half = close(first, second, box)
+    result: list[Floats] = []
+    while len(centers):
+        point = None if len(result) == MOST_CONTACTS or len(centers) > MOST else _contact(first, second, centers[0])
+        if point is None:
+            return None
+        around = np.abs(centers - point).max(axis=1) <= NEAR * half
+        if not around[0]:
+            return None
+        result.append(point)
+        centers = centers[~around]
+    return np.array(result).reshape(-1, 3)
+
+
+def _contact(first: Program, second: Program, start: Floats) -> Floats | None:
+    """Where two functions touch near a point without crossing; None where no pair does, or more than one."""
+    pairs = [
+        (p, q) for i, j in product(_near(first, start), _near(second, start))
+        if (p := first.polynomial(i)) is not None and (q := second.polynomial(j)) is not None
+    ]  # fmt: skip
+    found = [point for p, q in pairs if (point := _kiss(p, q, start)) is not None]
+    return found[0] if len(pairs) == len(found) == 1 else None
+
+
+def _near(program: Program, point: Floats) -> list[int]:
+    """The faces that pass near a point."""
+    jets = program.jets(np.repeat(point[None], program.used, axis=0), np.arange(program.used))
+    return [i for i, (value, *slope) in enumerate(jets) if abs(value) <= BESIDE * np.linalg.norm(slope)]
+
+
+def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
+    """The point near another at which p = q = 0 and p - m q has no gradient, by Newton's method for (x, m).
+
+    None where it is not found, or p - m q is not definite there across the normal.
+    """
+    if max(p.degree, q.degree) < 2:
+        return None  # planes
+    slopes = [[f.diff(i) for i in range(3)] for f in (p, q)]
+    jets = Bank([f for f, g in zip((p, q), slopes, strict=True) for f in (f, *g)])
+    bends = Bank([g.diff(i) for own in slopes for g in own for i in range(3)])
+    point, factor = start.copy(), None
+    for _ in range(STEPS):
+        values = jets.values(point[None])[:, 0].reshape(2, 4)
+        hessians = bends.values(point[None])[:, 0].reshape(2, 3, 3)
+        (_, *a), (_, *b) = values
+        across = np.array(a), np.array(b)
+        factor = across[0] @ across[1] / max(across[1] @ across[1], 1e-300) if factor is None else factor
+        bend = hessians[0] - factor * hessians[1]
+        matrix = np.block([[bend, -across[1][:, None]], [across[0][None], np.zeros((1, 1))]])
+        rest = np.append(across[0] - factor * across[1], values[0, 0])
+        step, *_ = np.linalg.lstsq(matrix, -rest, rcond=None)
+        point, factor = point + step[:3], factor + step[3]
+        if np.linalg.norm(step[:3]) < STILL:
+            break
+    size = np.linalg.norm(values[:, 1:], axis=1)
+    tangents = np.linalg.svd(across[0][None])[2][1:]
+    curvatures = np.linalg.eigvalsh(tangents @ bend @ tangents.T) / max(size[0], 1e-300)
+    met = (np.abs(values[:, 0]) <= MET * size).all() and np.linalg.norm(point - start) < BESIDE
+    return point if met and curvatures.prod() > 0 and np.abs(curvatures).min() > FLATTEST else None
 
 
 def _may_meet(first: Program, second: Program, centers: Floats, half: Floats) -> NDArray[np.bool_]:

@@ -1,8 +1,9 @@
 """Shells: the part of a solid within a thickness of its faces.
 
-The wall is where the solid's points are at most the thickness from the faces that are kept.  Distances are
-exact to rounding where the thickness is below the faces' radii of curvature: the foot of a point is found
-on the faces' own functions, from the nearest vertex of a mesh.  Faces that meet in sharp convex edges
+The wall is where the solid's points are at most the thickness from the faces that are kept.  Distances count as
+negative outside, so that a wall has one side, however thin it is, and are exact to rounding where the thickness is
+below the faces' radii of curvature: the foot of a point is found on the faces' own functions, from the nearest vertex
+of a mesh.  Faces that meet in sharp convex edges
 have inner faces of their own, which meet in sharp edges as well; faces that continue each other share
 one, and so do faces that meet in a groove, whose inner face is round there.
 """
@@ -23,12 +24,12 @@ from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Integers
-from pas.mesh.improve import cross
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import split
 from pas.mesh.remesh import least_norm, project
+from pas.mesh.rows import cross
 from pas.solid.bounds import bounding_box
-from pas.solid.distance import Distance
+from pas.solid.distance import Distance, Followed
 from pas.solid.field import SolidField
 from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
 
@@ -50,15 +51,28 @@ BESIDE = 1e-7
 
 @dataclass(frozen=True)
 class _Target:
-    """A face (one label), or the groove between two, with its mesh's vertices."""
+    """A face (one label), the groove between two, or all faces together, with its mesh's vertices.
+
+    `normals` (N, 3) at the vertices, of any length, point outwards.
+    """
 
     labels: tuple[int, ...]
     vertices: Floats
+    normals: Floats
     tree: cKDTree
 
 
+@dataclass(frozen=True)
+class _Feet:
+    """The nearest points (N, 3) of faces, the outward normals there, and the least (N,) that the distance may be."""
+
+    points: Floats
+    normals: Floats
+    least: Floats
+
+
 class Near(Distance):
-    """The distance from some faces of a solid, less a thickness.
+    """The distance from some faces of a solid, less a thickness; outside the solid and the faces that negative.
 
     `faces` are names, `tolerance` is that of the mesh from which feet are looked for.
     """
@@ -67,55 +81,79 @@ class Near(Distance):
         self.solid, self.faces, self.thickness, self.tolerance = solid, tuple(faces), thickness, tolerance
         mesh, field = _dense(solid, tolerance), solid.field
         self._field, self._scale = field, field.scale
-        labels = [int(label) for label in np.unique(mesh.labels) if field.face(int(label)) in self.faces]
+        names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
+        labels = [label for label, name in names.items() if name in self.faces]
+        self.follows = Followed(solid.tree, frozenset(self.faces), frozenset(names.values()))
         triangles = mesh.triangles[np.isin(mesh.labels, labels)]
-        self._targets = [_target(mesh, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
+        self._targets = [_target(mesh, field, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
         edges = Edges.of(mesh, field)
         for a, b in sorted({(int(a), int(b)) for a, b in np.sort(edges.labels[edges.grooves], axis=1)}):
             if a in labels and b in labels:
                 chosen = edges.grooves & (np.sort(edges.labels, axis=1) == (a, b)).all(axis=1)
-                self._targets.append(_target(mesh, (a, b), edges.ends[chosen]))
-        self._all = _target(mesh, (), triangles)
+                self._targets.append(_target(mesh, field, (a, b), edges.ends[chosen]))
+        self._all = _target(mesh, field, tuple(labels), triangles)
         sides = mesh.points[triangles] - mesh.points[np.roll(triangles, 1, axis=1)]
         self._longest = float(np.sqrt((sides * sides).sum(axis=2).max()))
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4); far from the value 0 they are those of the nearest vertex."""
         local = self._field.program.local(points)
-        distance, index = self._all.tree.query(local)
-        feet = self._all.vertices[index]
+        feet = self._nearest(local)
+        away = local - feet.points
+        distance = np.linalg.norm(away, axis=1)
+        side = np.where(self._outside(local, feet), -1.0, 1.0)
+        gradient = away * (side / np.maximum(distance, 1e-300))[:, None]
+        return np.concatenate([(side * distance * self._scale - self.thickness)[:, None], gradient], axis=1)
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in balls.
+
+        Where a ball is neither certainly in the solid nor outside, only what holds of its points in the solid is said.
+        """
+        local, reach = self._field.program.local(centers), radii / self._scale
+        feet, aim = self._nearest(local), self.thickness / self._scale
+        outside, most = self._outside(local, feet), np.linalg.norm(local - feet.points, axis=1)
+        below = most + reach <= aim  # on either side
+        rows = np.flatnonzero(outside & (feet.least > reach))
+        program, half = self._field.program, np.repeat(reach[rows, None], 3, axis=1)
+        below[rows] = program.decided(*program.taylor(local[rows], half))[1]
+        return below, ~outside & (feet.least - reach > aim)
+
+    def _outside(self, points: Floats, feet: _Feet) -> Bools:
+        """Which points are outside the solid, and on the outer side of the faces that are followed."""
+        beyond = ((points - feet.points) * feet.normals).sum(axis=1) > 0
+        beyond[beyond] = ~self._field.inside(self._field.signs(points[beyond]))
+        return np.asarray(beyond)
+
+    def _nearest(self, points: Floats) -> _Feet:
+        """Feet of points: exact where the distance may be the thickness, else the nearest vertices."""
+        distance, index = self._all.tree.query(points)
+        feet, normals = self._all.vertices[index], self._all.normals[index]
         aim = self.thickness / self._scale
         least = np.sqrt(np.maximum(distance**2 - 2 * self._longest**2, 0.0))  # vertices are that dense
         close = np.flatnonzero((least <= aim) & (distance >= aim - self._longest / 2))
-        feet[close] = self._feet(local[close], distance[close], feet[close])
-        away = local - feet
-        distance = np.linalg.norm(away, axis=1)
-        gradient = away / np.maximum(distance, 1e-300)[:, None]
-        return np.concatenate([(distance * self._scale - self.thickness)[:, None], gradient], axis=1)
+        feet[close], normals[close] = self._feet(points[close], distance[close], feet[close], normals[close])
+        least[close] = np.linalg.norm(points[close] - feet[close], axis=1)
+        return _Feet(feet, normals, least)
 
-    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
-        """Whether it is certainly <= 0, and certainly > 0, in boxes, by the nearest vertices."""
-        reach = np.linalg.norm(halves, axis=1)
-        distance = self._all.tree.query(self._field.program.local(centers))[0] * self._scale - self.thickness
-        return distance + reach <= 0, distance - self._longest * self._scale - reach > 0
-
-    def _feet(self, points: Floats, nearest: Floats, feet: Floats) -> Floats:
-        """The nearest points (N, 3) of the faces, given the nearest vertices and their distances."""
+    def _feet(self, points: Floats, nearest: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
+        """The nearest points (N, 3) of the faces and the normals there, given the nearest vertices and theirs."""
         if len(self._targets) == 1:  # beyond its sharp edges a face is continued
             return self._foot(self._targets[0], points)
-        best, result = np.full(len(points), np.inf), feet.copy()
+        best, result, turned = np.full(len(points), np.inf), feet.copy(), normals.copy()
         for target in self._targets:
             rows = np.flatnonzero(target.tree.query(points)[0] <= nearest + self._longest)
-            found = self._foot(target, points[rows])
+            found, outward = self._foot(target, points[rows])
             square = ((found - points[rows]) ** 2).sum(axis=1)
             better = square < best[rows]
             if len(target.labels) == 1:
                 better[better] = ~self._buried(found[better], target.labels[0])
-            result[rows[better]], best[rows[better]] = found[better], square[better]
-        return result
+            chosen = rows[better]
+            result[chosen], turned[chosen], best[chosen] = found[better], outward[better], square[better]
+        return result, turned
 
-    def _foot(self, target: _Target, points: Floats) -> Floats:
-        """Where each point's nearest vertex goes when it follows the point inside its face or groove."""
+    def _foot(self, target: _Target, points: Floats) -> tuple[Floats, Floats]:
+        """Where each point's nearest vertex goes when it follows the point inside its face or groove; the normal."""
         feet = target.vertices[target.tree.query(points)[1]]
         active = np.arange(len(points))
         for _ in range(STEPS):
@@ -127,24 +165,26 @@ class Near(Distance):
                 size = np.maximum((jets[:, 1:] ** 2).sum(axis=1), 1e-300)
                 move -= (((move * jets[:, 1:]).sum(axis=1) + jets[:, 0]) / size)[:, None] * jets[:, 1:]
             else:
-                along = cross(self._normals(p, target.labels[0]), self._normals(p, target.labels[1]))
+                along = cross(*(_normals(self._field, p, label) for label in target.labels))
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, target.labels, p)
             feet[active] = p + move
             active = active[(move * move).sum(axis=1) > STILL**2]
             if not len(active):
                 break
-        return feet
-
-    def _normals(self, points: Floats, label: int) -> Floats:
-        gradient = self._field.jets(points, label)[:, 1:]
-        return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
+        outward = [_normals(self._field, feet, label) for label in target.labels]
+        return feet, np.asarray(np.sum(outward, axis=0))
 
     def _buried(self, points: Floats, label: int) -> Bools:
         """Whether the solid is on both sides of points on a label's surface: the face does not go there."""
-        step = BESIDE * self._normals(points, label)
+        step = BESIDE * _normals(self._field, points, label)
         signs = [self._field.signs(points + side * step) for side in (-1, 1)]
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
+
+
+def _normals(field: SolidField, points: Floats, label: int) -> Floats:
+    gradient = field.jets(points, label)[:, 1:]
+    return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
 
 
 def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
@@ -163,9 +203,15 @@ def _dense(solid: Solid, tolerance: float) -> Labelled:
     return _subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
 
 
-def _target(mesh: Labelled, labels: tuple[int, ...], cells: Integers) -> _Target:
-    vertices = mesh.points[np.unique(cells)]
-    return _Target(labels, vertices, cKDTree(vertices))
+def _target(mesh: Labelled, field: SolidField, labels: tuple[int, ...], cells: Integers) -> _Target:
+    """The vertices of some cells, with the mean normals of those of their faces that are followed."""
+    chosen = np.unique(cells)
+    outward = np.zeros_like(mesh.points)
+    for label in labels:
+        rows = np.unique(mesh.triangles[mesh.labels == label])
+        outward[rows] += _normals(field, mesh.points[rows], label)
+    vertices = mesh.points[chosen]
+    return _Target(labels, vertices, outward[chosen], cKDTree(vertices))
 
 
 @dataclass(frozen=True)

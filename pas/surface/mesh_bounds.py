@@ -13,8 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.improve import cross
-from pas.mesh.radial import dots
+from pas.mesh.rows import cross, dots
 from pas.surface.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
 from pas.surface.triangle_forms import on_corners
 

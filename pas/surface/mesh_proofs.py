@@ -32,6 +32,7 @@ from scipy.sparse.csgraph import connected_components
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
+from pas.surface.graph_proofs import certify_graph
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
 from pas.surface.rests import Rests, rests
@@ -75,6 +76,11 @@ def certify_mesh(surface: PiecewiseSurface, points: Floats, triangles: Integers)
     if np.abs(sheet.points).max() > sheet.stage.reach:
         return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
     found = bounds(sheet)
+    if any(join.opening for join in surface.joins):
+        near, distance = _distance(sheet, found, closed=False)
+        verdicts = (*certify_graph(sheet, edges), _vertices(sheet), near)
+        places = tuple(v.witness for v in verdicts if v.witness is not None)
+        return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
     chain, rims = _border(sheet, edges)
     if chain.proved:
         topology, places = _topology(sheet, found, rims)

@@ -17,8 +17,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
 from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
-from pas.mesh.improve import cross
-from pas.mesh.radial import dots
+from pas.mesh.rows import cross, dots
 from pas.partition.frame import Frame
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import Leaves, leaves

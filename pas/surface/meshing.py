@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.mesh.star import star
 from pas.mesh.triangulate import triangulate
 from pas.surface.surface_mesh import SurfaceMesh
@@ -19,22 +21,28 @@ FINER = (1.0, 0.5, 0.25)
 """Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
 
 
-def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None) -> SurfaceMesh:
+def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None, quality: Quality) -> SurfaceMesh:
     """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
 
     What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall, a
-    contact curve that is none around its middle) is meshed from a lattice.
+    contact curve that is none around its middle) is meshed from a lattice.  Of several meshes the best of a quality is
+    taken.
     """
-    return SurfaceMesh.of_surface(_triangles(surface, tolerance, most), surface, tolerance)
+    first, *others = quality.aims
+    found = [_triangles(surface, tolerance, most, first)]
+    for aim in others:
+        with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
+            found.append(_triangles(surface, tolerance, most, aim))
+    return SurfaceMesh.of_surface(quality.best(found), surface, tolerance)
 
 
-def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) -> Mesh:
+def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None, aim: float) -> Mesh:
     field = surface.radial_field
     for share in () if field is None else FINER:
         assert field is not None
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
-                return star(field, share * tolerance / field.scale, most)
+                return star(field, share * tolerance / field.scale, most, aim)
         except ArithmeticError:
             pass
         except MeshError:  # too many triangles
@@ -43,4 +51,4 @@ def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None) ->
             break
     lattice = surface.cell_field
     with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-        return triangulate(lattice, tolerance / lattice.scale, most)
+        return triangulate(lattice, tolerance / lattice.scale, most, aim)

@@ -1,0 +1,127 @@
+"""Boundaries whose surfaces touch in points: each surface is meshed by itself, with a vertex of its own there.
+
+Such a boundary is no manifold, but each of its surfaces is one: a ball less one that touches it from inside is bounded
+by two spheres, and as a set of triangles by two closed meshes with two vertices at one place.  That they have nothing
+else in common is looked at on the triangles themselves: no edge of one crosses or meets a triangle of the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import permutations, product
+
+import numpy as np
+
+from pas.limits import checkpoint
+from pas.mesh.collapse import RINGS
+from pas.mesh.deviation import Deviation
+from pas.mesh.field import FaceField, Floats
+from pas.mesh.first import unsound
+from pas.mesh.labelled import Labelled
+from pas.mesh.remesh import flip
+from pas.mesh.rows import cross
+from pas.mesh.shells import together
+
+SHARES = (1 / 4, 1 / 16)
+"""Of the tolerance, to which one of the surfaces after the other is meshed until they do not cross: where two bend the
+same way, chords of the outer one pass through the inner one if they are long beside those."""
+
+NEAR = 0.3
+"""Distance from a vertex, over its size, up to which a point of contact is that vertex."""
+
+ON = 1e-9
+"""Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or of
+its edge something is."""
+
+TABLE = 1 << 18
+"""Pairs of edges and triangles that are looked at together."""
+
+Mesher = Callable[[FaceField, float], tuple[Labelled, float]]
+
+
+def mesh_touching(
+    field: FaceField, surfaces: Sequence[FaceField], tolerance: float, mesh: Mesher
+) -> tuple[Labelled, float] | None:
+    """The mesh of a boundary and how near it is, from those of its surfaces, by `mesh(surface, tolerance)`.
+
+    None where they are not near enough, or cross, however fine one of them is.
+    """
+    known: dict[tuple[int, float], tuple[Labelled, float]] = {}
+    finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
+    for number, share in sorted(finer, key=lambda pair: -pair[1]):
+        checkpoint("meshing surfaces that touch")
+        keys = [(i, tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
+        for i, aim in keys:
+            if (i, aim) not in known:
+                known[i, aim] = _with_contacts(mesh(surfaces[i], aim)[0], surfaces[i], aim)
+        meshes, reached = zip(*(known[key] for key in keys), strict=True)
+        pairs = permutations(zip(surfaces, meshes, strict=True), 2)
+        if max(reached) <= tolerance and not any(_crosses(one, *other) for (_, one), other in pairs):
+            return together(field, surfaces, meshes), max(reached)
+    return None
+
+
+def _with_contacts(mesh: Labelled, surface: FaceField, aim: float) -> tuple[Labelled, float]:
+    """The mesh with a vertex at each special point of the surface, and how near it is."""
+    for point in surface.special_points:
+        distance = np.linalg.norm(mesh.points - point, axis=1)
+        nearest = int(distance.argmin())
+        if distance[nearest] <= NEAR * mesh.sizes[nearest] and mesh.topology.label_count[nearest] == 1:
+            points = mesh.points.copy()
+            points[nearest] = point
+            mesh = mesh.moved(points)
+        else:
+            mesh, nearest = _inserted(mesh, point), len(mesh.points)
+        mesh = flip(mesh, surface, limit=aim, near=mesh.topology.around(np.array([nearest]), RINGS))
+    if unsound(mesh, surface, aim)[0]:
+        return mesh, np.inf
+    return mesh, Deviation.of(mesh, surface).worst
+
+
+def _inserted(mesh: Labelled, point: Floats) -> Labelled:
+    """The mesh with a vertex in the triangle on which a point is, or nearly so."""
+    a, b, c = mesh.points[mesh.triangles].transpose(1, 0, 2)
+    normal = cross(b - a, c - a)
+    square = np.maximum((normal * normal).sum(axis=1), 1e-300)
+    within = [(cross(q - p, point - p) * normal).sum(axis=1) / square for p, q in ((a, b), (b, c), (c, a))]
+    off = np.abs(((point - a) * normal).sum(axis=1)) / np.sqrt(square)
+    row = int(np.argmin(off / np.sqrt(np.sqrt(square)) - np.minimum(np.min(within, axis=0), 0.0)))
+    i, j, k = mesh.triangles[row]
+    new = len(mesh.points)
+    triangles = np.concatenate([mesh.triangles, [[j, k, new], [k, i, new]]])
+    triangles[row] = i, j, new
+    labels = np.concatenate([mesh.labels, [mesh.labels[row]] * 2])
+    return Labelled.of(np.concatenate([mesh.points, point[None]]), triangles, labels, mesh.topology.pinned)
+
+
+def _crosses(mesh: Labelled, surface: FaceField, other: Labelled) -> bool:
+    """Whether an edge of a mesh meets a triangle of another, but for those that end in a common vertex."""
+    ends = mesh.points[mesh.topology.edges]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    special = surface.special_points
+    apart = np.array([[bool((np.abs(special - p).max(axis=1) == 0).any()) for p in pair] for pair in ends])
+    near = np.asarray(~apart.any(axis=1))
+    near[near] = surface.crossed(ends[near].mean(axis=1), float(lengths.max()))
+    ends, corners = ends[near], other.points[other.triangles]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    step = max(1, TABLE // max(len(corners), 1))
+    for start in range(0, len(ends), step):
+        checkpoint("looking whether surfaces cross")
+        part = ends[start : start + step]
+        meet = (part.min(axis=1)[:, None] <= high) & (part.max(axis=1)[:, None] >= low)
+        rows, columns = np.nonzero(meet.all(axis=2))
+        if len(rows) and _pierced(part[rows], corners[columns]).any():
+            return True
+    return False
+
+
+def _pierced(ends: Floats, corners: Floats) -> np.ndarray:
+    """Whether edges (N, 2, 3) meet triangles (N, 3, 3), or nearly so (N,)."""
+    (p, q), (a, b, c) = ends.transpose(1, 0, 2), corners.transpose(1, 0, 2)
+    size = np.linalg.norm(q - p, axis=1) + np.abs(corners - corners[:, :1]).max(axis=(1, 2))
+    normal, along = cross(b - a, c - a), q - p
+    sides = [((x - a) * normal).sum(axis=1) for x in (p, q)]
+    turns = [(cross(u - p, v - p) * along).sum(axis=1) for u, v in ((a, b), (b, c), (c, a))]
+    slack = ON * size**3
+    across = (np.minimum(*sides) <= slack) & (np.maximum(*sides) >= -slack)
+    return np.asarray(across & ((np.min(turns, axis=0) >= -slack) | (np.max(turns, axis=0) <= slack)))

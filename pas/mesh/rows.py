@@ -1,0 +1,38 @@
+"""What is worked out of tables with a few columns and many rows: several times faster than numpy's sums along rows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.mesh.field import Floats
+
+
+def dots(u: Floats, v: Floats) -> Floats:
+    """The products (N,) of vectors (N, 3), summed from the first to the third."""
+    return np.asarray(u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1] + u[:, 2] * v[:, 2])
+
+
+def norms(vectors: Floats) -> Floats:
+    """The lengths (N,) of vectors (N, 3)."""
+    return np.asarray(np.sqrt(dots(vectors, vectors)))
+
+
+def cross(u: Floats, v: Floats) -> Floats:
+    """Vector products of rows (N, 3); several times faster than `np.cross`."""
+    x, y, z = u.T
+    a, b, c = v.T
+    return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
+
+
+def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """In which rows (N,) of a table (N, k) something is true."""
+    result = table[:, 0].copy()
+    for column in table.T[1:]:
+        result |= column
+    return result
+
+
+def all_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """In which rows (N,) of a table (N, k) all is true."""
+    return ~any_of(~table)
