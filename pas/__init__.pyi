@@ -125,6 +125,7 @@ from .partition.cells import Partition as Partition
 from .partition.kinds import register_partition as register_partition
 from .partition.kuhn_cube import KuhnCube as KuhnCube
 from .partition.layout import Layout as Layout
+from .partition.open_region import OpenRegion as OpenRegion
 from .partition.region import Region as Region
 from .partition.single_cell import SingleCell as SingleCell
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
@@ -151,6 +152,7 @@ from .surface.contacts.cone import Cone as Cone
 from .surface.contacts.ellipsoid import Ellipsoid as Ellipsoid
 from .surface.contacts.elliptic_pipe import EllipticPipe as EllipticPipe
 from .surface.contacts.hyperboloid import Hyperboloid as Hyperboloid
+from .surface.contacts.opening import Opening as Opening
 from .surface.contacts.paraboloid import Paraboloid as Paraboloid
 from .surface.contacts.pipe import Pipe as Pipe
 from .surface.contacts.plate import Plate as Plate

@@ -25,6 +25,7 @@ SAMPLES = {
     "ellipsoids": {"axis": (1, 1, 0), "semiaxes": [(2, 0, 0), *ACROSS], "clip": "-1/2", "point": (2, 0, 0)},
     "tori": {"axis": (0, 0, 1), "arm": (0, 2, 0), "radius": "1/2", "point": (1, -2, 0)},
     "plates": {"axis": (-1, 0, 0), "radius": "1/2", "point": (1, 0, 0)},
+    "openings": {"surface": "x - 1", "axis": (1, 0, 0), "slope": "1/2"},
     "quadrics": {"quadric": "x*y + 9*z^2 + y^2 - 1/9", "clip": "x - y - 1"},
     "contacts": {"surface": "y^2 + z^2 - 1/9", "clip": "x - 1"},
 }
@@ -49,6 +50,7 @@ SIDES = {
     "ellipsoids": [("inside", (3, 0, 0)), ("outside", (2, 1, 0)), ("blend", (0, 0, 0)), ("beyond", (2, 0, 0))],
     "tori": [("inside", (1, "1/3", 0)), ("outside", (1, -2, 0)), ("blend", (2, 0, 0)), ("beyond", (0, 0, 0))],
     "plates": [("inside", (2, 9, 9)), ("outside", (0, 0, 0)), ("blend", (0, "1/3", 0)), ("beyond", (0, 0, 1))],
+    "openings": [("inside", (0, 3, 0)), ("outside", (2, 0, 0)), ("blend", (1, "1/3", 0)), ("beyond", (1, 1, 0))],
     "quadrics": [("inside", ("1/2", 0, 0)), ("outside", (0, 0, 1)), ("blend", (0, 0, 0)), ("beyond", (2, 0, 0))],
     "contacts": [("inside", (0, 0, 0)), ("outside", (0, 1, 0)), ("blend", (0, 0, 0)), ("beyond", (2, 0, 0))],
 }
@@ -84,6 +86,12 @@ WRONG = {
         ({"semiaxes": [(0, 1, 0), (0, 0, 2)]}, ValueError, "radius or semiaxes must be given, and not both"),
         ({"radius": None}, ValueError, "radius or semiaxes must be given"),
         ({"radius": 0}, ValueError, "radius must be positive"),
+    ],
+    "openings": [
+        ({"point": (2, 0, 0)}, pas.GeometryError, r"the point \(2, 0, 0\) must be inside the surface"),
+        ({"slope": 0}, ValueError, "slope must be positive"),
+        ({"axis": (0, 0, 0)}, ValueError, "axis must not be the zero vector"),
+        ({"surface": "x +"}, ValueError, "surface"),
     ],
     "quadrics": [
         ({"quadric": "x^3 - 1"}, ValueError, "quadric must be of degree 2, and x.3 - 1 is of degree 3"),

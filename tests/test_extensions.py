@@ -31,6 +31,7 @@ PARTITION_SAMPLES = {
         pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, "1/3"), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
     ],
     "region": [pas.Region(TETRAHEDRON, [(0, 1, 2, 3)], title="one tetrahedron"), ANY_NODE],
+    "open region": [pas.OpenRegion(TETRAHEDRON, [(0, 1, 2, 3)], TETRAHEDRON[0], title="one tetrahedron")],
     "alfeld split": [pas.AlfeldSplit(), pas.AlfeldSplit(TETRAHEDRON, ("2/3", "4/5", 1))],
     "worsey-farin split": [pas.WorseyFarinSplit(), pas.WorseyFarinSplit(TETRAHEDRON)],
     "kuhn cube": [pas.KuhnCube(), pas.KuhnCube((0, 1, "-1/2"), (3, "4/3", 5))],

@@ -97,6 +97,9 @@ def test_what_cannot_be_measured():
         pas.PiecewiseSurface.from_polynomials(BOX, [], 1, ["x^2 + y^2 + z^2 - 1/4"]).fairness()
     with pytest.raises(pas.GeometryError, match="it is not inside the surface"):
         revolved("(y - 1)^2 + z^2 - 1/9").fairness()
+    curved = [pas.Contact("y^2 + z^2 - 1/4", "x^2 + y^2 + z^2 - 1")]
+    with pytest.raises(pas.GeometryError, match="no face of the region has a contact curve"):
+        pas.PiecewiseSurface.from_polynomials(BOX, curved, 1, ["y^2 + z^2 - 1/4"]).fairness()
 
 
 def test_limits_further_inside():

@@ -40,7 +40,7 @@ PARALLEL = ("pipes", "cones", "spheres", "tori", "contacts")
 
 
 def test_every_kind_of_contacts_has_an_inner_one_or_a_sentence():
-    assert set(CONTACTS_WITH_INNER) | {"plates"} == set(CONTACTS)
+    assert set(CONTACTS_WITH_INNER) | {"openings", "plates"} == set(CONTACTS)
     with pytest.raises(pas.GeometryError, match=r"contact 3: no inner surface is known for z, .*inner="):
         inner_contact(pas.Plate((0, 0, 1), 1).contact, TENTH, 3)
 

@@ -263,7 +263,7 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
     face = good.partition.outer_faces[number]
     hole = ball(middle(good.partition.corners(face.vertices)), "1/50")
     surface = reading.Surface(surface_record(changed(good, lambda _, p: p * hole)))
-    finding = checker._enclosed(surface)
+    finding = checker._enclosed(surface, [checker._contact(surface, i) for i in range(len(surface.contacts))])
     assert finding.status == "refuted"
     (witness,) = finding.witness
     assert hole.at(witness[:3]) <= 0

@@ -54,6 +54,7 @@ def test_everything_else(tmp_path):
     text = (
         'name = "other"\ndegree = 4\ntolerance = 1e-2\nprove = false\nguard = false\n'
         + PROBLEM
+        + 'handles = [[[0, [1, 2, 1, 0]], "1/3"]]\ncoefficients = { 0 = "1/2", 3 = 2 }\n'
         + "near_weight = 7\n[partition]\ncenter = [0, 0, 0]\nlegs = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
         + '[energy]\nlower = [0, 0, 0]\nupper = ["1/2", 1, 1]\npiece = 3\n'
         + '[normalize]\nkind = "value-at"\npoint = [0, 0, 0]\nvalue = -0.1\n'
@@ -66,6 +67,8 @@ def test_everything_else(tmp_path):
         False,
         False,
     )
+    assert problem.wishes.handles == pas.Wishes(handles={(0, (1, 2, 1, 0)): "1/3"}).handles
+    assert problem.wishes.coefficients == pas.Wishes(coefficients={0: "1/2", 3: 2}).coefficients
     assert problem.wishes.energy == pas.ThinPlate(pas.Box((0, 0, 0), ("1/2", 1, 1)), 3)
     assert problem.wishes.normalize == pas.ValueAt((0, 0, 0), "-1/10")
     assert problem.partition.legs == pas.SixTetrahedra().legs

@@ -107,6 +107,8 @@ SAMPLES = {
     "ParametricSurface": lambda: parametric().surface,
     "Partition": lambda: pas.Partition([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)]),
     "Region": lambda: pas.Region([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)], title="one"),
+    "Opening": lambda: pas.Opening("(x + y/3 + z/7)^2 + 3*x*z - 11/13", (1, 0, 0), "1/2"),
+    "OpenRegion": lambda: pas.OpenRegion([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)], (0, 0, 0)),
     "Picture": pas.Picture,
     "PiecewiseSurface": lambda: corner().surface,
     "Pipe": lambda: pipes()[0],

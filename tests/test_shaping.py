@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest import EQUAL, pipes
+from flint import fmpq
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -199,9 +200,31 @@ def test_handles_in_a_proved_corner(tmp_path):
     assert pas.load(blend.save(tmp_path / "handled.pas.json")).constraints.handles == blend.constraints.handles
 
 
+def test_coefficients_of_members_are_set_exactly(tmp_path):
+    """Some are held, the others have least energy; one of a single cell that is proved, in every way to say it."""
+    space = pas.solutions(COAXIAL, 1, 4, CELL)
+    best = space.optimum(coefficients={0: "1/3", 2: "-2"})
+    assert (best.coefficients[0], best.coefficients[2]) == (Fraction(1, 3), -2)
+    for value in ("1/10", "-1/10"):
+        held = {0: "1/3", 2: "-2", 1: best.coefficients[1] + Fraction(value)}
+        assert space.optimum(coefficients=held).energy > best.energy
+    balls = [("(x + 2)^2 + y^2 + z^2 - 4", "-x - 2"), ("(x - 1)^2 + y^2 + z^2 - 1", "x - 1")]
+    blend = pas.blend(balls, 2, 4, pas.SingleCell((-2, -3, -3), (1, 3, 3)), coefficients={1: "-3/1000"})
+    assert blend.certificate.proved and blend.coefficients[1] == Fraction(-3, 1000)
+    loaded = pas.load(blend.save(tmp_path / "held.pas.json"))
+    assert loaded.constraints.coefficients == blend.constraints.coefficients == ((1, fmpq(-3, 1000)),)
+    moved = blend.refit(coefficients=[(1, "-7/2000"), (0, blend.coefficients[0])])
+    assert moved.coefficients[:2] == (blend.coefficients[0], Fraction(-7, 2000))
+    with pytest.raises(pas.InfeasibleError, match="coefficient 1 = 5 cannot be met"):
+        blend.refit(coefficients={1: 5})
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ({"coefficients": {9: 1}}, "is that of no member: they are numbered from 0 to 8"),
+        ({"coefficients": {-1: 1}}, "coefficients must map numbers of members, from 0"),
+        ({"coefficients": 3}, "coefficients must map numbers of members, from 0"),
         ({"handles": {(0, (9, 0, 0, 0)): 1}}, "four numbers >= 0 with the sum 4"),
         ({"handles": {(99, (4, 0, 0, 0)): 1}}, "in no cell: cells are numbered from 0 to 11"),
         ({"handles": {0: 1}}, r"handles must map \(cell, multi-index"),

@@ -72,6 +72,8 @@ NODES = {
         pas.Contact("x^2 + y^2 + (z + 2)^2 - 4", "-z - 3/2"),
         pas.Pipe(Z, "1/2", 1),
     ],
+    "pipe on a plate": lambda order: [pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)],
+    "nozzle": lambda order: [pas.Opening("x^2 + y^2 - 4", X, "4/7"), pas.Pipe(X, "1/2", 3)],
     "bottom bracket": lambda order: pas.struts(bicycle(), order),
 }
 

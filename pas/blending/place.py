@@ -18,6 +18,7 @@ from pas.errors import GeometryError, meant
 from pas.layouts.arms import is_free
 from pas.layouts.clips import with_clips
 from pas.layouts.nodes import KINDS, Node
+from pas.layouts.opened import is_opening, open_region, with_cone
 from pas.layouts.outwards import room_farther_out
 from pas.layouts.region import region
 from pas.partition.cells import Partition
@@ -62,6 +63,8 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
         yield _on_layout(contacts, pipes, order, partition)
     elif partition == SIX:
         yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
+    elif partition is None and any(map(is_opening, contacts)):
+        yield _placed(contacts, pipes, order, open_region(contacts))
     elif partition is None or (isinstance(partition, str) and partition in KINDS):
         corner = _corner(contacts, pipes, order) if partition is None and len(contacts) > 2 else None
         yield from [corner] if corner is not None else _on_layouts(contacts, pipes, order, partition)
@@ -77,7 +80,7 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
 
 
 def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
-    """The items, those that may end anywhere ended where there is room among the others.
+    """The items, those that may end anywhere ended where there is room among the others, and plates on cones.
 
     Raises `TypeError` for what is no list of contacts, `ValueError` for an order that is none, `GeometryError` where
     there is no room.
@@ -85,7 +88,7 @@ def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
     check_order(order)
     if not isinstance(items, Iterable) or isinstance(items, str | Mapping):
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
-    items = list(items)
+    items = list(items) if partition is not None else with_cone(list(items))
     free = [number for number, item in enumerate(items, start=1) if is_free(item)]
     if not free:
         return items

@@ -16,6 +16,7 @@ from pas.algebra.normal_form import NormalForm, Sparse
 from pas.algebra.nullspace import nullspace
 from pas.blending.space import Space
 from pas.surface.contact import Contact
+from pas.surface.joins import Join
 
 
 def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
@@ -35,14 +36,22 @@ def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
 
 
 def is_regular(space: Space) -> bool:
-    """Whether some member meets every contact with alpha not identically zero on its curve."""
-    return space.dimension > 0 and all(_some_alpha(space, i) for i in range(len(space.contacts)))
+    """Whether some member meets every contact with alpha not identically zero on its curve.
+
+    And, where it is that through which the region is open, leaves its surface at that curve: members of low degree are
+    multiples of f, all of which is zero.
+    """
+    joins = space.placed.joins
+    return space.dimension > 0 and all(
+        _some_beyond(space, join, _form(join.contact))
+        and (not join.opening or _some_beyond(space, join, NormalForm([join.contact.surface.raw])))
+        for join in joins
+    )
 
 
-def _some_alpha(space: Space, contact: int) -> bool:
-    """Whether some member has alpha not identically zero on a contact's curve: the first that is found will do."""
-    join = space.placed.joins[contact]
-    images = _form(join.contact).images(space.degree)
+def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
+    """Whether some member is not in an ideal, in a piece that carries a contact: the first that is found will do."""
+    images = form.images(space.degree)
     for piece in join.pieces:
         for member in range(space.dimension):
             row = map(fmpq, space.source.row(piece, member))

@@ -39,6 +39,7 @@ from pas.fairing.wishes import (
     UnitCoefficients,
     ValueAt,
     Wishes,
+    check_member,
     check_point_options,
 )
 from pas.surface.piecewise import PiecewiseSurface
@@ -80,14 +81,14 @@ def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointO
     """The exact member of least energy, with its certificate of optimality.
 
     The options are those of `Wishes` that are linear; `margin` is 0 by default, and the sum of
-    coefficients 1, unless a handle with a value other than 0 fixes the scale.
+    coefficients 1, unless a handle or a coefficient with a value other than 0 fixes the scale.
 
     Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
     """
     check_point_options(options)
     _not_empty(space)
     wishes = Wishes(**options)
-    free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles)
+    free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles + wishes.coefficients)
     if options.get("normalize") is None:
         wishes = wishes.changed(normalize=SumOfCoefficients())
     quadratic = as_energy(energy).products(space)
@@ -247,6 +248,9 @@ def _equations(space: Space, wishes: Wishes, *, normalized: bool) -> Iterator[li
         yield [*row, fmpq(0)]
     for handle, value in wishes.handles:
         yield [*b_coefficient(space.partition, handle, space.degree).on(space.patches), value]
+    for number, value in wishes.coefficients:
+        check_member(number, space.dimension)
+        yield [*(fmpq(i == number) for i in range(space.dimension)), value]
     if not normalized:
         return
     normalize = wishes.normalize

@@ -32,6 +32,8 @@
     near = []
     near_weight = 100
     margin = "1/1000"              # of inside and outside points, in the model's units
+    handles = [[[0, [1, 2, 1, 1]], "1/3"]]           # B-coefficients by cell and multi-index, of the degree
+    coefficients = { 0 = "1/2", 3 = 2 }              # of members of the basis, numbered from 0
 
     [normalize]                    # optional
     kind = "mean-alpha"            # or "sum-of-coefficients", or "value-at" with point and value
@@ -81,7 +83,7 @@ KEYS = {
         "normalize",
         "picture",
     },
-    "points": {"inside", "outside", "through", "near", "near_weight", "margin"},
+    "points": {"inside", "outside", "through", "near", "near_weight", "margin", "handles", "coefficients"},
     "normalize": {"kind", "point", "value"},
     "limits": {"sharpness", "hollowness", "bulge", "wrong_sign"},
     "picture": PICTURE_KEYS,

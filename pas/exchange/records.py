@@ -30,7 +30,8 @@ CONSTRAINTS = Table(
         "handles": List(Row((Row((WHOLE, List(WHOLE, 4))), NUMBER))),
         "margin": Maybe(NUMBER),
         "normalize": NORMALIZATION,
-    }
+    },
+    {"coefficients": List(Row((WHOLE, NUMBER)))},
 )
 ENERGY = OpenTable({"kind": TEXT})
 VERDICT = Table(
@@ -96,6 +97,8 @@ def constraints_record(wishes: Wishes) -> dict[str, Any]:
     }
     record["near_weight"] = [plain(w) for w in wishes.near_weights]
     record["handles"] = [[[cell, list(index)], plain(value)] for (cell, index), value in wishes.handles]
+    if wishes.coefficients:
+        record["coefficients"] = [[number, plain(value)] for number, value in wishes.coefficients]
     record["margin"] = None if wishes.margin is None else plain(wishes.margin)
     record["normalize"] = normalization_record(wishes.normalize)
     return record

@@ -22,7 +22,8 @@ from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
-from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, widest
+from pas.surface.placed import PlacedContacts
 from pas.surface.sections import AROUND, circle, planes, runs
 
 PRESS = 40.0
@@ -94,7 +95,7 @@ class BulgeExcess:
     def __init__(self, rays: Directions, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
         self.limits, self.center = limits, center
         self.radius = float(np.mean([n.radius for n in neighbours]))
-        self.widest = max(n.radius for n in neighbours)
+        self.widest = widest(neighbours)
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
     def values(self, view: View) -> Iterator[Excess]:
@@ -123,21 +124,22 @@ class SectionExcess:
     def __init__(
         self,
         basis: WorkingBasis,
+        placed: PlacedContacts,
         columns: Sequence[Floats],
         neighbours: Sequence[Neighbour],
         limits: FairnessLimits,
     ) -> None:
         self.limits = limits
-        self.widest = max(n.radius for n in neighbours)
+        self.widest = widest(neighbours)
         pairs = list(planes([n.mean for n in neighbours]))
         units = np.concatenate([np.empty((0, 3)), *(circle(*pair) for pair in pairs)])
         across = np.array([np.cross(a, b) for a, b in pairs]).reshape(-1, 3)
-        met = Directions.along(basis.partition, columns, basis.degree, units)[1]
+        met = Directions.along(placed, columns, basis.degree, units)[1]
         there = np.zeros((len(pairs), AROUND), dtype=bool)
         there.ravel()[met] = True
         kept = [_thinned(plane * AROUND + run) for plane, row in enumerate(there) for run in runs(row)]
         chosen = np.concatenate([np.empty(0, dtype=np.intp), *kept])
-        self.rays, order = Directions.along(basis.partition, columns, basis.degree, units[chosen])
+        self.rays, order = Directions.along(placed, columns, basis.degree, units[chosen])
         self.across = across[chosen[order] // AROUND] if len(order) else np.empty((0, 3))
         place = np.argsort(order)
         starts = np.cumsum([0, *map(len, kept)])

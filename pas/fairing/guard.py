@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 from math import ceil, pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import to_float
@@ -22,6 +23,12 @@ from pas.surface.placed import PlacedContacts
 
 CELL_LATTICE, EDGE_LATTICE = 5, 8
 """Subdivisions of an edge of the cells, and of the walls and clip faces, for the rows to begin with."""
+
+CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
+"""Points of an opening's curve that the cone through it is looked at beside, and where, in multiples of them."""
+
+PLATE_SHARES = 0.4, 0.7
+"""Where plates are looked at inside their curves, besides the middle, in shares of the way to the curve."""
 
 FEW_FACES, WIDE_ANGLE, LEAST_PARTS = 12, pi / 3, 4
 """Up to so many outer faces, as six tetrahedra have, and above with edges seen under this angle, an edge is cut into
@@ -107,6 +114,50 @@ class AlphaOnFace:
         return np.stack([b[:, 0] ** i * b[:, 1] ** j for i, j in indices], axis=1)
 
 
+class AlphaOnCone:
+    """`alpha` of every member along the cone through which a region is open, as rows at points of it.
+
+    At the curve, where `g = f = 0`, the derivatives along rays have the same quotient: that of the clip's power is 0.
+    Inside it, on a plate, g is the power times a polynomial: where that is negative the surface does not dip into the
+    plate.
+    """
+
+    def __init__(self, basis: WorkingBasis, join: Join, scale: float, order: int) -> None:
+        self.basis, self.scale, self.power = basis, scale, order + 1
+        self.surface, self.clip = join.contact.surface, join.contact.clip
+        self.ends = join.curve()[::CONE_EVERY]
+        self.pieces = self._pieces(join, self.ends)
+        middle = self.ends.mean(axis=0)
+        self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in PLATE_SHARES)])
+        self.inner_pieces = self._pieces(join, self.inner)
+
+    def _pieces(self, join: Join, points: Floats) -> NDArray[np.intp]:
+        return np.asarray(join.partition.piece_of[join.partition.locate(points, tolerance=np.inf)])
+
+    def depths(self) -> Floats:
+        """How deep inside the members points of a plate are, over the clip's power there and in the middle: (N, m)."""
+        if self.surface.degree > 1:
+            return np.empty((0, self.basis.size))
+        clip = self.clip(self.inner)
+        shares = (clip / clip[0]) ** self.power
+        found = np.empty((len(self.inner), self.basis.size))
+        for piece in np.unique(self.inner_pieces).tolist():
+            here = self.inner_pieces == piece
+            found[here] = -self.basis.values(piece, self.inner[here]) / shares[here, None]
+        return found
+
+    def rows(self) -> Floats:
+        """Values of alpha of the members at points inside, on and beyond the curve: (N, m)."""
+        found = [np.empty((0, self.basis.size))]
+        for piece in np.unique(self.pieces).tolist():
+            ends = self.ends[self.pieces == piece]
+            slopes = (self.surface.gradient(ends) * ends).sum(axis=1)
+            found.append(self.basis.radial(piece, ends) / slopes[:, None])
+            for share in CONE_SHARES:
+                found.append(self.basis.values(piece, share * ends) / self.surface(share * ends)[:, None])
+        return self.scale * np.concatenate(found)
+
+
 class Guard:
     """The guard rows of one solution space: points are local, values in the user's units."""
 
@@ -114,6 +165,7 @@ class Guard:
         scale = to_float(placed.partition.frame.scale)
         self.basis, self.placed = basis, placed
         self.alphas: list[AlphaOnFace] = []
+        self.cones: list[AlphaOnCone] = []
         measured: list[Floats] = []
         reaches = []
         for join in placed.joins:
@@ -122,7 +174,9 @@ class Guard:
             gradient = join.contact.surface.gradient(points)
             sizes = _lengths(gradient)
             mean = float(sizes @ weights / weights.sum())
-            for face, (on_face, parts) in enumerate(curves):
+            if join.opening:
+                self.cones.append(AlphaOnCone(basis, join, mean / scale, placed.order))
+            for face, (on_face, parts) in enumerate(curves if join.faces else ()):
                 alpha = AlphaOnFace(basis, join, face, mean / scale)
                 self.alphas.append(alpha)
                 measured.append(np.append(parts @ alpha.rows(on_face), parts.sum()))
@@ -160,6 +214,11 @@ class Guard:
             points = self._lattice(alpha.corners, subdivisions)
             rows.append(alpha.rows(points))
             at_least.append(np.full(len(points), margins.alpha))
+        for cone in self.cones:
+            rows.append(cone.rows())
+            at_least.append(np.full(len(rows[-1]), margins.alpha))
+            rows.append(cone.depths())
+            at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
         return Rows(np.concatenate(rows), np.concatenate(at_least))
 
     def _lattice(self, corners: Floats, subdivisions: int) -> Floats:

@@ -101,11 +101,11 @@ class Landscape:
         start: Floats,
         live: bool = False,
     ) -> None:
-        self.energy, self.basis, self.limits = energy, basis, limits
+        self.energy, self.basis, self.placed, self.limits = energy, basis, placed, limits
         self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
         columns = [start @ coefficients for coefficients in basis.coefficients]
         number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
-        directions = Directions.of(basis.partition, columns, basis.degree, number, *(LIVE if live else SETTLED))
+        directions = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
         self.slope = abs(float(mean_alpha @ start))
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
@@ -123,7 +123,7 @@ class Landscape:
         view = self.sight.view(start, self.sight.rays.distances)
         if view is None:
             return None
-        sections = SectionExcess(self.basis, columns, neighbours, self.limits)
+        sections = SectionExcess(self.basis, self.placed, columns, neighbours, self.limits)
         across = Sight(self.basis, sections.rays, self.center, self.slope)
         seen = across.view(start, sections.rays.distances)
         if seen is None:
@@ -182,7 +182,7 @@ class Landscape:
         """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
         member = look.view.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
-        rays = Directions.of(self.basis.partition, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
+        rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
         local = rays.directions * rays.distances[:, None]
         found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
         principal = Geometry(found).principal / self.basis.scale

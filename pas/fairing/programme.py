@@ -18,7 +18,15 @@ from pas.fairing.basis import to_doubles
 from pas.fairing.functionals import Functional, b_coefficient, value_at
 from pas.fairing.guard import Rows
 from pas.fairing.qp import Outcome, Programme, feasible, solve
-from pas.fairing.wishes import DEFAULT_MARGIN, MeanAlpha, SumOfCoefficients, UnitCoefficients, ValueAt, Wishes
+from pas.fairing.wishes import (
+    DEFAULT_MARGIN,
+    MeanAlpha,
+    SumOfCoefficients,
+    UnitCoefficients,
+    ValueAt,
+    Wishes,
+    check_member,
+)
 
 if TYPE_CHECKING:
     from pas.fairing.fairing import Fairing
@@ -60,11 +68,11 @@ class MemberProgramme:
             return False
         if not self.quadratic:
             return self._optimum(rows) is not None
-        return feasible(self._programme(self._equations(), self._points() + rows))
+        return feasible(self._programme(self.equations(), self._points() + rows))
 
     def holds(self, member: Floats) -> bool:
         """Whether the user's points and the normalisation hold for a member already."""
-        points, equations = self._points(), self._equations()
+        points, equations = self._points(), self.equations()
         slack = ROUNDING * self._radius
         left = equations[:, :-1] @ member - equations[:, -1]
         return bool((points.rows @ member >= points.at_least - slack).all() and (np.abs(left) <= slack).all())
@@ -91,7 +99,7 @@ class MemberProgramme:
 
     def step(self, hessian: Floats, linear: Floats, rows: Rows) -> Floats | None:
         """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
-        return self._solved(self._programme(self._equations(), self._points() + rows, hessian, linear))
+        return self._solved(self._programme(self.equations(), self._points() + rows, hessian, linear))
 
     @property
     def quadratic(self) -> bool:
@@ -147,7 +155,7 @@ class MemberProgramme:
             return None
         if not self.quadratic:
             return self._unit_optimum(rows)
-        return self._solved(self._programme(self._equations(), self._points() + rows))
+        return self._solved(self._programme(self.equations(), self._points() + rows))
 
     @property
     def _radius(self) -> float:
@@ -188,8 +196,8 @@ class MemberProgramme:
             )
         return solution.unknowns if solution.outcome is Outcome.SOLVED else None
 
-    def _equations(self) -> Floats:
-        """All equations with their right-hand sides, (p, m + 1)."""
+    def equations(self) -> Floats:
+        """All equations of the wishes with their right-hand sides, (p, m + 1)."""
         assert self.exact is not None
         m = self.basis.size
         equations = to_doubles(self.exact[0]) if self.exact[0].nrows() else np.empty((0, m + 1))
@@ -204,9 +212,9 @@ class MemberProgramme:
         last member again and again: a fixed point satisfies the optimality conditions.
         """
         m = self.basis.size
-        gram, equations = self.fairing.coefficient_gram, self._equations()
+        gram, equations = self.fairing.coefficient_gram, self.equations()
         if len(equations) and np.abs(equations[:, m]).max() > 0:
-            raise ValueError("a handle other than 0 fixes the length: it needs another normalisation")
+            raise ValueError("a handle or coefficient other than 0 fixes the length: it needs another normalisation")
         free = null_space(equations[:, :m]) if len(equations) else np.eye(m)
         if not free.shape[1]:
             return None
@@ -273,6 +281,9 @@ class MemberProgramme:
         table = [[*values, fmpq(0)] for values in self._values("through")]
         for handle, value in self.wishes.handles:
             table.append([*self._on(b_coefficient(partition, handle, degree)), value])
+        for number, value in self.wishes.coefficients:
+            column = check_member(number, m)
+            table.append([*(self.basis.transform[i, column] for i in range(m)), value])
         normalize = self.wishes.normalize
         if isinstance(normalize, SumOfCoefficients):
             ones = fmpq_mat(m, 1, [1] * m)

@@ -28,6 +28,9 @@ from pas.algebra.monomials import Floats
 RESIDUAL = 1e-7
 """Largest violation of a constraint accepted, relative to the unknowns; rows have unit length."""
 
+PATIENCE = 10
+"""Steps for each constraint in which the check of an optimum must end; the usual three do not always do."""
+
 STATIONARITY = 1e-3
 """Largest gradient left over, relative to the gradient.  It costs fairness, not truth: the
 optimum is unique, and solvers reach 1e-6 or better where they do not fail."""
@@ -174,7 +177,10 @@ def _stationary(programme: Programme, q: Floats) -> bool:
     columns = np.concatenate([programme.equalities, -programme.equalities, active]).T
     if not columns.size:
         return bool(np.abs(gradient).max() <= STATIONARITY)
-    left = nnls(columns, gradient)[1]
+    try:
+        left = nnls(columns, gradient, maxiter=PATIENCE * columns.shape[1])[1]
+    except RuntimeError:  # of scipy, where that does not do: nothing is known then
+        return False
     return bool(left <= STATIONARITY * float(np.linalg.norm(gradient)) + 1e-12)
 
 

@@ -75,13 +75,15 @@ def check_independently(
     region, contacts = _region(surface), [_contact(surface, number) for number in range(len(surface.contacts))]
     pairs = sorted({(a.patch, b.patch) for a, b in surface.inner if a.patch != b.patch})
     faces = [_smooth(surface, *pair) for pair in pairs]
-    return [region, *contacts, *faces, _one_sheet(surface, region), _enclosed(surface)]
+    return [region, *contacts, *faces, _one_sheet(surface, region), _enclosed(surface, contacts)]
 
 
 def _region(surface: Surface) -> Finding:
     """The cells cover a region around the centre once, and each is seen undivided from it."""
     claim, centre = "region", surface.centre
     for face, *others in surface.faces:
+        if face in surface.sides:
+            continue
         side, *beyond = (_det(*f.corners, f.off) for f in (face, *others))
         seen = _det(*face.corners, centre) * side if centre else 0
         if side == 0 or len(others) > 1 or (others and side * beyond[0] >= 0):
@@ -91,8 +93,17 @@ def _region(surface: Surface) -> Finding:
             return Finding(claim, REFUTED, reason, (_inside(face),))
     if not centre or not surface.cells:
         return Finding(claim, UNDECIDED, "there is no centre to look from")
-    for s in count():  # the curve (1, s, s^2) of directions meets the plane of the centre and an edge twice at most
-        ray, at = (fmpq(1), fmpq(s), fmpq(s * s), fmpq(0)), [face.corners for face in surface.outer]
+    if surface.open and not surface.sides:
+        return Finding(claim, REFUTED, "the region is not open at its centre", (centre,))
+    for flank in surface.sides:
+        inner = _det(*flank.corners, flank.off)
+        outside = tuple(p for cell in surface.cells for p in cell if _det(*flank.corners, p) * inner < 0)
+        if outside or inner == 0:
+            return Finding(claim, REFUTED, "the cells fill no convex cone around the centre", outside[:1])
+    first = surface.outer[0].corners
+    for s in count(1):  # the directions a + s b + s^2 c meet the plane of the centre and an edge twice at most
+        way = (a + s * b + s * s * c - (1 + s + s * s) * o for a, b, c, o in zip(*first, centre, strict=True))
+        ray, at = tuple(way), [face.corners for face in surface.outer]
         turns = [[_det(centre, *t) for t in ((a, b, c), (ray, b, c), (a, ray, c), (a, b, ray))] for a, b, c in at]
         if all(value != 0 for turn in turns for value in turn):
             break
@@ -105,6 +116,8 @@ def _region(surface: Surface) -> Finding:
 def _contact(surface: Surface, number: int) -> Finding:
     """GC^k along the contact's curve in its clip faces: a closed regular curve, alpha > 0, h < 0 on this side."""
     claim, faces, (f, h) = f"contact {number + 1} GC^{surface.order}", surface.clipped[number], surface.contacts[number]
+    if not faces and surface.sides and surface.centre and f.total_degree() == 1:
+        return _opening(surface, number, claim, surface.centre)
     if not faces:
         return Finding(claim, UNDECIDED, "no outer face lies in its clip, or the clip is no plane")
     behind = tuple(face.off for face in faces if h(*face.off) > 0)
@@ -133,6 +146,49 @@ def _contact(surface: Surface, number: int) -> Finding:
     if found is None and positive(inside, SIDE_BUDGET)[0] != PROVED:
         return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
     return found or Finding(claim, PROVED, "; ".join(steps))
+
+
+def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Finding:
+    """GC^k with a plate f along its curve, the clip h a cone around the centre.
+
+    In the coordinates of a tetrahedron with three corners on the plate and the centre as the last, with coordinate t, f
+    is f(centre) t and h has no t: `g = g_0 + alpha f` is a member where h^(k+1) divides g_0.
+    """
+    (f, h), k = surface.contacts[number], surface.order
+    if f(*centre) >= 0 or any(h.derivative(i)(*centre) != 0 for i in range(4)):
+        return Finding(claim, UNDECIDED, "the centre is not below the plate, or the clip is no cone around it")
+    if not any(h(*p) < 0 for cell in surface.cells for p in cell):
+        return Finding(claim, UNDECIDED, "no point of the region is known to be inside the clip")
+    corners = (*_on_plane(f), centre)
+    inverse = fmpq_mat([list(p) for p in corners]).inv()
+    power, parts = on_simplex(h, corners) ** (k + 1), list[Part]()
+    for cell, patch in ((cell, surface.patches[surface.patch_of[i]]) for i, cell in enumerate(surface.cells)):
+        at_once = on_simplex(patch, corners).to_dict()
+        on_plate = RING.from_dict({e: c for e, c in at_once.items() if e[3] == 0})
+        if not divmod(on_plate, power)[1].is_zero():
+            return Finding(claim, UNDECIDED, "a patch is not met by the plate to its order all along the curve")
+        alpha = RING.from_dict({(*e[:3], e[3] - 1): -c for e, c in at_once.items() if e[3] > 0})
+        placed = tuple(tuple((fmpq_mat([list(p)]) * inverse).entries()) for p in cell)
+        parts.append(Part(cell, on_simplex(alpha, placed), on_simplex(h, cell)))
+    edges = [tuple(p for p in side.corners if p != centre) for side in surface.sides]
+    around = [Part(edge, on_simplex(h, edge)) for edge in edges]
+    steps = {"its clip is inside the sides of the region": around, "alpha > 0 all over its clip": parts}
+    found = next((f for f in (_shown(claim, *step) for step in steps.items()) if not f.proved), None)
+    return found or Finding(claim, PROVED, "; ".join(("it is met exactly", *steps)))
+
+
+def _on_plane(f: fmpq_mpoly) -> tuple[Point, Point, Point]:
+    """Three points of a plane, in no line."""
+    *normal, offset = (f.derivative(i)(0, 0, 0, 0) for i in range(4))
+    big = max(range(3), key=lambda i: abs(normal[i]))
+    found = []
+    for ends in ((0, 0), (1, 0), (0, 1)):
+        point, others = [fmpq(0)] * 3, [i for i in range(3) if i != big]
+        for i, value in zip(others, ends, strict=True):
+            point[i] = fmpq(value)
+        point[big] = -(offset + sum(normal[i] * point[i] for i in others)) / normal[big]
+        found.append((*point, fmpq(1)))
+    return found[0], found[1], found[2]
 
 
 def _quotient(surface: Surface, number: int, face: Face) -> tuple[fmpq_mpoly, list[fmpq_mpoly], fmpq_mpoly, fmpq_mpoly]:
@@ -196,10 +252,11 @@ def _one_sheet(surface: Surface, region: Finding) -> Finding:
     return _shown(claim, "grad g . (x - centre) > 0 where g = 0", parts)
 
 
-def _enclosed(surface: Surface) -> Finding:
+def _enclosed(surface: Surface, contacts: list[Finding]) -> Finding:
     """On outer faces g is positive times the f_0 of the contacts clipped there (of none: on walls)."""
     claim, parts = "enclosed", list[Part]()
-    if not surface.cells or not all(surface.clipped):
+    known = [faces or (surface.sides and met.proved) for faces, met in zip(surface.clipped, contacts, strict=True)]
+    if not surface.cells or not all(known):
         return Finding(claim, UNDECIDED, "there is no region, or a contact without a face in its clip plane")
     for face in surface.outer:
         rest = face.series(surface.patches[face.patch], 0)[0]

@@ -20,6 +20,10 @@ CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (
 """Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs."""
 
 
+OPEN = "open region"
+"""The kind of partitions whose cells fill a cone with the centre as its apex."""
+
+
 class Face(NamedTuple):
     """A triangle as a face of a cell: its corners, the cell's fourth one, and the numbers of the cell and its patch."""
 
@@ -65,7 +69,10 @@ class Surface:
                 faces[triangle].append(Face(triangle, off, number, self.patch_of[number]))
         self.faces = list(faces.values())
         self.inner = [two for sides in self.faces for two in combinations(sides, 2)]
-        self.outer = [sides[0] for sides in self.faces if len(sides) == 1]
+        bound = [sides[0] for sides in self.faces if len(sides) == 1]
+        self.open = record["partition"]["kind"] == OPEN
+        self.sides = [face for face in bound if self.open and self.centre in face.corners]
+        self.outer = [face for face in bound if face not in self.sides]
         self.clipped = [
             [f for f in self.outer if h.total_degree() == 1 and all(h(*p) == 0 for p in f.corners)]
             for _, h in self.contacts
@@ -85,7 +92,7 @@ def _partition(record: dict[str, Any]) -> tuple[Point | None, list[Point], list[
     """Centre, points, cells (four point numbers each), and the cells of each patch."""
     centre = None if record["center"] is None else _point(record["center"])
     match record:
-        case {"kind": "tetrahedra" | "region", "vertices": vertices, "cells": cells, "pieces": pieces}:
+        case {"kind": "tetrahedra" | "region" | "open region", "vertices": vertices, "cells": cells, "pieces": pieces}:
             return centre, [_point(p) for p in vertices], cells, pieces
         case {"kind": "six tetrahedra", "legs": legs} if centre:
             axes = list(zip(centre, *map(_point, legs), strict=True))[:3]

@@ -102,7 +102,7 @@ class Node:
     @classmethod
     def _around(cls, contacts: Sequence[Contact], rims: Sequence[Rim], place: Vector, spread: float = SPREAD) -> Node:
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
-            _check_outlook(number, contact, rim, place)
+            check_outlook(number, contact, rim, place)
         discs = tuple(seen(number, rim, place) for number, rim in enumerate(rims, start=1))
         _check_apart(discs, spread)
         return cls(place, discs)
@@ -162,7 +162,7 @@ def _check_flat(number: int, contact: Contact) -> None:
     if contact.surface.degree == 1:
         raise GeometryError(
             f"contact {number}: the surface {contact.surface} is a plane, which a blend touches all along its curve, "
-            "so no plane face of a region ends the blend there; for plates give partition=pas.SingleCell(lower, upper)"
+            "so no plane face of a region ends the blend there; give no partition for what rises out of a plate"
         )
 
 
@@ -177,7 +177,7 @@ def _check_planes(rims: Sequence[Rim]) -> None:
             )
 
 
-def _check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
+def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
     """That the surface faces the centre all along its curve, else no surface through it is met once by each ray."""
     if contact.surface.at(rim.center) > 0:
         raise GeometryError(

@@ -7,6 +7,9 @@ With a centre, every interior face lies in a plane through it and every cell tou
 from the centre stays in one cell until it leaves the region.  That is what lets a surface be
 proved to be met once by each ray (see `pas.surface.proofs`).  A mesh without a centre serves
 for everything but that proof.
+
+A kind of partitions may be `open`: its centre is the apex of a convex cone that the cells fill up to some faces.
+Those of its sides, which pass through the centre, are no outer faces: no ray leaves through them.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from flint import fmpq
@@ -38,6 +41,7 @@ from pas.algebra.rational import (
 )
 from pas.described import constructor_keys
 from pas.errors import GeometryError
+from pas.partition.around import check_around_center
 from pas.partition.frame import Frame
 from pas.partition.layout import Layout
 from pas.partition.location import Location
@@ -84,6 +88,7 @@ class Partition:
     """
 
     name = "tetrahedra"
+    open: ClassVar[bool] = False
 
     def __repr__(self) -> str:
         called = f" {self.title!r}" if self.title != self.name else ""
@@ -108,7 +113,9 @@ class Partition:
                 raise GeometryError(f"cell {i + 1} of the partition is flat")
         self._check_faces()
         if self.center is not None and self.cells:
-            self._check_around_center(self.center)
+            check_around_center(self, self.center)
+        elif self.open:
+            raise GeometryError("a partition that is open must have a centre, the corner of its cells")
 
     def to_record(self) -> dict[str, Any]:
         """The partition as a table of plain data, exact numbers as texts; its kind is its `name`."""
@@ -150,28 +157,6 @@ class Partition:
                 cells = " and ".join(str(owner + 1) for owner in owners)
                 raise GeometryError(f"cells {cells} of the partition overlap at a common face")
 
-    def _check_around_center(self, center: Vector) -> None:
-        """That every cell touches the centre and that they surround it once."""
-        if any(plane_through(*self.corners(triangle)).at(center) != 0 for triangle, _, _ in self.inner_triangles):
-            raise GeometryError("an interior face of the partition does not pass through its centre")
-        if any(face.plane.at(center) >= 0 for face in self.outer_faces):
-            raise GeometryError("the centre of the partition is not inside the region")
-        if self._times_seen(center) != 1:
-            raise GeometryError("the cells of the partition do not surround its centre exactly once")
-
-    def _times_seen(self, center: Vector) -> int:
-        """How many outer faces a ray from the centre goes through, exact.
-
-        Every face through the centre has a cell on either side, so the number is the same for all
-        rays that avoid the edges: one is counted.  Of the directions a + t b + t^2 c from the centre
-        to a face no more than two lie in the plane of an edge, so one that avoids them is found.
-        """
-        faces = [tuple(minus(p, center) for p in self.corners(face.vertices)) for face in self.outer_faces]
-        tried = range(2, 3 + 6 * len(faces))
-        directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in tried)
-        depths = next(filter(all, ([_least_weight(way, face) for face in faces] for way in directions)))
-        return sum(depth > 0 for depth in depths)
-
     @cached_property
     def frame(self) -> Frame:
         """The local frame of this region."""
@@ -184,7 +169,11 @@ class Partition:
         """The same partition in local coordinates (centre, if any, 0; size about 1)."""
         points = [self.frame.local_point(v) for v in self.vertices]
         center = None if self.center is None else self.frame.local_point(self.center)
-        return Partition(points, self.cells, center, self.pieces, self.title)
+        return self._of_same_kind(points, center)
+
+    def _of_same_kind(self, vertices: Sequence[Vector], center: Vector | None) -> Partition:
+        """A partition with the same cells on other vertices, as open as this one."""
+        return Partition(vertices, self.cells, center, self.pieces, self.title)
 
     @cached_property
     def layout(self) -> Layout | None:
@@ -218,12 +207,24 @@ class Partition:
 
     @cached_property
     def outer_faces(self) -> tuple[OuterFace, ...]:
-        """The faces that bound the region."""
+        """The faces that bound the region, but for those of the sides of an open one."""
+        return tuple(face for face in self._boundary if not self._through_center(face))
+
+    @cached_property
+    def sides(self) -> tuple[OuterFace, ...]:
+        """The faces of the boundary that pass through the centre, of an open region; else none."""
+        return tuple(face for face in self._boundary if self._through_center(face))
+
+    @cached_property
+    def _boundary(self) -> tuple[OuterFace, ...]:
         return tuple(
             OuterFace(triangle, owners[0], int(self.piece_of[owners[0]]), self._plane(triangle, owners[0]))
             for triangle, owners in self._owners.items()
             if len(owners) == 1
         )
+
+    def _through_center(self, face: OuterFace) -> bool:
+        return self.open and self.center in self.corners(face.vertices)
 
     @cached_property
     def points(self) -> Floats:
@@ -325,14 +326,3 @@ def written(point: Vector) -> list[str]:
 
 def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
     return dot(minus(b, a), cross(minus(c, a), minus(d, a))) / 6
-
-
-def _least_weight(direction: Sequence[fmpq], triangle: Sequence[Vector]) -> fmpq:
-    """The least of three weights, up to positive factors, with which the corners give a direction.
-
-    Positive where a ray from the origin goes through the triangle, zero where it meets its rim.
-    """
-    a, b, c = triangle
-    towards = dot(a, cross(b, c))
-    weights = (dot(direction, cross(b, c)), dot(a, cross(direction, c)), dot(a, cross(b, direction)))
-    return min(w * towards for w in weights)

@@ -17,6 +17,7 @@ PARTITIONS: Registry[type[Partition]] = Registry(
         "single cell": "pas.partition.single_cell:SingleCell",
         "tetrahedra": Partition,
         "region": "pas.partition.region:Region",
+        "open region": "pas.partition.open_region:OpenRegion",
         "alfeld split": "pas.partition.alfeld_split:AlfeldSplit",
         "worsey-farin split": "pas.partition.worsey_farin_split:WorseyFarinSplit",
         "kuhn cube": "pas.partition.kuhn_cube:KuhnCube",

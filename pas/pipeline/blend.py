@@ -54,14 +54,15 @@ def blend(
 
     What shapes the surface is in `wishes` (see `pas.Wishes`), or said by keywords, which go before
     these: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
-    `margin`, `normalize`, `prove`, `guard`, `basis`.  The energy is minimised over the members: by default
-    `pas.CurvatureVariation()`, that of the surface, whose `tension` goes from 0 (full) over 23/5 (as usual) up
+    `coefficients`, `margin`, `normalize`, `prove`, `guard`, `basis`.  The energy is minimised over the members: by
+    default `pas.CurvatureVariation()`, that of the surface, whose `tension` goes from 0 (full) over 23/5 (as usual) up
     (slim); for a quadratic form such as `pas.ThinPlate()` the lowest degree is taken.  Points are sequences of
     three exact numbers: `inside` ones get f <= -margin, `outside` ones f >= margin (by default 10^-4 of the
     region's radius), the surface passes `through` others exactly and `near` still others by least squares with
     weight `near_weight` (or one for each).  `handles` maps B-coefficients (cell, multi-index) to values that
-    they get exactly.  `normalize` fixes the scale of f (`pas.MeanAlpha()` by default).  `basis` (members, each
-    one polynomial a cell) restricts a given `degree` to the span of these members.
+    they get exactly, `coefficients` numbers of members of the space's basis.  `normalize` fixes the scale of f
+    (`pas.MeanAlpha()` by default).  `basis` (members, each one polynomial a cell) restricts a given `degree` to the
+    span of these members.
 
     With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
     the optimum under sampled conditions, or with `guard=False` under the points alone, and its

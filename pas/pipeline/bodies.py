@@ -7,13 +7,13 @@ clip and ends in a flat cap.  The claims of contact become joints, which the sol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
 from pas.solid.pieces import Pieces, region
@@ -33,20 +33,54 @@ def body(
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
     reach = _length(length, surface)
-    planes = [_plane(surface, number) for number in range(len(surface.contacts))]
-    caps = [_cap(plane, reach) for plane in planes]
-    ends = [
-        patch(name, contact.surface, plane, -cap).cap(cap, f"{name} end")
-        for name, contact, plane, cap in zip(titles, surface.contacts, planes, caps, strict=True)
-        if reach > 0
-    ]
-    solid = union([inner, *ends])
-    for name, contact, plane in zip(titles, surface.contacts, planes, strict=True):
+    solids, ends = [inner], []
+    for number, (name, contact, join) in enumerate(zip(titles, surface.contacts, surface.joins, strict=True)):
+        end = contact.clip if join.opening else _plane(surface, number)
+        ends.append(end)
+        if join.opening:
+            slab = _Slab.of(surface, number, reach)
+            solids[0] = solids[0].cap(end, "").cap(slab.back, f"{name} back")
+            if reach > 0:
+                plate = patch(name, contact.surface, end)
+                solids.append(plate.cap(slab.edge, f"{name} end").cap(slab.back, f"{name} back"))
+        elif reach > 0:
+            cap = _cap(end, reach)
+            solids.append(patch(name, contact.surface, end, -cap).cap(cap, f"{name} end"))
+    solid = union(solids)
+    for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
         if reach > 0:
-            solid = solid.joined(face, name, (contact.surface, plane), surface.order)
+            solid = solid.joined(face, name, (contact.surface, end), surface.order)
         else:
-            solid = solid.cap(plane, f"{name} end")
+            solid = solid.cap(end, f"{name} end")
     return solid
+
+
+@dataclass(frozen=True)
+class _Slab:
+    """A plate around the opening of a region: the plane of its back and the cylinder of its edge, positive outside."""
+
+    back: Polynomial
+    edge: Polynomial
+
+    @classmethod
+    def of(cls, surface: PiecewiseSurface, number: int, reach: fmpq) -> _Slab:
+        """As wide beyond the opening as `reach`, and as thick, but no thicker than half the way to the centre."""
+        contact, center = surface.contacts[number], surface.partition.center
+        plane = contact.surface
+        if plane.degree > 1 or center is None:
+            raise GeometryError(
+                f"neighbour {number + 1} ends in {contact.clip} = 0, which is no plane, so it has no flat cap there; "
+                "compose the solid with pas.solid.patch instead"
+            )
+        rim = contact.rim
+        normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
+        size = exact(float(np.linalg.norm(plane.dense(1)[1:])))
+        depth = -plane.raw(*center) / 2
+        back = -plane - Polynomial(min(reach * size, depth) if reach > 0 else depth)
+        across = plane.raw / sum(n * n for n in normal)
+        wider = 1 + reach / exact(rim.radii[0])
+        onto = [m + (g - across * n - m) / wider for g, n, m in zip(GENERATORS, normal, rim.center, strict=True)]
+        return cls(back, Polynomial.from_raw(contact.clip.raw.compose(*onto)))
 
 
 def hollow_body(

@@ -26,6 +26,7 @@ from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.wishes import Wishes
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.mesh.walls import least_distance, wall_mesh
 from pas.partition.region import Region
 from pas.pipeline.blend import blend
@@ -98,7 +99,12 @@ class HollowBlend(Shape):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clip planes.
 
@@ -108,8 +114,8 @@ class HollowBlend(Shape):
         tolerance = self._tolerance if tolerance is None else tolerance
         ends = range(1, len(self.outer.surface.contacts) + 1)
         return wall_mesh(
-            self.outer.surface.mesh(tolerance),
-            self.inner.surface.mesh(tolerance),
+            self.outer.surface.mesh(tolerance, quality=quality),
+            self.inner.surface.mesh(tolerance, quality=quality),
             [self._plane(number - 1) for number in ends],
             ["blend", "inside of blend", *(f"end {number}" for number in ends)],
         )

@@ -21,6 +21,7 @@ from pas.fairing.refit import MOST_STEPS, refitted
 from pas.fairing.wishes import Sliders, Wishes, check_point_options
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.pipeline.bodies import body
 from pas.pipeline.summary import summary
 from pas.registry import loaded
@@ -162,10 +163,10 @@ class Blend(Shape):
     ) -> Blend:
         """The same problem with other points, weights, tension or normalisation, without new proofs: for sliders.
 
-        `options` are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `margin`, `normalize`,
-        `tension`.  An energy of the surface is followed for so many Gauss-Newton `steps` from this blend, on few
-        rays; with `steps=None` until it settles, on many.  A quadratic form is at its optimum at once.  `standing`
-        says of the result whether it is proved; asking for its `certificate` proves it.
+        `options` are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `coefficients`, `margin`,
+        `normalize`, `tension`.  An energy of the surface is followed for so many Gauss-Newton `steps` from this blend,
+        on few rays; with `steps=None` until it settles, on many.  A quadratic form is at its optimum at once.
+        `standing` says of the result whether it is proved; asking for its `certificate` proves it.
 
         Raises `InfeasibleError` for points that contradict, `ValueError` and `TypeError` for wrong arguments.
         """
@@ -220,11 +221,12 @@ class Blend(Shape):
         tolerance: float | None = None,
         *,
         max_triangles: int | None = None,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
-        return self.surface.mesh(tolerance, max_triangles=max_triangles)
+        return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)
 
     def __str__(self) -> str:
         return summary(self)

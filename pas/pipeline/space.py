@@ -121,9 +121,9 @@ class SolutionSpace(Space):
         """The exact member of least energy, with its certificate of optimality.
 
         `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
-        `through`, `near`, `near_weight`, `handles`, and `normalize`: the sum of coefficients is 1 by
-        default, unless a handle with a value other than 0 fixes the scale.  No condition of a clean
-        sheet is asked.
+        `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
+        is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
+        a clean sheet is asked.
 
         Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
         """

@@ -84,6 +84,7 @@ CONTACTS: Registry[type[Any]] = Registry(
         "ellipsoids": "pas.surface.contacts.ellipsoid:Ellipsoid",
         "tori": "pas.surface.contacts.torus:Torus",
         "plates": "pas.surface.contacts.plate:Plate",
+        "openings": "pas.surface.contacts.opening:Opening",
         "quadrics": "pas.surface.contacts.quadric:QuadricContact",
         "contacts": Contact,
     },

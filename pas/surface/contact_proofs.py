@@ -35,6 +35,7 @@ from pas.errors import GeometryError
 from pas.surface.free_curves import free_verdict, transversality
 from pas.surface.joins import Join
 from pas.surface.meetings import alpha_signs, meetings, on_faces, unmet
+from pas.surface.openings import opening_verdict
 from pas.verdicts import Point, Status, Verdict
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ class Case:
 def contact_verdict(surface: PiecewiseSurface, number: int) -> Verdict:
     """Exact GC^k with one contact, alpha > 0 on its curve, the curve closed, regular and in its place."""
     case = Case(surface, surface.joins[number], f"contact {number + 1} GC^{surface.order}")
+    if case.join.opening:
+        return _opening(case)
     if not case.join.faces:
         return _free(case)
     for rule in (_met, _closed, _simple, _sided, _regular):
@@ -122,6 +125,14 @@ def _free(case: Case) -> Verdict:
     """The verdict on the parts of the curve that are in no clip face."""
     status, reason, point = free_verdict(case.surface, case.join)
     return case.verdict(status, reason, None if point is None else global_point(case.surface, point))
+
+
+def _opening(case: Case) -> Verdict:
+    """The verdict on the contact through which the region is open."""
+    status, reason, signs = opening_verdict(case.surface, case.join)
+    if status is Status.PROVED or signs is None:
+        return case.verdict(status, reason, measure=signs.simplices if signs else 0)
+    return from_signs(case.surface, case.claim, reason, signs)
 
 
 def curve_in_face(join: Join) -> SignResult:

@@ -23,6 +23,7 @@ from pas.algebra.monomials import Floats, count, exponents, monomial_values
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.geometry import FIRST, derivatives
+from pas.surface.placed import PlacedContacts
 
 EVEN, DEEPEST, FACES = 3, 8, 12
 """Quarterings of every outer face, and of those on a contact curve: seen from the centre, neighbours are foreshortened
@@ -59,18 +60,19 @@ class Directions:
     @classmethod
     def of(
         cls,
-        local: Partition,
+        placed: PlacedContacts,
         columns: Sequence[Floats],
         degree: int,
         number: int,
         even: int = EVEN,
         deepest: int = DEEPEST,
     ) -> Directions:
-        """About `number` rays or more for a surface of one sheet around the centre.
+        """About `number` rays or more for a surface of one sheet around the centre, where it is in use.
 
-        `columns` are the coefficients of its pieces, all in the coordinates of the partition `local`; all outer
-        faces are quartered `even` times, and triangles on a contact curve `deepest` times, where these are `FACES`.
+        `columns` are the coefficients of its pieces, all in local coordinates; all outer faces are quartered `even`
+        times, and triangles on a contact curve `deepest` times, where these are `FACES`.
         """
+        local = placed.local
         less = max(0, round(log(len(local.outer_faces) / FACES, 4)))
         even, deepest = max(1, even - less), max(1, deepest - less)
         triangles = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
@@ -91,8 +93,8 @@ class Directions:
             beyond = (values > NOTHING * np.abs(values).max()).reshape(-1, 3)
             crossed = beyond.any(axis=1) & ~beyond.all(axis=1)
             finer = ((areas > limit) | crossed) & (level < deepest)
-            kept = ~finer & (distances > 0)
             units = centroids / np.linalg.norm(centroids, axis=1)[:, None]
+            kept = ~finer & (distances > 0) & placed.in_use(units)
             found.append((units[kept], angles[kept], distances[kept], pieces[kept]))
             triangles, pieces = _quartered(triangles[finer], pieces[finer])
             if not len(triangles):
@@ -109,15 +111,18 @@ class Directions:
 
     @classmethod
     def along(
-        cls, local: Partition, columns: Sequence[Floats], degree: int, units: Floats
+        cls, placed: PlacedContacts, columns: Sequence[Floats], degree: int, units: Floats
     ) -> tuple[Directions, NDArray[np.intp]]:
-        """Rays of solid angle 0 along given unit vectors (N, 3), and the numbers of those that meet the surface."""
-        ends, pieces = _ends(local, units)
+        """Rays of solid angle 0 along given unit vectors (N, 3), and the numbers of those that meet the surface where
+        it is in use."""
+        used = np.flatnonzero(placed.in_use(units))
+        ends, pieces = _ends(placed.local, units[used])
         distances, _ = _met(columns, degree, ends, pieces)
-        kept = np.flatnonzero(distances > 0)
-        order, slices = _by_piece(pieces[kept], len(columns))
-        kept = kept[order]
-        return cls(units[kept], np.zeros(len(kept)), distances[kept], slices), kept
+        met = np.flatnonzero(distances > 0)
+        order, slices = _by_piece(pieces[met], len(columns))
+        met = met[order]
+        kept = used[met]
+        return cls(units[kept], np.zeros(len(kept)), distances[met], slices), kept
 
 
 def solid_angles(triangles: Floats) -> Floats:

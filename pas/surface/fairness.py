@@ -22,7 +22,7 @@ from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
-from pas.surface.fairness_limits import FairnessLimits, Neighbour, check_limits, largest_arc, neighbour
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, check_limits, largest_arc, neighbour, widest
 from pas.surface.geometry import FIRST, SECOND, Geometry, jets
 from pas.surface.sections import AROUND, circle, planes, runs
 
@@ -146,7 +146,7 @@ def _shown(place: Place) -> str:
 def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
     """Measure a surface on about `rays` rays from its centre.
 
-    Raises `GeometryError` for a surface without a region, a centre inside it or a contact.
+    Raises `GeometryError` for a surface without a region, a centre inside it or a contact that meets a face of it.
     """
     return _Measuring(surface, rays).fairness()
 
@@ -160,7 +160,9 @@ class _Measuring:
         self.columns = [patch.dense(surface.degree) for patch in surface.patches]
         if any(column[0] >= 0 for column in self.columns):
             raise GeometryError("fairness is measured on rays from the centre, and it is not inside the surface")
-        self.rays = Directions.of(surface.local, self.columns, surface.degree, rays)
+        if not self.neighbours:
+            raise GeometryError("fairness is measured beside neighbours, and no face of the region has a contact curve")
+        self.rays = Directions.of(surface.placed, self.columns, surface.degree, rays)
 
     @cached_property
     def neighbours(self) -> list[Neighbour]:
@@ -186,7 +188,7 @@ class _Measuring:
             sharpest=self.place(local[sharpest]),
             hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc if 0 < arc < inf else float("nan"),
             hollowest=self.place(local[hollowest]),
-            bulge=self.bulge(local * self.scale, max(radii)),
+            bulge=self.bulge(local * self.scale, widest(self.neighbours)),
             wrong_sign=wrong,
             inflections=turns,
             variation=float(np.mean(radii)) ** 2 * float(areas @ squares),
@@ -212,20 +214,20 @@ class _Measuring:
 
     def sections(self) -> tuple[float, int]:
         """The largest wrong-sign curvature over the largest radius, and all inflections, of plane sections."""
-        widest = max(n.radius for n in self.neighbours)
+        most = widest(self.neighbours)
         wrong, turns = 0.0, 0
         for first, second in planes([n.mean for n in self.neighbours]):
             checkpoint("measuring sections")
             for curvature in self.section(first, second):
                 sign = np.sign(curvature.sum())
-                wrong = max(wrong, float((-sign * curvature).max()) * widest)
-                bent = np.sign(curvature[np.abs(curvature) > STRAIGHT / widest])
+                wrong = max(wrong, float((-sign * curvature).max()) * most)
+                bent = np.sign(curvature[np.abs(curvature) > STRAIGHT / most])
                 turns += int((bent[1:] != bent[:-1]).sum())
         return wrong, turns
 
     def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
-        rays, numbers = Directions.along(self.surface.local, self.columns, self.degree, circle(first, second))
+        rays, numbers = Directions.along(self.surface.placed, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
         jet = np.empty((len(local), 20))
         for piece, here in rays.slices:

@@ -36,13 +36,15 @@ class Neighbour:
     """A contact as the measures see it, in the user's units and relative to the centre.
 
     `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
-    curvature of its surface on the curve, `curve` (m, 3) points of it.
+    curvature of its surface on the curve, `curve` (m, 3) points of it.  `normal` (3,) is that of a surface through
+    which the region is open, as of a plate, in the mean over its curve; None for others.
     """
 
     mean: Floats
     radius: float
     curvature: float
     curve: Floats
+    normal: Floats | None = None
 
     @property
     def distance(self) -> float:
@@ -95,10 +97,9 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
-    parts = [
-        (points, weights * np.ptp(join.partition.points[list(face.vertices)], axis=0).max())
-        for face, (points, weights) in zip(join.faces, join.measured_curves(CURVE), strict=True)
-    ]
+    sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
+    measured = zip(sizes, join.measured_curves(CURVE), strict=True)
+    parts = [(points, weights * size) for size, (points, weights) in measured]
     curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
     contact = join.contact.surface
     found = Geometry(jets(curve, contact.dense(contact.degree), contact.degree))
@@ -108,7 +109,13 @@ def neighbour(join: Join, scale: float) -> Neighbour:
         float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
         float(np.abs(found.principal).max()) / scale,
         curve * scale,
+        _unit(found.normals.mean(axis=0)) if join.opening else None,
     )
+
+
+def widest(neighbours: Sequence[Neighbour]) -> float:
+    """The largest radius of neighbours, plates left out where there are others."""
+    return max([n.radius for n in neighbours if n.normal is None] or [n.radius for n in neighbours])
 
 
 def largest_arc(neighbours: Sequence[Neighbour]) -> float:
@@ -116,10 +123,14 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
 
     For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
     tangents of length l has radius l tan(t / 2).  Infinite where no two are within `WEDGE`; not positive where two
-    walls meet beyond their clips.
+    walls meet beyond their clips.  What the region is open through is taken for a plate, see
+    `_out_of_plate`.
     """
     found = inf
     for a, b in combinations(neighbours, 2):
+        if a.normal is not None or b.normal is not None:
+            found = min(found, _out_of_plate(a, b) if a.normal is not None else _out_of_plate(b, a))
+            continue
         cosine = float(a.mean @ b.mean) / (a.distance * b.distance)
         angle = float(np.arccos(np.clip(cosine, -1, 1)))
         if not 0.05 < angle < WEDGE:
@@ -129,3 +140,33 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
         ]
         found = min(found, min(tangents) * float(np.tan(angle / 2)))
     return found
+
+
+def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:
+    """The radius of the largest arc tangent to a plate within its curve and to the wall of a pipe within its clip.
+
+    On the side to which a pipe leans by t from the plate's normal the two make an angle of pi/2 - t: the wall meets the
+    plate at r / cos t from the axis, and r tan t above the axis' end.
+    """
+    assert plate.normal is not None
+    up = float((pipe.mean - plate.mean) @ plate.normal)
+    away = pipe.mean - plate.mean - up * plate.normal
+    axis = pipe.mean  # seen straight through the plate from the centre
+    lean = float(np.arccos(np.clip(axis @ plate.normal / np.linalg.norm(axis), -1, 1)))
+    foot = away - up * np.tan(lean) * _across(axis, plate.normal)
+    least = float(np.linalg.norm(plate.curve - plate.mean, axis=1).min())
+    tangent = min(
+        least - float(np.linalg.norm(foot)) - pipe.radius / np.cos(lean), up / np.cos(lean) - pipe.radius * np.tan(lean)
+    )
+    return tangent * float(np.tan((np.pi / 2 - lean) / 2))
+
+
+def _unit(vector: Floats) -> Floats:
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+def _across(axis: Floats, normal: Floats) -> Floats:
+    """The unit vector of the part of an axis across a normal; 0 where there is none."""
+    part = axis - (axis @ normal) * normal
+    length = float(np.linalg.norm(part))
+    return part / length if length > 1e-12 else part * 0

@@ -23,11 +23,15 @@ from pas.bernstein.forms import rounded_forms
 from pas.bernstein.signs import SignResult, prove_apart
 from pas.errors import GeometryError
 from pas.partition.cells import Indices, OuterFace, Partition
+from pas.surface.cones import first_met, nappe, nappe_rays
 from pas.surface.contact import Contact
 from pas.verdicts import Status
 
 CURVE_LATTICE = 24
 """Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""
+
+OPENING_POINTS = 96
+"""Of the curve through which a region is open."""
 
 BISECTIONS = 52
 """Halvings of an edge that leave it as long as its rounding."""
@@ -64,8 +68,8 @@ class Join:
     @property
     def pieces(self) -> tuple[int, ...]:
         """The pieces that carry the contact."""
-        if len(self.partition.pieces) == 1:
-            return (0,)
+        if len(self.partition.pieces) == 1 or self.opening:
+            return tuple(range(len(self.partition.pieces)))
         return tuple(dict.fromkeys(face.piece for face in self.faces))
 
     @cached_property
@@ -110,8 +114,13 @@ class Join:
 
     @property
     def confined(self) -> bool:
-        """Whether the contact has clip faces and its curve is proved to be in them alone."""
-        return bool(self.faces) and self.elsewhere.status is Status.PROVED
+        """Whether the contact's curve is proved to be in its clip faces alone, or the region opens through it."""
+        return self.opening or (bool(self.faces) and self.elsewhere.status is Status.PROVED)
+
+    @cached_property
+    def opening(self) -> bool:
+        """Whether the clip is a cone of degree 2 around the centre of a region that is open (see `openings`)."""
+        return not self.faces and opens(self.partition, self.contact)
 
     def _apart(self, polynomial: Polynomial, simplices: Sequence[Indices]) -> SignResult:
         """The proof that a polynomial and the surface have no common zero on simplices."""
@@ -137,6 +146,8 @@ class Join:
     def measured_curves(self, subdivisions: int = CURVE_LATTICE) -> list[tuple[Floats, Floats]]:
         """For each clip face, the points (m, 3) of the curve on it, and how much of the curve each stands for, (m,).
 
+        An opening has one such curve, though no face.
+
         Points are those where the curve crosses a lattice of so many `subdivisions` of the face's edges.
 
         Curves are measured in their face: by the sum of the changes of the barycentric coordinates, so that
@@ -146,7 +157,26 @@ class Join:
         return self._measured(subdivisions)
 
     @cached_property
+    def rays(self) -> Floats:
+        """Unit vectors (m, 3) from the centre, 0, to points spread along the curve of an opening, in order."""
+        return nappe_rays(self.nappe, OPENING_POINTS)
+
+    @cached_property
+    def nappe(self) -> Floats:
+        """The axes (3, 3) of the nappe of an opening that is in the region, see `cones.nappe`."""
+        return nappe(self.contact.clip, self.partition.points.mean(axis=0))
+
+    def _through_opening(self) -> list[tuple[Floats, Floats]]:
+        """The measured curve of an opening, which is in no face: weights are shares of its length."""
+        points = self.rays * first_met(self.contact.surface, self.rays)[:, None]
+        steps = np.sqrt(((points - np.roll(points, 1, axis=0)) ** 2).sum(axis=1))
+        return [(points, (steps + np.roll(steps, -1)) / (2 * steps.sum()))]
+
+    @cached_property
     def _measured(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
+        if self.opening:
+            through = self._through_opening()
+            return lambda _: through
         surface, triangles = self.contact.surface, self._triangles()
         return cache(lambda subdivisions: [_zeros_on_triangle(surface, t, subdivisions) for t in triangles])
 
@@ -178,8 +208,8 @@ class Join:
 def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]:
     """The place of each contact on the partition.
 
-    A single piece carries every contact, wherever its clip lies; in any other partition a contact
-    needs a face: raises `GeometryError` for a clip that vanishes on no outer face.
+    A single piece carries every contact, wherever its clip lies, and all pieces carry one through which the region is
+    open; else a contact needs a face: raises `GeometryError` for a clip that vanishes on no outer face.
     """
     result = []
     for number, contact in enumerate(contacts, start=1):
@@ -190,13 +220,21 @@ def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]
             if all(clip.raw(*p) == 0 for p in partition.corners(face.vertices))
             and (clip.degree == 1 or _divides(face.plane, clip))
         )
-        if not faces and len(partition.pieces) > 1:
+        if not faces and len(partition.pieces) > 1 and not opens(partition, contact):
             what = "lies in its clip plane" if clip.degree == 1 else "is a face of its clip"
             raise GeometryError(
                 f"contact {number}: no outer face of the partition ({partition.name}) {what} {clip} = 0"
             )
         result.append(Join(contact, faces, partition))
     return tuple(result)
+
+
+def opens(partition: Partition, contact: Contact) -> bool:
+    """Whether a contact's clip is a cone of degree 2 whose apex is the centre of a partition, at a corner of it."""
+    if not partition.sides or contact.clip.degree != 2 or partition.center is None:
+        return False
+    clip = contact.clip
+    return not any(p.raw(*partition.center) for p in (clip, *map(clip.diff, range(3))))
 
 
 def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import nearby_forms
 from pas.mesh.field import Integers
-from pas.mesh.radial import dots
+from pas.mesh.rows import dots
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
 from pas.surface.patch_field import PatchField

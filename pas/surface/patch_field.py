@@ -11,7 +11,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
-from pas.mesh.radial import dots
+from pas.mesh.rows import dots
 from pas.surface.geometry import JETS, derived
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
 from pas.bernstein.forms import b_form, on_simplex
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
+from pas.mesh.quality import Quality
 from pas.partition.cells import OuterFace, Partition
 from pas.shape import Shape
 from pas.surface.certificate import Certificate
@@ -261,6 +262,7 @@ class PiecewiseSurface(InPlace, Shape):
         tolerance: float | None = None,
         *,
         max_triangles: int | None = None,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> SurfaceMesh:
@@ -268,8 +270,10 @@ class PiecewiseSurface(InPlace, Shape):
 
         Vertices lie on the surface, boundary vertices on the contact curves; normals point outwards.  By default
         the tolerance is a thousandth of the longest side of the region's box.  Raises `MeshError` where there is
-        no surface or the tolerance needs more triangles than that (four million by default).
+        no surface or the tolerance needs more triangles than that (four million by default).  Of some meshes the
+        `quality` "angles" takes that with the largest smallest angle, "count" that with fewest triangles.
         """
+        how = Quality.of(quality)
         if not self.partition.cells:
             raise MeshError("the surface has no region to be meshed in: give its cell one, as in pas.SingleCell(box)")
         if all(patch.degree < 1 for patch in self.patches):
@@ -277,7 +281,7 @@ class PiecewiseSurface(InPlace, Shape):
         if tolerance is None:
             tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
         scale = float(to_fraction(self.partition.frame.scale))
-        return meshed(self, check_tolerance(tolerance, scale), check_limit(max_triangles))
+        return meshed(self, check_tolerance(tolerance, scale), check_limit(max_triangles), how)
 
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(

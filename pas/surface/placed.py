@@ -10,10 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pas.algebra.inputs import check_order
+from pas.algebra.monomials import Floats
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.contact import Contact
 from pas.surface.joins import Join, joins
+from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring, rings_of
 
 
@@ -44,7 +49,7 @@ class PlacedContacts:
         return joins(self.local, self.local_contacts)
 
     @cached_property
-    def rings(self) -> list[Ring]:
+    def rings(self) -> list[Ring | OpeningRim]:
         """The curves on which surfaces end, in local coordinates; raises `ArithmeticError` where one is no graph over
         the angle about its middle."""
         return rings_of(self.joins)
@@ -59,6 +64,14 @@ class PlacedContacts:
         """The outer faces in no clip plane, in local coordinates."""
         clipped = {face.vertices for join in self.joins for face in join.faces}
         return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
+
+    def in_use(self, directions: Floats) -> NDArray[np.bool_]:
+        """Along which directions (N, 3) from the centre surfaces are in use: inside all openings."""
+        result = np.ones(len(directions), dtype=bool)
+        for join in self.joins:
+            if join.opening:
+                result &= (join.contact.clip(directions) <= 0) & (directions @ join.nappe[0] > 0)
+        return result
 
     def __repr__(self) -> str:
         return f"PlacedContacts({len(self.contacts)} contacts, GC^{self.order}, {self.partition.name})"

@@ -14,7 +14,10 @@ surface leaves the region through its contact curves alone.  Together the two sa
 a graph over the sphere of directions less one disc a contact: for c contacts its Euler
 characteristic is 2 - c.
 
-A contact whose clip passes through the region, as a curved one, leaves the surface in use on one
+A region may be open towards a contact whose clip is a cone around the centre, as to the edge of a plate (see
+`pas.surface.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.
+
+Any other contact whose clip passes through the region, as a curved one, leaves the surface in use on one
 side of the clip only.  One sheet is then still proved of all of the zero set in the region, and
 refuted only at a point that is in use; that what is in use is enclosed is never proved.
 
@@ -39,6 +42,7 @@ from pas.bernstein.signs import Limits, SignResult, prove_positive
 from pas.surface.certificate import Certificate
 from pas.surface.contact_proofs import check_join, contact_verdict, from_signs, global_point
 from pas.surface.meetings import alpha_signs, meetings
+from pas.surface.openings import opening_verdict
 from pas.verdicts import Status, Verdict
 
 if TYPE_CHECKING:
@@ -119,6 +123,11 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
         return from_signs(surface, claim, reached, walls)
     examined = walls.simplices
     for number, join in enumerate(surface.joins, start=1):
+        if join.opening:
+            status, reason, _ = opening_verdict(surface, join)
+            if status is not Status.PROVED:
+                return Verdict(Status.UNDECIDED, claim, f"contact {number}: {reason}")
+            continue
         if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
             return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
         result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)

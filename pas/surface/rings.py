@@ -14,7 +14,8 @@ from pas.algebra.monomials import Floats, count
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
-from pas.mesh.radial import dots
+from pas.mesh.rows import dots
+from pas.surface.opening_rim import OpeningRim
 
 if TYPE_CHECKING:
     from pas.surface.joins import Join
@@ -41,6 +42,7 @@ class Ring:
     columns: Floats
     size: float
     fixed: ClassVar[bool] = False
+    opening: ClassVar[bool] = False
 
     @cached_property
     def _alone(self) -> Rings:
@@ -83,7 +85,10 @@ class Ring:
 class Rings:
     """Several closed curves, for points each of which belongs to one of them."""
 
-    def __init__(self, rings: Sequence[Ring]) -> None:
+    def __init__(self, curves: Sequence[Ring | OpeningRim]) -> None:
+        self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, OpeningRim)}
+        rings = [curve for curve in curves if isinstance(curve, Ring)]
+        self._place = np.cumsum([isinstance(curve, Ring) for curve in curves]) - 1
         self._middles = np.array([ring.middle for ring in rings]).reshape(-1, 3)
         self._normals = np.array([ring.normal for ring in rings]).reshape(-1, 3)
         sizes = [len(ring.columns) for ring in rings]
@@ -99,6 +104,16 @@ class Rings:
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
+        if self._openings:
+            result = np.empty_like(points)
+            flat = ~np.isin(numbers, list(self._openings))
+            result[flat] = self._on_rings(points[flat], self._place[numbers[flat]])
+            for number, curve in self._openings.items():
+                result[numbers == number] = curve.at(points[numbers == number])
+            return result
+        return self._on_rings(points, numbers)
+
+    def _on_rings(self, points: Floats, numbers: Integers) -> Floats:
         middle, normal = self._middles[numbers], self._normals[numbers]
         way = points - middle
         way = way - dots(way, normal)[:, None] * normal
@@ -123,22 +138,28 @@ def _across(normal: Floats) -> Floats:
     return np.asarray(first / np.sqrt(first @ first))
 
 
-def rings_of(joins: Sequence[Join]) -> list[Ring]:
+def rings_of(joins: Sequence[Join]) -> list[Ring | OpeningRim]:
     """The curves on which surfaces with contacts in place end; raises `ArithmeticError` where one is no graph over the
     angle."""
-    found = []
+    found: list[Ring | OpeningRim] = []
     for join in joins:
+        if join.opening:
+            found.append(OpeningRim(join.contact.surface, join.contact.clip, join.nappe))
+            continue
         if not join.faces:
             continue
-        function = join.contact.surface
-        degree = function.degree
-        columns = np.stack([p.dense(degree) for p in (function, *map(function.diff, range(3)))], axis=1)
+        columns = _columns(join.contact.surface)
         curves = [points for points, _ in join.measured_curves()]
         for plane in join.planes:
             curve = np.concatenate([c for c, face in zip(curves, join.faces, strict=True) if face in plane.faces])
             if len(curve):
                 found.append(_ring(curve, plane.plane, columns))
     return found
+
+
+def _columns(function: Polynomial) -> Floats:
+    """The coefficients of a function and its derivatives."""
+    return np.stack([p.dense(function.degree) for p in (function, *map(function.diff, range(3)))], axis=1)
 
 
 def _ring(curve: Floats, plane: Polynomial, columns: Floats) -> Ring:

@@ -12,7 +12,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.improve import cross
+from pas.mesh.rows import cross
 
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
@@ -47,6 +47,12 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
         np.add.at(times[here], row, sign)
         known[here][row[~sure]] = False
     return times, known
+
+
+def volumes(corners: Floats) -> tuple[Floats, Floats]:
+    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and by
+    how much each may be off."""
+    return _det(corners[:, 0], corners[:, 1], corners[:, 2])
 
 
 def _signs(ways: Floats, corners: Floats) -> tuple[Integers, np.ndarray]:

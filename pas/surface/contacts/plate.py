@@ -27,9 +27,9 @@ class Plate(Axial):
     cylinder, the plate stays outside.
 
     What holds: a surface meets the plate with GC^k iff it is in `<w . axis, clip^(k+1)>`, so solution spaces are
-    complete and exact.  The curve lies in no plane face of a region that the clip carries, hence only a single
-    polynomial over one region has a proof of its contact, as a space curve inside (see `pas.surface.free_curves`);
-    whether the surface is enclosed stays undecided there, since it may go on beyond the clip.
+    complete and exact.  A blend of a plate and one other contact is a single polynomial, seen from below through the
+    plate's curve, with that cone as the clip (see `pas.surface.openings`); on the plane it is the same ideal.  In a
+    region that is given it is solved and proved along its curve, and whether it is enclosed stays undecided.
 
     Raises `ValueError` for a zero axis, for a radius that is not positive, for semi-axes that are not perpendicular,
     and unless just one of radius and semi-axes is given.

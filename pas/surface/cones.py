@@ -1,0 +1,54 @@
+"""Points of cones of degree 2 with the apex 0, and of the curves in which surfaces cut them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.errors import GeometryError
+
+HALVINGS = 60
+"""Of the part of a ray in which a surface is met: to about the rounding of doubles."""
+
+FARTHEST = 64.0
+"""How far along rays, over the size of what is looked at, surfaces are looked for."""
+
+
+def nappe(cone: Polynomial, towards: Floats) -> Floats:
+    """Three vectors (3, 3), of which the first, plus the others times cosine and sine, are rays along a nappe.
+
+    The first is its axis, on the side of `towards` (3,).  Raises `GeometryError` for what is no cone that is negative
+    inside: its form must have one negative square and two positive ones.
+    """
+    form = np.array([[float(cone.diff(i).diff(j).raw(0, 0, 0)) / 2 for j in range(3)] for i in range(3)])
+    values, axes = np.linalg.eigh(form)
+    if not values[0] < 0 < values[1]:
+        raise GeometryError(f"{cone} is no cone with an inside: it must be negative along an axis, positive across it")
+    found = (axes / np.sqrt(np.abs(values))).T
+    found[0] *= 1.0 if found[0] @ towards > 0 else -1.0
+    return np.asarray(found)
+
+
+def nappe_rays(axes: Floats, count: int) -> Floats:
+    """Unit vectors (count, 3) along the nappe of three axes (3, 3), in order."""
+    angles = 2 * np.pi * np.arange(count)[:, None] / count
+    rays = axes[0] + np.cos(angles) * axes[1] + np.sin(angles) * axes[2]
+    return np.asarray(rays / np.sqrt((rays * rays).sum(axis=1))[:, None])
+
+
+def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
+    """How far along unit vectors (N, 3) a surface that is negative at 0 is met, (N,); NaN beyond `FARTHEST`.
+
+    `size` is that of what is looked at, in the units of the surface: 1 in local coordinates.
+    """
+    steps = size * np.concatenate([[0.0], np.geomspace(1 / FARTHEST, FARTHEST, 128)])
+    values = np.stack([surface(rays * s) for s in steps])
+    outside = values >= 0
+    place = outside.argmax(axis=0)
+    low, high = steps[np.maximum(place - 1, 0)], steps[place]
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        inside = surface(rays * middle[:, None]) < 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return np.where(outside.any(axis=0), (low + high) / 2, np.nan)
