@@ -50,10 +50,12 @@ export class View {
 		clearTimeout(this.resting); this.resting = setTimeout(() => this.smooth(0), STILL);
 	}
 	smooth(step, fine = false) { // the mean of shifted frames, one at a time; after a longer rest once more with more digits
-		const share = Math.min(2, devicePixelRatio || 1), steps = this.tooSlow ? 1 : SMOOTH.length, context = this.sum.getContext("2d");
+		const share = Math.min(2, devicePixelRatio || 1), context = this.sum.getContext("2d"), began = performance.now();
 		this.sized(share);
 		if (step === 0) { this.sum.width = this.live.width; this.sum.height = this.live.height; }
 		this.caster.draw(this.camera, { ...this.look, fine, jitter: SMOOTH[step] });
+		if (this.tooSlow) { this.caster.finish(); if (performance.now() - began < TOO_SLOW / 2) { this.tooSlow = false; this.crawls = 0; } } // it was busy with other things
+		const steps = this.tooSlow ? 1 : SMOOTH.length;
 		context.globalCompositeOperation = step ? "source-over" : "copy"; context.globalAlpha = 1 / (step + 1);
 		if (step) { context.globalCompositeOperation = "destination-out"; context.fillRect(0, 0, this.sum.width, this.sum.height); context.globalCompositeOperation = "lighter"; }
 		context.drawImage(this.live, 0, 0);
