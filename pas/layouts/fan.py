@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise, product
-from math import asin, cos, degrees, gcd, pi, radians, sin, sqrt
+from math import cos, degrees, gcd, pi, radians, sin
 
 import numpy as np
 
@@ -29,6 +30,9 @@ PRICE = 0.004
 
 NEAR_AXIS = 0.97
 """Sine of the azimuth that a disc may take up: those that reach an axis' pole lie between no two half-planes."""
+
+SAME = 1e-9
+"""Radians below which axes count as equally good: the first is taken, the same one on all machines."""
 
 LEAST_GAP = radians(2.3)
 """Azimuth between two discs below which no fan is made: there half-planes would nearly coincide."""
@@ -81,37 +85,32 @@ def fan(discs: Sequence[Seen], center: Vector, each: int = 2) -> Layout:
 
 def best_gaps(discs: Sequence[Seen]) -> Gaps:
     """The axis with the largest smallest gap between discs; raises `GeometryError` where there is none."""
-    best: tuple[float, Gaps] | None = None
-    span = range(-LONGEST_AXIS, LONGEST_AXIS + 1)
-    for axis in product(span, span, span):
-        if axis <= (0, 0, 0) or gcd(*axis) != 1:
-            continue
-        gaps = gaps_around(discs, axis)
-        if gaps is None:
-            continue
-        worth = min(gaps.sizes) - PRICE * sum(map(abs, axis))
-        if best is None or worth > best[0] + 1e-9:
-            best = (worth, gaps)
-    if best is None or min(best[1].sizes) < LEAST_GAP:
-        found = "" if best is None else f" (the best leaves a gap of {degrees(min(best[1].sizes)):.2g} degrees)"
+    axes, poles, frames = _axes()
+    directions, angles = np.array([disc.direction for disc in discs]), np.array([disc.angle for disc in discs])
+    shares = np.sin(angles) / np.sqrt(np.maximum(1 - (poles @ directions.T) ** 2, 1e-18))
+    here = np.flatnonzero(((shares <= NEAR_AXIS) & (angles <= pi / 2)).all(axis=1))
+    first, second = np.moveaxis(frames[here] @ directions.T, 1, 0)
+    middles, halves = np.arctan2(second, first), np.arcsin(shares[here])
+    order = middles.argsort(axis=1, kind="stable")
+    middles, halves = np.take_along_axis(middles, order, axis=1), np.take_along_axis(halves, order, axis=1)
+    sizes = np.diff(middles, axis=1, append=middles[:, :1] + 2 * pi) - halves - np.roll(halves, -1, axis=1)
+    least = sizes.min(axis=1)
+    worth = least - PRICE * np.abs(np.array(axes)[here]).sum(axis=1)
+    best = int((worth > worth.max(initial=-np.inf) - SAME).argmax()) if len(here) else -1
+    if best < 0 or least[best] < LEAST_GAP:
+        found = "" if best < 0 else f" (the best leaves a gap of {degrees(least[best]):.2g} degrees)"
         raise GeometryError(f"no fan of half-planes through one axis keeps the {len(discs)} contacts apart{found}")
-    return best[1]
+    number = int(here[best])
+    return Gaps(axes[number], frames[number], tuple(middles[best].tolist()), tuple(halves[best].tolist()))
 
 
-def gaps_around(discs: Sequence[Seen], axis: Ray) -> Gaps | None:
-    """The gaps around an axis, None where a disc reaches its pole."""
-    pole = unit(np.array(axis))
-    frame = across(pole)
-    found = []
-    for disc in discs:
-        height = float(disc.direction @ pole)
-        share = sin(disc.angle) / max(sqrt(max(0.0, 1 - height * height)), 1e-9)
-        if share > NEAR_AXIS or disc.angle > pi / 2:
-            return None
-        first, second = frame @ disc.direction
-        found.append((float(np.arctan2(second, first)), asin(share)))
-    middles, halves = zip(*sorted(found), strict=True)
-    return Gaps(axis, frame, middles, halves)
+@lru_cache(maxsize=1)
+def _axes() -> tuple[list[Ray], Floats, Floats]:
+    """All short axes, one of each two opposite ones; their unit vectors (N, 3), and the frames (N, 2, 3) across."""
+    span = range(-LONGEST_AXIS, LONGEST_AXIS + 1)
+    axes = [axis for axis in product(span, span, span) if axis > (0, 0, 0) and gcd(*axis) == 1]
+    poles = unit(np.array(axes))
+    return axes, poles, np.array([across(pole) for pole in poles])
 
 
 def _with_rays(discs: Sequence[Seen], center: Vector, gaps: Gaps, each: int, longest: int) -> Layout:

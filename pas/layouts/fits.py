@@ -16,14 +16,16 @@ from pas.partition.layout import Layout, Ray
 
 def check_fits(layout: Layout, discs: Sequence[Seen]) -> list[int]:
     """The piece that holds each disc; raises `GeometryError` for a disc in none, or two in one."""
+    normals = [sides([layout.rays[i] for i in piece]) for piece in layout.pieces]
     found: list[int] = []
     for disc in discs:
-        here = [p for p in range(len(layout.pieces)) if room(layout, p, disc) > 0]
+        towards = unit(disc.points).T
+        here = [p for p, inwards in enumerate(normals) if (inwards @ towards).min() > 0]
         if len(here) != 1:
-            towards = ", ".join(f"{c:.3g}" for c in disc.direction)
+            direction = ", ".join(f"{c:.3g}" for c in disc.direction)
             raise GeometryError(
                 f"the curve of contact {disc.number} fits in no piece of the layout ({layout.name}): it is seen "
-                f"{degrees(disc.angle):.3g} degrees wide around ({towards})"
+                f"{degrees(disc.angle):.3g} degrees wide around ({direction})"
             )
         if here[0] in found:
             raise GeometryError(
@@ -45,4 +47,5 @@ def room(layout: Layout, piece: int, disc: Seen) -> float:
 
 def sides(rays: Sequence[Ray]) -> Floats:
     """The unit normals (N, 3), inwards, of the planes of a piece's sides."""
-    return np.array([unit(np.cross(a, b)) for a, b in zip(rays, [*rays[1:], rays[0]], strict=True)])
+    around = np.array(rays, dtype=float)
+    return unit(np.cross(around, np.roll(around, -1, axis=0)))

@@ -72,9 +72,10 @@ def between(disc: Seen, inner: Sequence[Vector], outer: Sequence[Vector]) -> lis
     Raises `GeometryError` where the two cannot be joined by triangles that all face the centre.
     """
     first, second = (np.array([to_floats(p) for p in ring]) for ring in (inner, outer))
+    prices = _prices(unit(first), unit(second))
     best: tuple[float, list[tuple[int, int, bool]]] | None = None
     for start in range(len(outer)):
-        found = _zipped(unit(first), unit(np.roll(second, -start, axis=0)))
+        found = _zipped(np.roll(prices, -start, axis=2).tolist())
         if found is not None and (best is None or found[0] < best[0] - 1e-9):
             best = (found[0], [(i, (j + start) % len(outer), own) for i, j, own in found[1]])
     if best is None:
@@ -86,21 +87,20 @@ def between(disc: Seen, inner: Sequence[Vector], outer: Sequence[Vector]) -> lis
     ]
 
 
-def _zipped(inner: Floats, outer: Floats) -> tuple[float, list[tuple[int, int, bool]]] | None:
+def _zipped(prices: list[list[list[float]]]) -> tuple[float, list[tuple[int, int, bool]]] | None:
     """The cheapest way round from inner[0] - outer[0]: its price, and triangles (i, j, whether the third corner is
     the next inner one); None where there is none."""
-    m, q = len(inner), len(outer)
+    m, q = len(prices[0]), len(prices[0][0])
     price: dict[tuple[int, int], float] = {(0, 0): 0.0}
     came: dict[tuple[int, int], bool] = {}
     for i in range(m + 1):
         for j in range(q + 1):
             if (i, j) not in price:
                 continue
-            a, b = inner[i % m], outer[j % q]
             for own, place in ((True, (i + 1, j)), (False, (i, j + 1))):
                 if place[0] > m or place[1] > q:
                     continue
-                worth = price[i, j] + _price(a, b, inner[place[0] % m] if own else outer[place[1] % q])
+                worth = price[i, j] + prices[not own][i % m][j % q]
                 if worth < price.get(place, np.inf):
                     price[place], came[place] = worth, own
     if (m, q) not in price:
@@ -113,9 +113,12 @@ def _zipped(inner: Floats, outer: Floats) -> tuple[float, list[tuple[int, int, b
     return price[m, q], found
 
 
-def _price(a: Floats, b: Floats, c: Floats) -> float:
-    """Of a triangle of unit vectors: its longest side squared over its volume, infinite for flat and turned ones."""
-    volume = float(np.dot(np.cross(a, b), c))
-    if volume <= FLAT:
-        return float("inf")
-    return float(max((a - b) @ (a - b), (b - c) @ (b - c), (c - a) @ (c - a))) / volume
+def _prices(inner: Floats, outer: Floats) -> Floats:
+    """Of the triangles of inner[i], outer[j] and the next inner or outer corner, all unit vectors: the longest side
+    squared over the volume, infinite for flat and turned ones; (2, number of inner, number of outer corners)."""
+    a, b = np.broadcast_arrays(inner[:, None], outer[None, :])
+    third = np.stack(np.broadcast_arrays(np.roll(inner, -1, axis=0)[:, None], np.roll(outer, -1, axis=0)[None, :]))
+    volumes = (np.cross(a, b) * third).sum(axis=-1)
+    squares = [np.square(p - q).sum(axis=-1) for p, q in ((np.stack([a, a]), b), (b, third), (third, a))]
+    priced = np.full(volumes.shape, np.inf)
+    return np.divide(np.max(squares, axis=0), volumes, out=priced, where=volumes > FLAT)
