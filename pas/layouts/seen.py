@@ -121,13 +121,10 @@ def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:
     """
     wanted = unit(direction)
     price = 0.003 if largest <= 16 else 0.0004
-    best: tuple[float, tuple[int, int, int]] | None = None
-    for size in range(1, largest + 1):
-        x, y, z = np.round(wanted / np.abs(wanted).max() * size).astype(int).tolist()
-        off = angle_between(unit(np.array([x, y, z])), wanted) + price * size
-        if best is None or off < best[0] - 1e-12:
-            best = (off, (x, y, z))
-    assert best is not None
-    common = int(np.gcd.reduce(best[1]))
-    x, y, z = best[1]
-    return x // common, y // common, z // common
+    sizes = np.arange(1, largest + 1)
+    near = np.round(wanted / np.abs(wanted).max() * sizes[:, None])
+    aside = np.linalg.norm(np.cross(near, wanted), axis=1)
+    worth = np.arctan2(aside, near @ wanted) + price * sizes
+    best = near[int((worth < worth.min() + 1e-12).argmax())].astype(int)
+    x, y, z = (best // np.gcd.reduce(best)).tolist()
+    return x, y, z

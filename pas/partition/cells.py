@@ -297,7 +297,8 @@ class Partition:
     def _side(self, triangle: Indices, cell: int) -> int:
         """On which side of a face's plane a cell lies: 1 or -1."""
         opposite = next(v for v in self.cells[cell] if v not in triangle)
-        value = plane_through(*self.corners(triangle)).at(self.vertices[opposite])
+        a, b, c = self.corners(triangle)
+        value = _volume(a, b, c, self.vertices[opposite])
         return 1 if value > 0 else -1
 
 
@@ -325,4 +326,4 @@ def written(point: Vector) -> list[str]:
 
 
 def _volume(a: Vector, b: Vector, c: Vector, d: Vector) -> fmpq:
-    return dot(minus(b, a), cross(minus(c, a), minus(d, a))) / 6
+    return dot(cross(minus(b, a), minus(c, a)), minus(d, a)) / 6
