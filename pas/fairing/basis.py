@@ -74,11 +74,12 @@ class WorkingBasis:
     def of(cls, partition: Partition, source: Products, degree: int) -> WorkingBasis:
         """A well-conditioned basis of the span of members in the partition's local coordinates."""
         rules = tetrahedra_rule(partition.local, 2 * degree)
-        values = [monomial_values(p, degree) * np.sqrt(w) for p, w in rules]
+        values = [(monomial_values(p, degree) * np.sqrt(w)).T for p, w in rules]
+        # on a piece the squares of all its samples are those of as many as there are monomials
+        factors = [np.linalg.qr(np.concatenate([values[c] for c in piece]), mode="r") for piece in partition.pieces]
 
         def samples(tables: list[Floats]) -> Floats:
-            on_cells = zip((tables[piece] for piece in partition.piece_of), values, strict=True)
-            return np.concatenate([c @ v for c, v in on_cells], axis=1).T
+            return np.concatenate([f @ t.T for f, t in zip(factors, tables, strict=True)])
 
         change, doubles = orthonormal(source, samples)
         return cls(partition.local, partition.frame, degree, source, change, np.array(doubles))

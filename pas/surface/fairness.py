@@ -41,9 +41,6 @@ SHORTEST_RUN = 6
 BALL = 400
 """Points of the ball around the centre that belongs to the hull."""
 
-FACETS = 32
-"""Of the hull, from which the distances of all points are worked out at once: they stay in the caches."""
-
 SHARP, HOLLOW, BULGE, WRONG = 0.02, 0.5, 0.1, 0.05
 """Units in which what is beyond the limits counts: of sharpness, hollowness, bulge and wrong-sign curvature."""
 
@@ -205,11 +202,8 @@ class _Measuring:
     def bulge(self, points: Floats, radius: float) -> float:
         """How far points, relative to the centre, are beyond the hull, over the largest radius."""
         hull = ConvexHull(np.concatenate([radius * spiral(BALL), *(n.curve for n in self.neighbours)]))
-        normals, offsets, columns = hull.equations[:, :3], hull.equations[:, 3], np.ascontiguousarray(points.T)
-        far = max(
-            float(((normals[i : i + FACETS] @ columns).max(axis=1) + offsets[i : i + FACETS]).max())
-            for i in range(0, len(normals), FACETS)
-        )
+        outermost = points[ConvexHull(points).vertices]
+        far = float((hull.equations[:, :3] @ outermost.T + hull.equations[:, 3:]).max())
         return max(0.0, far) / radius
 
     def sections(self) -> tuple[float, int]:
