@@ -6,9 +6,11 @@ share (`--fit`, 0.8 if nothing is said) of the angle between their directions.  
 proved, or not fair, and for each number of pipes the shares, layouts, degrees and seconds.
 
     python benchmarks/nodes.py [--orders 1 2] [--pipes 2 3 4 5 6] [--count 20] [--fit 0.8] [--auto] [--lowest]
+                               [--against]
 
 With `--auto` clips are placed by `pas.struts`; with `--lowest` the first degree that is proved is kept, whatever its
-shape.
+shape.  With `--against` the variation of curvature is compared with that of the least thin-plate energy, of the same
+degree on the same region.
 """
 
 from __future__ import annotations
@@ -87,6 +89,7 @@ def main() -> None:
     parser.add_argument("--fit", type=float, default=0.8)
     parser.add_argument("--lowest", action="store_true")
     parser.add_argument("--auto", action="store_true")
+    parser.add_argument("--against", action="store_true")
     parser.add_argument("--seed", type=int, default=2026)
     options = parser.parse_args()
     pas.keep_blends(0)  # each is found anew
@@ -105,7 +108,7 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
     """The nodes of one order and number of pipes."""
     generator = random.Random(f"{options.seed} {number}")
     made: Counter[str] = Counter()
-    seconds, fair, nearly, sharp = [], 0, 0, []
+    seconds, fair, nearly, sharp, times = [], 0, 0, [], []
     for case in range(options.count):
         pipes = draw(generator, number, options.fit)
         start = time.process_time()
@@ -125,6 +128,8 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
             if beyond:
                 print(f"k={order} n={number} #{case}: {', '.join(beyond)}", flush=True)
         seconds.append(time.process_time() - start)
+        if options.against and made.total() == len(sharp) > len(times):
+            times.append(against_thin_plate(pipes, blend))
     shares = ", ".join(f"{name}: {count}" for name, count in sorted(made.items()))
     print(
         f"k={order} n={number}: {made.total()} of {options.count} proved ({shares}), {fair} fair, {nearly} with limits "
@@ -132,6 +137,23 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
         f"{median(seconds):.1f}, largest {max(seconds):.1f}",
         flush=True,
     )
+    if times:
+        print(
+            f"  thin plate varies {median(times):.1f} times as much (median), {min(times):.1f} times at least, "
+            f"five times or more in {sum(t >= 5 for t in times)} of {len(times)}",
+            flush=True,
+        )
+
+
+def against_thin_plate(pipes: list[pas.Pipe], blend: pas.Blend) -> float:
+    """How many times more the curvature of the member of the least thin-plate energy varies; infinite where none is
+    seen all along its rays."""
+    try:
+        surface, energy = blend.surface, pas.ThinPlate()
+        plate = pas.blend(pipes, blend.space.order, surface.degree, surface.partition, energy=energy, prove=False)
+        return plate.fairness.variation / blend.fairness.variation
+    except pas.PasError:
+        return float("inf")
 
 
 if __name__ == "__main__":
