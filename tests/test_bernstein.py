@@ -17,7 +17,7 @@ from pas.algebra.monomials import count, exponents, homogeneous_exponents, monom
 from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import LARGEST_ERROR, UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex, rounded, rounded_forms
 from pas.bernstein.gram import gram
-from pas.bernstein.signs import Limits, prove_apart, prove_positive, rounding_bound
+from pas.bernstein.signs import Limits, prove_apart, prove_positive, prove_positive_inside, rounding_bound
 from pas.bernstein.subdivision import edges, halved, halves, halving
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
@@ -295,6 +295,36 @@ def test_a_zero_that_may_be_there_is_not_passed_over(value, zero):
     """Where `zero` vanishes without changing its sign: the value is not positive there."""
     forms = [rounded(b_form(on_simplex(Polynomial(p).raw, SEGMENT), 2, 1))[None] for p in (value, zero)]
     assert prove_positive(forms[0], np.eye(3)[None, :2], forms[1]).status is Status.UNDECIDED
+
+
+def one_simplex(value, zero, below=False):
+    """The claim on one tetrahedron with these B-coefficients, before it is halved."""
+    forms, corners, limits = (np.array([value]), np.array([zero])), np.eye(4)[None, :, :3], Limits(halvings=0)
+    return (
+        prove_positive_inside(*forms, corners, limits) if below else prove_positive(forms[0], corners, forms[1], limits)
+    )
+
+
+def test_a_multiple_of_what_vanishes_may_be_added():
+    zero = np.array([1.0, -0.5, 0.25, -0.125])
+    for times in (0.7, -0.9):
+        assert one_simplex(0.05 + times * zero, zero).status is Status.PROVED
+        assert one_simplex(-0.05 + times * zero, zero).status is Status.UNDECIDED
+    assert one_simplex([0.5, 0.5, -0.1, 0.5], [1.0, -1.0, 0.0, 0.5]).status is Status.UNDECIDED  # nothing to add there
+    assert one_simplex([-0.5, -0.5, 0.5, 0.5], [1.0, -1.0, 0.5, 0.5]).status is Status.UNDECIDED  # t > 1/2 and < -1/2
+
+
+def test_only_a_positive_multiple_of_what_is_not_positive_may_be_added():
+    inside = np.array([1.0, -1.0, 0.5, -0.5])
+    assert one_simplex(0.1 - 0.5 * inside, inside, below=True).status is Status.PROVED
+    assert one_simplex(0.1 + 0.5 * inside, inside, below=True).status is not Status.PROVED  # wrong where it is -1
+
+
+@pytest.mark.parametrize("times", [0.5, -0.25, -1.0])
+def test_rounding_of_multiples_is_accounted_for(times):
+    zero = np.array([0.5, -0.5, 0.25, -0.125])
+    for margin, status in ((2.0**-52, Status.UNDECIDED), (2.0**-51, Status.UNDECIDED), (2.0**-48, Status.PROVED)):
+        assert one_simplex(margin + times * zero, zero).status is status
 
 
 def test_what_the_limits_leave_open_is_not_proved():

@@ -535,6 +535,12 @@ SEGMENT = [(fmpq(0), fmpq(0), fmpq(0), fmpq(1)), (fmpq(1), fmpq(0), fmpq(0), fmp
 AT_0, AT_1 = signs.RING.gens()[:2]
 """The barycentric coordinates of the segment from x = 0 to x = 1."""
 
+ANY = AT_0 + AT_1
+"""1 there."""
+
+NEAR = [fmpq(79, 128), fmpq(159, 256)]
+"""On both sides of where x^2 + x = 1."""
+
 
 @pytest.mark.parametrize(
     ("value", "zero", "status", "where"),
@@ -547,6 +553,9 @@ AT_0, AT_1 = signs.RING.gens()[:2]
         (AT_0 - AT_1, AT_1, "proved", []),
         (AT_0 - AT_1, AT_0 - 2 * AT_1, "proved", []),
         (AT_1 - AT_0, AT_0 - 2 * AT_1, "refuted", [fmpq(1, 4), fmpq(3, 8)]),
+        (AT_0 - 3 * AT_1 + ANY / 10**30, 3 * AT_1 - AT_0, "proved", []),  # any multiple may be added
+        (AT_0 - 3 * AT_1, 3 * AT_1 - AT_0, "undecided", []),
+        (AT_0 * AT_1 - 3 * AT_0**2 + AT_1**2 / 2, AT_0 * ANY - AT_1**2, "refuted", NEAR),
         (AT_1, AT_1, "undecided", []),  # zero where it matters is not refuted: see the docstring
         (signs.ZERO, signs.ONE, "proved", []),
         (signs.ZERO, None, "refuted", [0]),

@@ -155,7 +155,7 @@ def exact_sheet_proof(surface: PiecewiseSurface, halvings: int) -> int:
         while stack:
             f, p, corners, depth = stack.pop()
             examined += 1
-            if min(f.values()) > 0 or max(f.values()) < 0 or min(p.values()) > 0:
+            if min(f.values()) > 0 or max(f.values()) < 0 or min(p.values()) > 0 or made_up(p, f):
                 continue
             assert depth < halvings
             pairs = [
@@ -170,6 +170,13 @@ def exact_sheet_proof(surface: PiecewiseSurface, halvings: int) -> int:
                 half[moves] = middle
                 stack.append((halved(f, stays, moves), halved(p, stays, moves), tuple(half), depth + 1))
     return examined
+
+
+def made_up(p: dict, f: dict) -> bool:
+    """Whether all coefficients of p + t f are positive for the middle of the t that their signs allow."""
+    low = max(-p[i] / f[i] for i in f if f[i] > 0)
+    high = min(-p[i] / f[i] for i in f if f[i] < 0)
+    return all(p[i] + (low + high) / 2 * f[i] > 0 for i in f)
 
 
 def blossom(p: Polynomial, corners) -> dict:

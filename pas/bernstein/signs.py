@@ -3,19 +3,22 @@
 The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, without `zero`; or
 where several polynomials vanish at once).  A polynomial lies between its smallest and largest
 B-coefficient, and equals them at the vertices.  So a simplex is settled when all coefficients of
-one `zero` have one sign or those of `value` are positive; the claim is refuted when those of
-`value` are negative and `zero` changes sign between two vertices (then it vanishes in between);
-any other simplex is halved at its longest edge.  Several polynomials may change their signs
+one `zero` have one sign or those of `value` are positive, or those of `value + t zero` for some
+number t: they are where `zero` vanishes only, and there both are the same.  The claim is refuted
+when those of `value` are negative and `zero` changes sign between two vertices (then it vanishes in
+between); any other simplex is halved at its longest edge.  Several polynomials may change their signs
 without a common zero: with them a claim is proved or left undecided.  Of where another polynomial is
-not positive, a simplex is settled when all coefficients of that or of `value` are positive, and the
-claim is refuted where both are negative at a vertex.
+not positive, a simplex is settled when all coefficients of that or of `value` are positive, or of
+`value` and t >= 0 times that, and the claim is refuted where both are negative at a vertex.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
 2^-53), or with another error that is known.  One halving is a product with rows of at most n+1
 nonzero nonnegative weights of sum 1, whose computed value errs by at most (n+2) 2^-53 (Higham 2002,
 section 3.1), and does not enlarge the errors before it.  After m halvings every coefficient is
 within `(1 + m (n+2)) 2^-53` of the true one, with the other error in place of the 1, here
-doubled; comparisons are made against that bound.
+doubled; comparisons are made against that bound.  The computed coefficients of `value + t zero` are
+within 1 + 2 |t| roundings of what they are by the computed ones of both, so these are compared with
+2 (1 + |t|) times the bound.
 """
 
 from __future__ import annotations
@@ -131,6 +134,7 @@ def _searched(batch: _Simplices, limits: Limits | None, error: float) -> SignRes
         examined += len(batch)
         bound = rounding_bound(max(degrees), halved, error)
         batch = batch.select(~_settled(batch, bound))
+        batch = batch.select(~_made_up(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
             if witness is None:
@@ -181,6 +185,21 @@ def _settled(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
         if not batch.below:
             settled |= zero.max(axis=1) < -bound
     return settled
+
+
+def _made_up(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
+    """Where a multiple of the polynomial that vanishes makes up for what is negative."""
+    if len(batch.zeros) != 1 or batch.zeros[0].shape != batch.value.shape:
+        return np.zeros(len(batch), dtype=bool)
+    value, (zero,) = batch.value, batch.zeros
+    with np.errstate(all="ignore"):
+        ratios = -value / zero
+        least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
+        if batch.below:
+            least = np.maximum(least, 0.0)
+        times = (least + np.where(zero < 0, ratios, np.inf).min(axis=1)) / 2
+        sums = (value + times[:, None] * zero).min(axis=1)
+        return np.asarray(sums > 2 * bound * (1 + np.abs(times)))  # false where it is nan
 
 
 def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 Points are homogeneous, (x, y, z, 1), and so are polynomials, in four variables.  On a simplex with corners v_i one
 becomes a polynomial in barycentric coordinates b_i (x = sum b_i v_i), which is positive where its coefficients are.
+Where it matters at the zeros of another one only, any multiple of that may be added to it.
 """
 
 from __future__ import annotations
@@ -52,6 +53,8 @@ def positive(parts: Iterable[Part], budget: int = BUDGET) -> tuple[str, tuple[Po
         (least, most), *zero = [_range(form, len(corners)) for form in forms]
         if least > 0 or any(low > 0 or high < 0 for low, high in zero):
             continue
+        if zero and _made_up(forms[0], forms[1], len(corners)):
+            continue
         values, *zeros = [[form(*(i == j for j in range(4))) for i in range(len(corners))] for form in forms]
         if not zeros:
             failing = [p for p, v in zip(corners, values, strict=True) if v <= 0][:1]
@@ -85,6 +88,19 @@ def _range(p: fmpz_mpoly, size: int) -> tuple[fmpz, fmpz]:
     degree, found = max(p.total_degree(), 0), p.coeffs()
     found += [fmpz(0)] * (len(found) < comb(degree + size - 1, degree))
     return min(found), max(found)
+
+
+def _made_up(value: fmpz_mpoly, zero: fmpz_mpoly, size: int) -> bool:
+    """Whether all coefficients of value + t zero, both of one degree, are positive for some t."""
+    degree, left, right = value.total_degree(), value.to_dict(), zero.to_dict()
+    keys = left.keys() | right.keys()
+    if degree != zero.total_degree() or len(keys) < comb(degree + size - 1, degree):
+        return False
+    pairs = [(left.get(e, fmpz(0)), right.get(e, fmpz(0))) for e in keys]
+    if any(z == 0 >= v for v, z in pairs):
+        return False
+    least, most = ([fmpq(-v, z) for v, z in pairs if sign * z > 0] for sign in (1, -1))
+    return not least or not most or max(least) < min(most)
 
 
 def _halves(corners: tuple[Point, ...], forms: Forms) -> Iterator[tuple[tuple[Point, ...], Forms]]:
