@@ -85,7 +85,8 @@ def test_it_touches_the_plate_and_stays_above(blends):
 def changed(surface, change):
     polynomials = [p + pas.Polynomial(change) for p in surface.polynomials]
     partition = surface.partition
-    return pas.PiecewiseSurface.from_polynomials(partition, surface.contacts, surface.order, polynomials, 6)
+    degree = max(surface.degree, *(p.degree for p in polynomials))
+    return pas.PiecewiseSurface.from_polynomials(partition, surface.contacts, surface.order, polynomials, degree)
 
 
 @pytest.mark.parametrize(
@@ -169,10 +170,19 @@ def test_meshes_that_are_another_surface(second):
 
 
 @pytest.mark.parametrize("name", OPENINGS)
-def test_openings_in_any_surface(name):
+def test_openings_in_any_surface(name, tmp_path):
     """The curve is in no plane where the surface is none of revolution about the cone's axis."""
     blend = pas.blend(OPENINGS[name], 1)
     assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)
+    pas.save(blend, tmp_path / "opening.pas.json")
+    assert all(finding.proved for finding in check_independently(tmp_path / "opening.pas.json"))
+    number = next(i for i, c in enumerate(blend.surface.contacts) if c.clip.degree == 1)
+    other = blend.surface.contacts[number]
+    elsewhere = str(other.surface * other.clip**2 / 10**6)  # only the opening is met no more
+    changed_surface = changed(blend.surface, elsewhere)
+    pas.save(replace(blend, surface=changed_surface), tmp_path / "changed.pas.json")
+    found = check_independently(tmp_path / "changed.pas.json")[1 : 1 + len(blend.surface.contacts)]
+    assert [finding.proved for finding in found] == [c is other for c in blend.surface.contacts]
     surface, contact = blend.surface, blend.surface.contacts[0]
     mesh = surface.mesh(1e-2)
     chain, topology, vertices, near = mesh.certificate.verdicts

@@ -11,7 +11,8 @@ t^k.  GC^k: with f = f_0 + f_1 t + ... and the patch g = g_0 + g_1 t + ..., alph
 divides g_0, then g_1 - alpha_0 f_1, and so on (Garrity and Warren 1991); factors of f_0 that are positive on the face
 may divide alpha, since the curve is elsewhere.
 
-Undecided: clips that are not planes, and curves met in part only where no factor over the rationals tells the parts.
+Undecided: clips that are neither planes nor cones through which a region is open, and curves met in part only where no
+factor over the rationals tells the parts.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _region(surface: Surface) -> Finding:
 def _contact(surface: Surface, number: int) -> Finding:
     """GC^k along the contact's curve in its clip faces: a closed regular curve, alpha > 0, h < 0 on this side."""
     claim, faces, (f, h) = f"contact {number + 1} GC^{surface.order}", surface.clipped[number], surface.contacts[number]
-    if not faces and surface.sides and surface.centre and f.total_degree() == 1:
+    if not faces and surface.sides and surface.centre and h.total_degree() == 2:
         return _opening(surface, number, claim, surface.centre)
     if not faces:
         return Finding(claim, UNDECIDED, "no outer face lies in its clip, or the clip is no plane")
@@ -149,27 +150,25 @@ def _contact(surface: Surface, number: int) -> Finding:
 
 
 def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Finding:
-    """GC^k with a plate f along its curve, the clip h a cone around the centre.
+    """GC^k with a surface f along its curve on a cone h around the centre, all over which alpha > 0.
 
-    In the coordinates of a tetrahedron with three corners on the plate and the centre as the last, with coordinate t, f
-    is f(centre) t and h has no t: `g = g_0 + alpha f` is a member where h^(k+1) divides g_0.
+    By degree in the coordinates from the centre f begins with a number that is not 0, so g / f is a series, modulo
+    h^(k+1) the one series alpha with `g = alpha f`; of a member it ends, and g - alpha f is a multiple of h^(k+1).
     """
     (f, h), k = surface.contacts[number], surface.order
     if f(*centre) >= 0 or any(h.derivative(i)(*centre) != 0 for i in range(4)):
-        return Finding(claim, UNDECIDED, "the centre is not below the plate, or the clip is no cone around it")
+        return Finding(claim, UNDECIDED, "the centre is not inside its surface, or its clip is no cone around that")
     if not any(h(*p) < 0 for cell in surface.cells for p in cell):
         return Finding(claim, UNDECIDED, "no point of the region is known to be inside the clip")
-    corners = (*_on_plane(f), centre)
-    inverse = fmpq_mat([list(p) for p in corners]).inv()
-    power, parts = on_simplex(h, corners) ** (k + 1), list[Part]()
-    for cell, patch in ((cell, surface.patches[surface.patch_of[i]]) for i, cell in enumerate(surface.cells)):
-        at_once = on_simplex(patch, corners).to_dict()
-        on_plate = RING.from_dict({e: c for e, c in at_once.items() if e[3] == 0})
-        if not divmod(on_plate, power)[1].is_zero():
-            return Finding(claim, UNDECIDED, "a patch is not met by the plate to its order all along the curve")
-        alpha = RING.from_dict({(*e[:3], e[3] - 1): -c for e, c in at_once.items() if e[3] > 0})
-        placed = tuple(tuple((fmpq_mat([list(p)]) * inverse).entries()) for p in cell)
-        parts.append(Part(cell, on_simplex(alpha, placed), on_simplex(h, cell)))
+    forms, power, parts = _by_degree(f, centre), _by_degree(h, centre)[-1] ** (k + 1), list[Part]()
+    alphas = [_series(_by_degree(patch, centre), forms, power) for patch in surface.patches]
+    for i, cell in enumerate(surface.cells):
+        alpha = alphas[surface.patch_of[i]]
+        if alpha is None:
+            return Finding(claim, UNDECIDED, "a patch does not meet it to its order all along the curve")
+        parts.append(
+            Part(cell, on_simplex(alpha.compose(*_seen_from(centre, -1), ctx=RING), cell), on_simplex(h, cell))
+        )
     edges = [tuple(p for p in side.corners if p != centre) for side in surface.sides]
     around = [Part(edge, on_simplex(h, edge)) for edge in edges]
     steps = {"its clip is inside the sides of the region": around, "alpha > 0 all over its clip": parts}
@@ -177,18 +176,32 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
     return found or Finding(claim, PROVED, "; ".join(("it is met exactly", *steps)))
 
 
-def _on_plane(f: fmpq_mpoly) -> tuple[Point, Point, Point]:
-    """Three points of a plane, in no line."""
-    *normal, offset = (f.derivative(i)(0, 0, 0, 0) for i in range(4))
-    big = max(range(3), key=lambda i: abs(normal[i]))
-    found = []
-    for ends in ((0, 0), (1, 0), (0, 1)):
-        point, others = [fmpq(0)] * 3, [i for i in range(3) if i != big]
-        for i, value in zip(others, ends, strict=True):
-            point[i] = fmpq(value)
-        point[big] = -(offset + sum(normal[i] * point[i] for i in others)) / normal[big]
-        found.append((*point, fmpq(1)))
-    return found[0], found[1], found[2]
+def _by_degree(p: fmpq_mpoly, centre: Point) -> list[fmpq_mpoly]:
+    """The forms of degree 0, 1, ... of a polynomial in the coordinates from the centre."""
+    degree, terms = p.total_degree(), p.compose(*_seen_from(centre, 1), ctx=RING).to_dict()
+    found: list[dict[tuple[int, ...], Any]] = [{} for _ in range(degree + 1)]
+    for e, c in terms.items():
+        found[degree - e[3]][(*e[:3], 0)] = c
+    return [RING.from_dict(form) for form in found]
+
+
+def _seen_from(centre: Point, sign: int) -> list[fmpq_mpoly]:
+    *axes, one = RING.gens()
+    return [*(x + sign * c * one for x, c in zip(axes, centre, strict=False)), one]
+
+
+def _series(g: list[fmpq_mpoly], f: list[fmpq_mpoly], power: fmpq_mpoly) -> fmpq_mpoly | None:
+    """alpha with `g = alpha f` modulo a form, all by degree and f_0 a number; None where no polynomial is."""
+    found: list[fmpq_mpoly] = []
+    for j in range(len(g) + len(f) - 1):
+        known = sum((found[i] * f[j - i] for i in range(max(0, j - len(f) + 1), min(j, len(found)))), ZERO)
+        rest = divmod((g[j] if j < len(g) else ZERO) - known, power)[1]
+        if j < len(g):
+            found.append(rest / f[0].leading_coefficient())
+        elif not rest.is_zero():
+            return None
+    last = RING.gens()[3]
+    return sum((form * last ** (len(found) - 1 - j) for j, form in enumerate(found)), ZERO)
 
 
 def _quotient(surface: Surface, number: int, face: Face) -> tuple[fmpq_mpoly, list[fmpq_mpoly], fmpq_mpoly, fmpq_mpoly]:
