@@ -24,8 +24,9 @@ HELD, TURNED = 0.8, 0.5
 """The same where edges may become long, and with the face's normal at each corner alone, so that no triangle goes
 through a bar."""
 
-UNTANGLINGS, MANY = 8, 0.01
-"""How often folded triangles are removed, and their share above which that is hopeless."""
+UNTANGLINGS, MANY, SOME = 8, 0.01, 40
+"""How often folded triangles are removed, and their share above which that is hopeless, if there are more than some:
+a mesh of planes has few triangles, of which a corner where many faces meet folds a large share."""
 
 RINGS = 2
 """Of triangles about what is mended, in which edges are flipped and vertices move."""
@@ -154,7 +155,7 @@ def untangle(
     for _ in range(UNTANGLINGS):
         rows = np.arange(len(mesh.triangles)) if near is None else np.flatnonzero(any_of(near[mesh.triangles]))
         folded, near = rows[cosines(mesh, field, rows) < fold], None
-        if not len(folded) or len(folded) > MANY * len(mesh.triangles):
+        if not len(folded) or len(folded) > max(MANY * len(mesh.triangles), SOME):
             break
         marked = np.zeros(mesh.topology.size, dtype=bool)
         marked[mesh.triangles[folded]] = True
