@@ -115,8 +115,10 @@ class Crossings:
         if not len(nodes.points):
             return mesh
         found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
-        # where a node drew in what is no disc, what is unclear may have been far from it
-        return np.concatenate([found, centers]) if isinstance(found, np.ndarray) else Labelled.of(*found)
+        if not isinstance(found, Nodes):
+            return Labelled.of(*found)
+        # where a node drew in what is no disc, what is unclear within its reach may have been far from it
+        return np.concatenate([found.points, centers[found.reaches(centers)]])
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""
