@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.kernels import compiled
 from pas.mesh.labelled import Labelled, Topology, triangle_keys
 from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 from pas.mesh.rows import any_of, cross, dots, norms
@@ -273,6 +274,12 @@ def _independent(
     that they change no edge and no triangle twice.  Chosen in rounds (after Luby 1986).
     """
     edges, size = mesh.topology.edges, mesh.topology.size
+    kernel = compiled(ROUNDS * len(mesh.triangles))
+    if kernel is not None:
+        tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
+        both, limits = (edges, mesh.topology.label_count), (most, slenderest)
+        least = (KEPT, HELD, TURNED, ROUNDS)
+        return kernel.merged_faces(mesh.points, tables, normals, both, (removed, kept), limits, least)
     sound = np.ones(len(removed), dtype=bool)
     if most is not None:
         sound = _keeps_straight(mesh, normals, removed, kept, most)

@@ -1,6 +1,7 @@
 """What makes triangles good ones in compiled code, where there is some: the same meshes, bit for bit, sooner.
 
-The functions here are those of `pas.mesh.radial`, `graded` and `coarsen`, which do the same with numpy.
+The functions here are those of `pas.mesh.radial`, `graded`, `coarsen`, `labelled`, `remesh` and `collapse`, which do the
+same with numpy.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in ("triangles", "collapses", "labelled"))
+SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in ("triangles", "collapses", "labelled", "merges"))
 
 EACH = 100
 """Products for a triangle in one of the functions, about."""
@@ -123,6 +124,30 @@ class CompiledTriangles:
         limits = (straight, lines is not None, limit, marked, near is not None, passes)
         self._call("pas_flipped_faces", *mesh, known, facing.copy(), *limits, number)
         return result if number[0] else None
+
+    def merged_faces(
+        self,
+        points: Floats,
+        triangles: tuple[Integers, Integers, Integers],
+        normals: Floats,
+        edges: tuple[Integers, Integers],
+        collapses: tuple[Integers, Integers],
+        limits: tuple[Floats | None, Floats | None],
+        least: tuple[float, float, float, int],
+    ) -> NDArray[np.bool_]:
+        """Which collapses, of vertices removed (K,) into those kept (K,), are done together (K,).
+
+        The `triangles` are given with the rows of normals at their corners and their labels, the `edges` with the
+        number of labels of each vertex.  See `pas.mesh.collapse`.
+        """
+        (most, slenderest), (every, labels), (removed, kept) = limits, edges, collapses
+        mesh = (len(triangles[0]), *triangles, len(points), points, normals, len(every), every, labels)
+        off = points if most is None else most
+        heights, span = (points, 0) if slenderest is None else (slenderest, slenderest.shape[1])
+        chosen = np.empty(len(removed), dtype=bool)
+        given = (len(removed), removed, kept, off, most is not None, heights, span)
+        self._call("pas_merged_faces", *mesh, *given, *least, chosen)
+        return chosen
 
 
 class _Workspace(threading.local):

@@ -226,7 +226,7 @@ class SolidField:
         return self._found[a, b]
 
     def _may_join(self, a: int, b: int) -> NDArray[np.bool_]:
-        """Which columns are walls (M,) on which two faces may touch; with three planes none independent of the others."""
+        """Which columns are walls (M,) on which two faces may touch: three planes must depend on each other."""
         result, units = self._walls.copy(), self._units
         first, second = units[a], units[b]
         second = second - (second @ first) * first
