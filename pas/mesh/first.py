@@ -37,6 +37,10 @@ PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
+FEW = 0.002
+"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes longer
+than more cubes do."""
+
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
 
@@ -102,7 +106,9 @@ def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) 
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [_Lattice(field, ahead[-1].octree.refined(least=QUIET))]
         elif len(places) or len(ahead) == 1:
-            ahead = [_Lattice(field, ahead[0].octree.refined(places))]
+            finer = ahead[0].octree.refined(places)
+            twice = len(places) < FEW * ahead[0].octree.count
+            ahead = [_Lattice(field, finer.refined(places) if twice else finer)]
         else:
             ahead = ahead[1:]
     if not reason:

@@ -1,7 +1,7 @@
 """What makes triangles good ones in compiled code, where there is some: the same meshes, bit for bit, sooner.
 
-The functions here are those of `pas.mesh.radial`, `graded`, `coarsen`, `labelled`, `remesh` and `collapse`, which do the
-same with numpy.
+The functions here are those of `pas.mesh.radial`, `graded`, `coarsen`, `labelled`, `remesh` and `collapse`, which do
+the same with numpy.
 """
 
 from __future__ import annotations
