@@ -10,7 +10,7 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.faces import _roots
+from pas.mesh.changes import _roots
 
 CYLINDER = solid.cylinder((-2, 0, 0), (2, 0, 0), 1)
 STEINMETZ = CYLINDER & CYLINDER.rotate((0, 0, 1), 90)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.labelled import Labelled, Topology, triangle_keys
+from pas.mesh.labelled import Labelled, Topology
 from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 from pas.mesh.rows import any_of, cross, dots, norms
 
@@ -76,21 +76,12 @@ def coarsen(
         found = _collapse_once(mesh, field, rows, None if most is None else most[numbers], fresh, slenderest)
         if found is None:
             return mesh
-        smaller, used = found
-        fresh = _changed(smaller, used, mesh)
+        smaller, used, fresh = found
         mesh, gone = flip(smaller, field, 2, limit, None if near is None else fresh), len(mesh.points) - len(used)
         fresh[mesh.triangles[any_of(mesh.triangles != smaller.triangles)]] = True
         numbers, near = numbers[used], fresh
         if gone < FEW * len(numbers):
             return mesh
-
-
-def _changed(mesh: Labelled, used: Integers, before: Labelled) -> NDArray[np.bool_]:
-    """Which vertices (N,), of given numbers before, have triangles that were not there."""
-    known = np.isin(triangle_keys(used[mesh.triangles]), triangle_keys(before.triangles))
-    result = np.zeros(len(mesh.points), dtype=bool)
-    result[mesh.triangles[~known]] = True
-    return result
 
 
 def _collapse_once(
@@ -100,8 +91,9 @@ def _collapse_once(
     most: Floats | None = None,
     fresh: NDArray[np.bool_] | None = None,
     slenderest: Floats | None = None,
-) -> tuple[Labelled, Integers] | None:
-    """The mesh after collapses of edges in given rows, and which vertices are left; None where none can be done."""
+) -> tuple[Labelled, Integers, NDArray[np.bool_]] | None:
+    """The mesh after collapses of edges in given rows, which vertices are left, and which of them (N,) have triangles
+    that were not there; None where none can be done."""
     rows = rows[np.argsort(mesh.lengths[rows], kind="stable")]
     removed, kept = _directed(mesh.topology, rows)
     if fresh is not None:
@@ -128,7 +120,9 @@ def _collapse_once(
     pinned = number[pinned[stays[pinned]]]
     topology = Topology(number[triangles[distinct]], mesh.labels[distinct], len(used), pinned)
     known = normals[mesh.topology.rows(used[topology.pairs[:, 0]], topology.pairs[:, 1])]
-    return Labelled(mesh.points[used], topology, known), used
+    changed = np.zeros(len(used), dtype=bool)
+    changed[topology.triangles[any_of(triangles != mesh.triangles)[distinct]]] = True
+    return Labelled(mesh.points[used], topology, known), used, changed
 
 
 def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:

@@ -45,7 +45,7 @@ HIDDEN = 1
 
 NOWHERE = np.empty((0, 3))
 
-BASE, FLAT = 3, 0.1
+BASE, FLAT = 3, 0.2
 """How often cubes are halved wherever the boundary may pass, but for those in which faces turn less (radians)."""
 
 _SPAN = 1 << 18
