@@ -38,8 +38,8 @@ PATIENCE, UNCLEAR = 3, 4000
 a reason is looked for why it does not come out."""
 
 FEW = 0.002
-"""Number of places, over that of the cubes, below which the lattice is made finer twice there: more cubes take less time
-than another look."""
+"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
+time than more cubes."""
 
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
