@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.rows import cross
+from pas.mesh.topology import numbered
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -29,7 +30,9 @@ def snapped(
     group = np.arange(len(edges)) + len(free)
     group = np.where((t < snap) & ~free[a], a, np.where((t > 1 - snap) & ~free[b], b, group))
     order = np.argsort(np.minimum(t, 1 - t), kind="stable")
-    _, first, label = np.unique(group[order], return_index=True, return_inverse=True)
+    label = numbered(group[order])[1]
+    first = np.empty(label.max(initial=-1) + 1, dtype=np.intp)
+    first[label[::-1]] = np.arange(len(label))[::-1]  # the last to be written is the first there is
     back = np.empty(len(order), dtype=np.intp)
     back[order] = label
     merged = np.zeros((len(first), 3))
@@ -38,7 +41,7 @@ def snapped(
     corners = back[triangles]
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     checkpoint()
-    used, inverse = np.unique(_without_doubles(corners[distinct]), return_inverse=True)
+    used, inverse = numbered(_without_doubles(corners[distinct]).ravel())
     return merged[used], inverse.reshape(-1, 3), order[first][used]
 
 
@@ -70,7 +73,7 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
         quad = rows[:, ring]
         corners += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
     checkpoint()
-    unique, inverse = np.unique(np.concatenate(corners), return_inverse=True)
+    unique, inverse = numbered(np.concatenate(corners).ravel())
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 
 
@@ -94,6 +97,6 @@ def oriented(
 def _without_doubles(triangles: Integers) -> Integers:
     """Triangles that snapping folded onto one another vanish in pairs."""
     size = int(triangles.max(initial=0)) + 1
-    keys = np.sort(triangles, axis=1) @ np.array([size * size, size, 1])
-    _, inverse, times = np.unique(keys, return_inverse=True, return_counts=True)
-    return triangles[times[inverse] == 1]
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    inverse = numbered((low * size + triangles.sum(axis=1) - low - high) * size + high)[1]
+    return triangles[np.bincount(inverse)[inverse] == 1]

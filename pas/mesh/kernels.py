@@ -17,7 +17,8 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in ("triangles", "collapses", "labelled", "merges"))
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys")
+SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
 """Products for a triangle in one of the functions, about."""
@@ -124,6 +125,13 @@ class CompiledTriangles:
         limits = (straight, lines is not None, limit, marked, near is not None, passes)
         self._call("pas_flipped_faces", *mesh, known, facing.copy(), *limits, number)
         return result if number[0] else None
+
+    def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
+        """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
+        distinct, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)
+        inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
+        self._call("pas_numbered", len(keys), keys, placed, distinct, inverse, number)
+        return distinct[: number[0]].copy(), inverse
 
     def merged_faces(
         self,

@@ -28,7 +28,7 @@ from pas.mesh.remesh import least_norm, newton
 from pas.mesh.rows import norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.stars import Stars
-from pas.mesh.topology import edge_table
+from pas.mesh.topology import edge_table, numbered
 from pas.mesh.touching import FOUND, touching
 
 SAME = 1e-7
@@ -209,7 +209,7 @@ def contracted(
     if failed.any():
         return Nodes(nodes.points[failed], nodes.reach[failed])
     triangles, labels = stars.triangles[stars.left], stars.labels[stars.left]
-    used, numbers = np.unique(triangles, return_inverse=True)
+    used, numbers = numbered(triangles.ravel())
     return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
 
 

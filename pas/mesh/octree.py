@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.topology import distinct
+from pas.mesh.topology import distinct, numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
 """Where the cubes start, in small cubes before the box: irrational, so that the planes and axes that
@@ -176,7 +176,7 @@ class Octree:
         used = self._middles()
         found = [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
         checkpoint()
-        numbers, inverse = np.unique(np.concatenate(found), return_inverse=True)
+        numbers, inverse = numbered(np.concatenate(found).ravel())
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
     def _halve(self, level: int, cubes: Integers) -> Integers:
