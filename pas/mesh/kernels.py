@@ -108,23 +108,35 @@ class CompiledTriangles:
         self,
         points: Floats,
         triangles: tuple[Integers, Integers, Integers],
-        normals: tuple[Floats, Floats],
+        normals: Floats,
         lines: tuple[NDArray[np.bool_], float] | None,
         near: NDArray[np.bool_] | None,
         passes: int,
     ) -> Integers | None:
         """The triangles, given with the rows of normals at their corners and their labels, after flips; None as before.
 
-        Of `normals` the first are those rows, the others those of the triangles.  See `pas.mesh.remesh.flip`.
+        See `pas.mesh.remesh.flip`.
         """
-        (result, rows, labels), (known, facing) = (t.copy() for t in triangles), normals
+        result, rows, labels = (t.copy() for t in triangles)
         straight, limit = (labels, 0.0) if lines is None else lines
         marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
         number = np.empty(1, dtype=np.intp)
         mesh = (len(result), result, rows, labels, len(points), _room(6 * len(result) + len(points) + 1), points)
         limits = (straight, lines is not None, limit, marked, near is not None, passes)
-        self._call("pas_flipped_faces", *mesh, known, facing.copy(), *limits, number)
+        self._call("pas_flipped_faces", *mesh, normals, np.empty((len(result), 3)), *limits, number)
         return result if number[0] else None
+
+    def cosines(self, points: Floats, triangles: Integers, rows: Integers, normals: Floats, chosen: Integers) -> Floats:
+        """Those of chosen triangles, with the rows of normals at their corners; see `pas.mesh.remesh.cosines`."""
+        result = np.empty(len(chosen))
+        self._call("pas_cosines", len(chosen), chosen, triangles, rows, points, normals, result)
+        return result
+
+    def sizes(self, edges: Integers, lengths: Floats, seams: NDArray[np.bool_], size: int) -> Floats:
+        """See `pas.mesh.labelled.Labelled.sizes`."""
+        result, total = np.empty((2, size))
+        self._call("pas_sizes", len(edges), edges, lengths, seams, size, _room(size), total, result)
+        return result
 
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
         """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
