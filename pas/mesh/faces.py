@@ -53,9 +53,7 @@ class Crossings:
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
         checkpoint()
-        inside = self._inside[tetrahedra]
-        mixed = tetrahedra[inside.any(axis=1) & ~inside.all(axis=1)]
-        self.edges, triangles = crossings(self._inside, mixed)
+        self.edges, triangles = crossings(self._inside, tetrahedra)
         self.triangles = oriented(nodes, self._inside, self.edges, nodes[self.edges].mean(axis=1), triangles)
 
     @cached_property

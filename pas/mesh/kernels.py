@@ -17,7 +17,7 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys")
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour")
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -136,6 +136,20 @@ class CompiledTriangles:
         """See `pas.mesh.labelled.Labelled.sizes`."""
         result, total = np.empty((2, size))
         self._call("pas_sizes", len(edges), edges, lengths, seams, size, _room(size), total, result)
+        return result
+
+    def crossings(self, tetrahedra: Integers, negative: NDArray[np.bool_]) -> Integers:
+        """The keys of crossed edges at the corners of triangles (3 T,); see `pas.mesh.contour.crossings`."""
+        keys, number = np.empty(6 * len(tetrahedra), dtype=np.intp), np.empty(1, dtype=np.intp)
+        self._call("pas_crossings", len(tetrahedra), tetrahedra, len(negative), negative, keys, number)
+        return keys[: 3 * number[0]]
+
+    def oriented(
+        self, triangles: Integers, points: Floats, edges: Integers, nodes: Floats, negative: NDArray[np.bool_]
+    ) -> Integers:
+        """See `pas.mesh.contour.oriented`."""
+        result = triangles.copy()
+        self._call("pas_oriented", len(result), result, points, edges, nodes, negative)
         return result
 
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
