@@ -22,7 +22,7 @@ from pas.mesh.changes import side_changes
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
+from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
 from pas.mesh.remesh import least_norm, newton, placing
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
@@ -44,11 +44,12 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 class Crossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
-    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.
+    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  What is
+    `known` from other lattices of the same boundary is not looked for again.
     """
 
-    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers) -> None:
-        self.field, self.nodes = field, nodes
+    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers, known: Known | None = None) -> None:
+        self.field, self.nodes, self._known = field, nodes, known
         checkpoint(f"finding the boundary in a lattice of {len(tetrahedra)} tetrahedra")
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
@@ -95,7 +96,7 @@ class Crossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
+            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat, self._known)
         centers = points[triangles[unclear]].mean(axis=1)
         reached = nodes.reaches(centers)
         if not reached.all():

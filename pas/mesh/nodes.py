@@ -12,6 +12,7 @@ small sphere about it inside, and what outside, is connected.  Otherwise there i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as field_of
 from functools import cache
 from itertools import combinations
 
@@ -73,14 +74,32 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
+@dataclass(frozen=True)
+class Known:
+    """What was found from places that other lattices of a boundary have as well: most of them stay where they are.
+
+    `zeros` of systems of functions by these, the start and the reach; `cones` by the node and the spacing.
+    """
+
+    zeros: dict[tuple[tuple[int, ...], bytes, float], Floats] = field_of(default_factory=dict)
+    cones: dict[tuple[bytes, float], bool] = field_of(default_factory=dict)
+
+
 def find_nodes(
-    field: FaceField, points: Floats, triangles: Integers, labels: Integers, places: Integers, flat: Integers
+    field: FaceField,
+    points: Floats,
+    triangles: Integers,
+    labels: Integers,
+    places: Integers,
+    flat: Integers,
+    known: Known | None = None,
 ) -> Nodes:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises
-    `MeshError` where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  What is `known`
+    is not looked for again, and added to.  Raises `MeshError` where the solid touches itself in a node.
     """
+    known = Known() if known is None else known
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
@@ -90,7 +109,7 @@ def find_nodes(
     pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
     starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
     functions += [(int(pair[0]), int(pair[-1])) for pair in pairs]
-    found, owners = _solved(field, centers[starts], functions, size[starts]), starts
+    found, owners = _known_zeros(field, centers[starts], functions, size[starts], known), starts
     far = np.linalg.norm(found - centers[owners], axis=1) / size[owners]
     kept = np.flatnonzero(far < REACH)
     kept = kept[np.argsort(far[kept], kind="stable")]
@@ -101,7 +120,10 @@ def find_nodes(
             continue
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
         radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
-        if _is_cone(field, found[row], float(size[owners[row]])):
+        key = found[row].tobytes(), float(size[owners[row]])
+        if key not in known.cones:
+            known.cones[key] = _is_cone(field, found[row], key[1])
+        if known.cones[key]:
             nodes.append(found[row])
             reach.append(radius)
             done[owners[own]] = True
@@ -120,6 +142,17 @@ def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) ->
         systems += own
         rows += [row] * len(own)
     return np.array(rows, dtype=np.intp), systems
+
+
+def _known_zeros(
+    field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats, known: Known
+) -> Floats:
+    """The same as `_solved`, with what is known."""
+    keys = [(s, p.tobytes(), r) for s, p, r in zip(systems, starts, reach.tolist(), strict=True)]
+    new = [row for row, key in enumerate(keys) if key not in known.zeros]
+    found = _solved(field, starts[new], [systems[row] for row in new], reach[new])
+    known.zeros.update((keys[row], zero) for row, zero in zip(new, found, strict=True))
+    return np.array([known.zeros[key] for key in keys]).reshape(-1, 3)
 
 
 def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats) -> Floats:
