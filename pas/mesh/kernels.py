@@ -17,7 +17,7 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour")
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree")
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -150,6 +150,16 @@ class CompiledTriangles:
         """See `pas.mesh.contour.oriented`."""
         result = triangles.copy()
         self._call("pas_oriented", len(result), result, points, edges, nodes, negative)
+        return result
+
+    def tetrahedra(self, halved: list[Integers], missed: list[Integers], counts: Integers) -> Integers:
+        """The corners (T, 4), as numbers, of cubes that are halved on each level and missed on one more; see
+        `pas.mesh.octree.Octree.tetrahedra`."""
+        found = np.empty(2, dtype=np.intp)
+        parts = [(np.concatenate(level), np.cumsum([0, *map(len, level)])) for level in (halved, missed)]
+        self._call("pas_tetrahedra", len(halved), *parts[0], *parts[1], counts, found)
+        result = np.empty((found[0], 4), dtype=np.intp)
+        self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
 
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:

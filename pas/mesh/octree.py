@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.kernels import compiled
 from pas.mesh.topology import distinct, numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
@@ -39,6 +40,9 @@ MOST_UNSEEN = 30_000
 
 DEEPEST = 14
 """How often cubes are halved at most, so that `_SPAN` is not exceeded."""
+
+EACH = 20
+"""Tetrahedra of a cube, about."""
 
 HIDDEN = 1
 """Levels on which the boundary is looked for where it is not met."""
@@ -173,10 +177,17 @@ class Octree:
 
     def tetrahedra(self) -> tuple[Floats, Integers]:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
-        used = self._middles()
-        found = [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+        kernel = compiled(EACH * self.count)
+        if kernel is not None:
+            halved = [cubes @ _WEIGHTS for cubes in self._halved]
+            corners = kernel.tetrahedra(halved, self._missed[: self.levels + 1], self._counts)
+        else:
+            used = self._middles()
+            corners = np.concatenate(
+                [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+            )
         checkpoint()
-        numbers, inverse = numbered(np.concatenate(found).ravel())
+        numbers, inverse = numbered(corners.ravel())
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
     def _halve(self, level: int, cubes: Integers) -> Integers:
