@@ -18,7 +18,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
-from pas.mesh.changes import side_changes
+from pas.mesh.changes import Changes, node_numbers, side_changes
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
@@ -72,13 +72,28 @@ class Crossings:
     @cached_property
     def crossed(self) -> tuple[Floats, Integers]:
         """Where along each edge the boundary is (E,), and the label of the face there (E,)."""
-        return side_changes(self.field, self.nodes, self.edges, self._signs, self._inside)
+        if self._known is None:
+            return self._changes(slice(None))
+        before, numbers = self._known.changes, node_numbers(self.nodes)
+        known = np.full(len(self.edges), -1) if before is None else before.rows(numbers, self.edges)
+        where, label = np.empty(len(known)), np.empty(len(known), dtype=np.intp)
+        new, old = np.flatnonzero(known < 0), np.flatnonzero(known >= 0)
+        where[new], label[new] = self._changes(new)
+        if before is not None:
+            where[old], label[old] = before.where[known[old]], before.label[known[old]]
+        if len(self.edges):
+            self._known.changes = Changes(numbers, self.edges, where, label)
+        return where, label
+
+    def _changes(self, rows: Integers | slice) -> tuple[Floats, Integers]:
+        """The same for edges in some rows."""
+        return side_changes(self.field, self.nodes, self.edges[rows], self._signs, self._inside)
 
     def shows_faces_of(self, finer: Crossings) -> bool:
         """Whether a finer lattice, which has this one's nodes as well, crosses no other faces."""
-        known, new = (c.nodes[:, 0] + np.sqrt(2) * c.nodes[:, 1] + np.sqrt(3) * c.nodes[:, 2] for c in (self, finer))
-        rows = (~np.isin(new, known))[finer.edges].any(axis=1)
-        labels = side_changes(finer.field, finer.nodes, finer.edges[rows], finer._signs, finer._inside)[1]
+        known, new = (node_numbers(c.nodes) for c in (self, finer))
+        rows = np.flatnonzero((~np.isin(new, known))[finer.edges].any(axis=1))
+        labels = finer._changes(rows)[1]
         return set(labels.tolist()) <= set(self.crossed[1].tolist())
 
     def mesh(self) -> Labelled | Floats:

@@ -23,6 +23,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.errors import MeshError
+from pas.mesh.changes import Changes
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.remesh import least_norm, newton
@@ -74,12 +75,15 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Known:
     """What was found from places that other lattices of a boundary have as well: most of them stay where they are.
 
-    `zeros` of systems of functions by these, the start and the reach; `cones` by the node and the spacing.
+    `zeros` of systems of functions by these, the start and the reach; `cones` by the node and the spacing; and where
+    the edges of the last lattice are crossed.
     """
+
+    changes: Changes | None = None
 
     zeros: dict[tuple[tuple[int, ...], bytes, float], Floats] = field_of(default_factory=dict)
     cones: dict[tuple[bytes, float], bool] = field_of(default_factory=dict)

@@ -140,11 +140,12 @@ class Octree:
     def is_seen(self) -> bool:
         """Whether some sample in the cubes is in the set."""
         for level, (cubes, _) in enumerate(self._leaves):
-            half = self.size / 2 ** (level + 1)
-            for start in range(0, len(cubes), CHUNK):
+            half, start, number = self.size / 2 ** (level + 1), 0, 1
+            while start < len(cubes):
                 checkpoint()
-                if self._samples(self.origin + cubes[start : start + CHUNK] * half, half).any():
+                if self._samples(self.origin + cubes[start : start + number] * half, half).any():
                     return True
+                start, number = start + number, min(8 * number, CHUNK)
         return False
 
     def until_seen(self) -> Octree:
