@@ -97,11 +97,10 @@ class MixedTables:
         kernel = chosen(self._each * len(points))
         if isinstance(kernel, CompiledKernel):
             return _in_blocks(kernel, self._ordered, points, pieces)
-        parts = [(np.flatnonzero(kinds == kind), self._tables[kind]) for kind in found.tolist()]
-        values = [(rows, table(points[rows], self._places[pieces[rows]])) for rows, table in parts]
-        result = np.empty((len(values[0][1]) if values else 0, len(points)))
-        for rows, part in values:
-            result[:, rows] = part
+        result = np.empty((self._ordered.degrees.shape[1], len(points)))
+        for kind in found.tolist():
+            rows = np.flatnonzero(kinds == kind)
+            result[:, rows] = self._tables[kind](points[rows], self._places[pieces[rows]])
         return result
 
     @cached_property
