@@ -20,7 +20,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.coarsen import collapsed
 from pas.mesh.octree import Octree
 from pas.mesh.radial import Edges, flipped
-from pas.mesh.topology import distinct, numbered
+from pas.mesh.topology import distinct, numbered, pinched
 from pas.solid.jets import Jets
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
@@ -119,7 +119,7 @@ def test_jets_of_many_polynomials_are_the_same_bits(monkeypatch, number):
         monkeypatch.setenv(VARIABLE, kernel)
         found.append(jets(points, numbers))
     assert np.array_equal(*found)
-    assert jets(points[:0], numbers[:0]).shape == (0, 4)
+    assert jets(points[:0], numbers[:0]).shape == Jets([])(points[:0], numbers[:0]).shape == (0, 4)
     step = 1e-6 * np.eye(3)[:, None]
     slopes = [jets(points + s, numbers)[:, 0] for s in step]
     assert pytest.approx((np.array(slopes) - found[0][:, 0]) / 1e-6, rel=1e-3, abs=1e-3) == found[0][:, 1:].T
@@ -168,3 +168,30 @@ def test_distinct_numbers(monkeypatch, kernel, number, largest):
     assert np.array_equal(found[place], keys)
     assert np.array_equal(np.unique(place), np.arange(len(found)))
     assert np.array_equal(distinct(keys), found)
+
+
+def spoilt(triangles, how, rng):
+    """A closed surface with holes, a vertex that is two, triangles twice, or two surfaces through one vertex."""
+    if how == "holes":
+        return np.delete(triangles, rng.integers(0, len(triangles), 3), axis=0)
+    if how == "twice":
+        return np.concatenate([triangles, triangles[rng.integers(0, len(triangles), 2)]])
+    if how == "two":
+        triangles = np.concatenate([triangles, triangles + triangles.max() + 1])
+    a, b = 0, int(triangles.max())
+    return np.where(triangles == a, b, triangles) if how in ("two", "vertex") else triangles
+
+
+@pytest.mark.parametrize("how, number", [("", 0), ("holes", 9), ("vertex", 1), ("two", 1), ("twice", 6)])
+@pytest.mark.usefixtures("compiler")
+def test_where_surfaces_are_no_manifolds(monkeypatch, how, number):
+    rng = np.random.default_rng(2)
+    triangles = spoilt(pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(0.2).triangles, how, rng)
+    among = rng.random(triangles.max() + 5) < 0.5
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        found.append((pinched(triangles), pinched(triangles, among)))
+    assert len(found[0][0]) == number
+    assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+    assert set(found[0][1].tolist()) <= set(np.flatnonzero(among).tolist())

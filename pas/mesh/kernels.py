@@ -17,7 +17,7 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree")
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans")
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -161,6 +161,13 @@ class CompiledTriangles:
         result = np.empty((found[0], 4), dtype=np.intp)
         self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
+
+    def pinched(self, triangles: Integers, size: int, among: NDArray[np.bool_] | None) -> Integers:
+        """See `pas.mesh.topology.pinched`; there are so many vertices."""
+        kinds, marks = np.empty(size, dtype=np.bool_), np.empty(0, dtype=np.bool_) if among is None else among
+        self._call("pas_fans", len(triangles), triangles, size, marks, among is not None, kinds)
+        found = kinds.view(np.int8)
+        return np.flatnonzero(found == (1 if (found == 1).any() else 2))
 
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
         """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""

@@ -46,6 +46,9 @@ def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Inte
     """
     if not len(triangles):
         return np.empty(0, dtype=np.intp)
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.pinched(triangles, int(triangles.max()) + 1 if among is None else len(among), among)
     edges, times = edge_table(triangles)
     used = distinct(triangles)
     open_ = distinct(edges[times != 2])

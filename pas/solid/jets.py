@@ -24,7 +24,7 @@ class Jets:
 
     def __call__(self, points: Floats, numbers: Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3) of polynomials of given numbers (N,)."""
-        return self._tables(points, numbers).T
+        return self._tables(points, numbers).T if len(points) else np.empty((0, 4))
 
     @cached_property
     def _tables(self) -> MixedTables:
