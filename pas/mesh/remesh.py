@@ -24,9 +24,9 @@ NEWTON_STEPS = 16
 NEARBY = 8
 """How many times the reach of one step a corner may move."""
 
-PARALLEL, WELL_APART = 1e-6, 1e-6
-"""Ratio of singular values below which gradients count as parallel; squared sine of the angle between two
-above which their inverse is written down."""
+PARALLEL, WELL_APART, PEAKED = 1e-6, 1e-6, 1e-4
+"""Ratio of singular values below which gradients count as parallel; squared sine of the angle between two, and volume
+that three of length 1 span, above which their inverse is written down, with the same bits on every machine."""
 
 
 def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
@@ -112,15 +112,27 @@ def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Fl
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
     size = np.maximum(np.stack([norms(m) for m in matrix.transpose(1, 0, 2)], axis=1), 1e-300)
     matrix, values = matrix / size[..., None], values / size
-    if len(jets) > 2:
-        return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
-    cosine = dots(matrix[:, 0], matrix[:, 1])[:, None]
-    square = 1 - cosine * cosine
-    u, v = values.T[..., None]
-    result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
-    flat = np.flatnonzero(square[:, 0] < WELL_APART)
-    result[flat] = np.einsum("nij,nj->ni", np.linalg.pinv(matrix[flat], rcond=PARALLEL), values[flat])
-    return result
+    if len(jets) > 3:
+        return _pseudo_inverse(matrix, values)
+    if len(jets) == 3:
+        a, b, c = matrix.transpose(1, 0, 2)
+        sides = cross(b, c), cross(c, a), cross(a, b)
+        volume = dots(a, sides[0])
+        total = sum(value[:, None] * side for value, side in zip(values.T, sides, strict=True))
+        result, flat = total / np.where(volume != 0, volume, 1.0)[:, None], np.abs(volume) < PEAKED
+    else:
+        cosine = dots(matrix[:, 0], matrix[:, 1])[:, None]
+        square = 1 - cosine * cosine
+        u, v = values.T[..., None]
+        result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
+        flat = square[:, 0] < WELL_APART
+    result[flat] = _pseudo_inverse(matrix[flat], values[flat])
+    return np.asarray(result)
+
+
+def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
+    """The shortest solutions (N, 3), as far as there are some, of systems (N, m, 3) with right sides (N, m)."""
+    return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
 
 
 def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = None) -> Labelled:
