@@ -12,12 +12,15 @@ import pytest
 from conftest import EQUAL, solved
 
 import pas
+from pas import solid
 from pas.algebra.compiled import compiled
 from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import count
 from pas.algebra.tables import PieceTables
 from pas.mesh.coarsen import collapsed
+from pas.mesh.octree import Octree
 from pas.mesh.radial import Edges, flipped
+from pas.mesh.topology import distinct, numbered, pinched
 from pas.solid.jets import Jets
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
@@ -116,6 +119,79 @@ def test_jets_of_many_polynomials_are_the_same_bits(monkeypatch, number):
         monkeypatch.setenv(VARIABLE, kernel)
         found.append(jets(points, numbers))
     assert np.array_equal(*found)
+    assert jets(points[:0], numbers[:0]).shape == Jets([])(points[:0], numbers[:0]).shape == (0, 4)
     step = 1e-6 * np.eye(3)[:, None]
     slopes = [jets(points + s, numbers)[:, 0] for s in step]
     assert pytest.approx((np.array(slopes) - found[0][:, 0]) / 1e-6, rel=1e-3, abs=1e-3) == found[0][:, 1:].T
+
+
+SOLIDS = {
+    "cylinders crossing": lambda: (
+        solid.cylinder((-2, 0, 0), (2, 0, 0), "1/2", "a") | solid.cylinder((0, -2, 0), (0, 2, 0), "1/2", "b")
+    ),
+    "hollow ball in a corner": lambda: solid.ball((0, 0, 0), 1) - solid.box((0, 0, 0), (2, 2, 2)),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.usefixtures("compiler")
+def test_meshes_of_solids_are_the_same_bits_by_numpy_and_compiled(monkeypatch, name):
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        mesh = SOLIDS[name]().mesh(1e-2)
+        assert mesh.is_closed
+        found.append(hashlib.sha256(mesh.points.tobytes() + mesh.triangles.tobytes()).hexdigest())
+    assert found[0] == found[1]
+
+
+@pytest.mark.usefixtures("compiler")
+def test_tetrahedra_of_uneven_octrees_are_alike(monkeypatch):
+    field = SOLIDS["hollow ball in a corner"]().field
+    octree = Octree(field, 0.15).refined(np.array([[0.1, 0.2, 0.3], [0.9, 0.0, 0.0]]))
+    octree = octree.refined(np.array([[0.12, 0.2, 0.28]])).refined(field.box)
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        found.append(octree.tetrahedra())
+    assert len(found[0][1]) > 6 * octree.count
+    assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("number, largest", [(0, 1), (1, 5), (3000, 100), (5000, 1 << 54)])
+def test_distinct_numbers(monkeypatch, kernel, number, largest):
+    monkeypatch.setenv(VARIABLE, kernel)
+    keys = np.random.default_rng(6).integers(0, largest, size=number)
+    found, place = numbered(keys)
+    assert (np.diff(found) > 0).all()
+    assert np.array_equal(found[place], keys)
+    assert np.array_equal(np.unique(place), np.arange(len(found)))
+    assert np.array_equal(distinct(keys), found)
+
+
+def spoilt(triangles, how, rng):
+    """A closed surface with holes, a vertex that is two, triangles twice, or two surfaces through one vertex."""
+    if how == "holes":
+        return np.delete(triangles, rng.integers(0, len(triangles), 3), axis=0)
+    if how == "twice":
+        return np.concatenate([triangles, triangles[rng.integers(0, len(triangles), 2)]])
+    if how == "two":
+        triangles = np.concatenate([triangles, triangles + triangles.max() + 1])
+    a, b = 0, int(triangles.max())
+    return np.where(triangles == a, b, triangles) if how in ("two", "vertex") else triangles
+
+
+@pytest.mark.parametrize("how, number", [("", 0), ("holes", 9), ("vertex", 1), ("two", 1), ("twice", 6)])
+@pytest.mark.usefixtures("compiler")
+def test_where_surfaces_are_no_manifolds(monkeypatch, how, number):
+    rng = np.random.default_rng(2)
+    triangles = spoilt(pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(0.2).triangles, how, rng)
+    among = rng.random(triangles.max() + 5) < 0.5
+    found = []
+    for kernel in ("numpy", "compiled"):
+        monkeypatch.setenv(VARIABLE, kernel)
+        found.append((pinched(triangles), pinched(triangles, among)))
+    assert len(found[0][0]) == number
+    assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+    assert set(found[0][1].tolist()) <= set(np.flatnonzero(among).tolist())

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, positions
 
 if TYPE_CHECKING:
-    from pas.algebra.tables import PieceTables
+    from pas.algebra.tables import Rows
 
 SOURCE = Path(__file__).with_name("horner.c")
 
@@ -50,9 +50,9 @@ class CompiledKernel:
         self._run = library.pas_horner
         self._run.restype = None
         self._run.argtypes = (ctypes.c_int, ctypes.c_ssize_t, *[ctypes.c_void_p] * 5)
-        self._tables = library.pas_tables
+        self._mixed = library.pas_mixed
         size, address = ctypes.c_ssize_t, ctypes.c_void_p
-        self._tables.argtypes = (size, size, address, size, address, size, address, address, address)
+        self._mixed.argtypes = (size, size, *[address] * 3, size, *[address] * 3)
 
     def __call__(self, coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
         """See `pas.algebra.kernels.Kernel`."""
@@ -64,13 +64,11 @@ class CompiledKernel:
             if values is not column:
                 column[:] = values
 
-    def on_pieces(self, tables: PieceTables, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
-        """See `pas.algebra.tables.PieceTables`."""
-        degrees, rows = tables.ordered
+    def on_pieces(self, rows: Rows, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
+        """Values (m, N) at points (N, 3) of pieces of given numbers (N,); `out` is contiguous."""
         arrays = (np.ascontiguousarray(points), np.ascontiguousarray(pieces, dtype=np.intp), out)
-        starts = (address_of(array) for array in arrays)
-        counts = (len(rows), len(degrees), address_of(degrees), rows.shape[1], address_of(rows), len(points))
-        if self._tables(*counts, *starts):
+        tables = map(address_of, (rows.degrees, rows.starts, rows.coefficients))
+        if self._mixed(*rows.degrees.shape, *tables, len(points), *map(address_of, arrays)):
             raise MemoryError("there is no memory for the points of each piece")
 
 

@@ -43,11 +43,11 @@ void pas_horner(int n, ptrdiff_t points, const double *coefficients,
     }
 }
 
-/* Values of `count` polynomials, of degrees of their own, on the piece that each point (a row of three) is in.
+/* Values (count, points) of `count` polynomials on the piece that each point (a row of three) is in.
 
-   The tables of a piece stand one behind the other, `stride` numbers in all; `values` (count, points). */
-int pas_tables(ptrdiff_t pieces, ptrdiff_t count, const ptrdiff_t *degrees, ptrdiff_t stride, const double *tables,
-               ptrdiff_t points, const double *places, const ptrdiff_t *piece_of, double *values)
+   The tables of a piece stand one behind the other where `starts` says, with degrees of its own. */
+int pas_mixed(ptrdiff_t pieces, ptrdiff_t count, const ptrdiff_t *degrees, const ptrdiff_t *starts, const double *tables,
+              ptrdiff_t points, const double *places, const ptrdiff_t *piece_of, double *values)
 {
     ptrdiff_t *ends = calloc(pieces + 1, sizeof(ptrdiff_t)), *order = malloc((points + 1) * sizeof(ptrdiff_t));
     double x[BLOCK], y[BLOCK], z[BLOCK], found[BLOCK];
@@ -58,14 +58,14 @@ int pas_tables(ptrdiff_t pieces, ptrdiff_t count, const ptrdiff_t *degrees, ptrd
     for (ptrdiff_t i = 0, start = 0; good && i < pieces; start = ends[i++])
         for (; start < ends[i]; start += BLOCK) {
             const ptrdiff_t size = ends[i] - start < BLOCK ? ends[i] - start : BLOCK, *rows = order + start;
-            const double *table = tables + i * stride;
+            const double *table = tables + starts[i];
             for (ptrdiff_t r = 0; r < size; r++) {
                 x[r] = places[3 * rows[r]];
                 y[r] = places[3 * rows[r] + 1];
                 z[r] = places[3 * rows[r] + 2];
             }
             for (ptrdiff_t k = 0; k < count; k++) {
-                const ptrdiff_t n = degrees[k];
+                const ptrdiff_t n = degrees[i * count + k];
                 pas_horner((int)n, size, table, x, y, z, found);
                 table += (n + 1) * (n + 2) * (n + 3) / 6;
                 for (ptrdiff_t r = 0; r < size; r++) values[k * points + rows[r]] = found[r];

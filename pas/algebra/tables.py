@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +21,16 @@ MANY, EACH = 8, 256
 """Pieces above which, and points of each below which, calls for each piece outweigh the work for numpy."""
 
 
+@dataclass(frozen=True)
+class Rows:
+    """The degrees (P, m) of m polynomials on each of P pieces, and all their coefficients, in the order in which
+    compiled code meets them; those of each piece begin at `starts` (P,)."""
+
+    degrees: NDArray[np.intp]
+    starts: NDArray[np.intp]
+    coefficients: Floats
+
+
 class PieceTables:
     """The coefficients (P, m, C(n+3, 3)) of m polynomials on each of P pieces, number k of degree `degrees[k]`.
 
@@ -34,20 +46,15 @@ class PieceTables:
 
     def __call__(self, points: Floats, pieces: NDArray[np.intp]) -> Floats:
         """The values (m, N) at points (N, 3) of pieces of given numbers (N,)."""
-        result = np.empty((len(self._degrees), len(points)))
         kernel = chosen(self._tables[0].size * len(points))
+        if isinstance(kernel, CompiledKernel):
+            return _in_blocks(kernel, self.ordered, points, pieces)
+        result = np.empty((len(self._degrees), len(points)))
         with np.errstate(all="ignore"):  # what overflows is infinite or NaN, without a word by any kernel
             for start in range(0, len(points), BLOCK):
                 checkpoint()
                 here = slice(start, start + BLOCK)
-                whole = len(points) <= BLOCK
-                out = result if whole else np.empty((len(result), len(points[here])))
-                if isinstance(kernel, CompiledKernel):
-                    kernel.on_pieces(self, points[here], pieces[here], out)
-                else:
-                    self._one_by_one(kernel, points[here], pieces[here], out)
-                if not whole:
-                    result[:, here] = out
+                self._one_by_one(kernel, points[here], pieces[here], result[:, here])
         return result
 
     def _one_by_one(self, kernel: Kernel, points: Floats, pieces: NDArray[np.intp], out: Floats) -> None:
@@ -67,10 +74,60 @@ class PieceTables:
                 out[np.ix_(numbers, rows)] = found
 
     @cached_property
-    def ordered(self) -> tuple[NDArray[np.intp], Floats]:
-        """The degrees (m,), and the tables of each piece as a row, in the order in which compiled code meets them."""
-        rows = [self._tables[:, k, order_of_rule(n)] for k, n in enumerate(self._degrees)]
-        return np.array(self._degrees, dtype=np.intp), np.ascontiguousarray(np.concatenate(rows, axis=1))
+    def ordered(self) -> Rows:
+        """The tables as compiled code wants them."""
+        rows = np.concatenate([self._tables[:, k, order_of_rule(n)] for k, n in enumerate(self._degrees)], axis=1)
+        degrees = np.tile(np.array(self._degrees, dtype=np.intp), (len(rows), 1))
+        return Rows(degrees, np.arange(len(rows)) * rows.shape[1], rows.ravel())
+
+
+class MixedTables:
+    """The same of pieces whose polynomials may have other degrees on each; given are tables of pieces of equal degrees,
+    and of each piece which table it is in, and where."""
+
+    def __init__(self, tables: Sequence[PieceTables], kinds: NDArray[np.intp], places: NDArray[np.intp]) -> None:
+        self._tables, self._kinds, self._places = tables, kinds, places
+
+    def __call__(self, points: Floats, pieces: NDArray[np.intp]) -> Floats:
+        """The values (m, N) at points (N, 3) of pieces of given numbers (N,)."""
+        kinds = self._kinds[pieces]
+        found = np.flatnonzero(np.bincount(kinds))
+        if len(found) == 1:
+            return self._tables[int(found[0])](points, self._places[pieces])
+        kernel = chosen(self._each * len(points))
+        if isinstance(kernel, CompiledKernel):
+            return _in_blocks(kernel, self._ordered, points, pieces)
+        result = np.empty((self._ordered.degrees.shape[1], len(points)))
+        for kind in found.tolist():
+            rows = np.flatnonzero(kinds == kind)
+            result[:, rows] = self._tables[kind](points[rows], self._places[pieces[rows]])
+        return result
+
+    @cached_property
+    def _each(self) -> int:
+        """Coefficients of a piece in the mean."""
+        return len(self._ordered.coefficients) // max(len(self._kinds), 1)
+
+    @cached_property
+    def _ordered(self) -> Rows:
+        every = [table.ordered for table in self._tables]
+        first = np.cumsum([0, *(len(rows.coefficients) for rows in every)])
+        degrees = np.array([every[k].degrees[p] for k, p in zip(self._kinds, self._places, strict=True)])
+        starts = [first[k] + every[k].starts[p] for k, p in zip(self._kinds, self._places, strict=True)]
+        return Rows(degrees, np.array(starts), np.concatenate([rows.coefficients for rows in every]))
+
+
+def _in_blocks(kernel: CompiledKernel, rows: Rows, points: Floats, pieces: NDArray[np.intp]) -> Floats:
+    """Values (m, N) by compiled code."""
+    result = np.empty((rows.degrees.shape[1], len(points)))
+    for start in range(0, len(points), BLOCK):
+        checkpoint()
+        here, whole = slice(start, start + BLOCK), len(points) <= BLOCK
+        out = result if whole else np.empty((len(result), len(points[here])))
+        kernel.on_pieces(rows, points[here], pieces[here], out)
+        if not whole:
+            result[:, here] = out
+    return result
 
 
 def _rule(coefficients: Floats, degree: int, points: Floats) -> Floats:

@@ -132,7 +132,8 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
 def _far(known: Deviation, tolerance: float) -> Integers:
     """The edges (E, 2) that are to be halved."""
     mesh, inside = known.mesh, known.inside.copy()
-    inside[any_of(known.edges[_edges_of(mesh)] > AIM * tolerance)] = 0.0  # those are halved anyhow
+    rows = np.flatnonzero(inside > AIM * tolerance)
+    inside[rows[any_of(known.edges[_edges_of(mesh, rows)] > AIM * tolerance)]] = 0.0  # those are halved anyhow
     return far_edges(mesh.points, mesh.triangles, mesh.topology.edges, (known.edges, inside), tolerance)
 
 
@@ -161,8 +162,9 @@ def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Qua
     """
     mesh, aim = known.mesh, AIM * tolerance
     longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
+    further = None
     for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):
-        further = Deviation.of(longer, field)
+        further = Deviation.of(longer, field, further)
         if further.worst > tolerance:
             longer = _halved(further, field, tolerance, _far(further, tolerance))[0]
         elif unsound(longer, field, tolerance)[0]:
@@ -195,8 +197,8 @@ def _split(mesh: Labelled, field: FaceField, edges: Integers) -> Labelled:
     return project(finer, field, finer.sizes, np.arange(len(mesh.points), len(points)))
 
 
-def _edges_of(mesh: Labelled) -> Integers:
-    """The rows of the edges (T, 3) of each triangle."""
-    ends = np.sort(np.stack([mesh.triangles, mesh.triangles[:, [1, 2, 0]]], axis=2), axis=2)
+def _edges_of(mesh: Labelled, rows: Integers) -> Integers:
+    """The rows of the edges (K, 3) of triangles in given rows."""
+    ends = np.sort(np.stack([mesh.triangles[rows], mesh.triangles[rows][:, [1, 2, 0]]], axis=2), axis=2)
     weights = np.array([mesh.topology.size, 1])
     return np.searchsorted(mesh.topology.edges @ weights, ends @ weights)

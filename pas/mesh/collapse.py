@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.labelled import Labelled, Topology, triangle_keys
+from pas.mesh.kernels import compiled
+from pas.mesh.labelled import Labelled, Topology
 from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
 from pas.mesh.rows import any_of, cross, dots, norms
 
@@ -24,8 +25,9 @@ HELD, TURNED = 0.8, 0.5
 """The same where edges may become long, and with the face's normal at each corner alone, so that no triangle goes
 through a bar."""
 
-UNTANGLINGS, MANY = 8, 0.01
-"""How often folded triangles are removed, and their share above which that is hopeless."""
+UNTANGLINGS, MANY, SOME = 8, 0.01, 40
+"""How often folded triangles are removed, and their share above which that is hopeless, if there are more than some:
+a mesh of planes has few triangles, of which a corner where many faces meet folds a large share."""
 
 RINGS = 2
 """Of triangles about what is mended, in which edges are flipped and vertices move."""
@@ -74,21 +76,12 @@ def coarsen(
         found = _collapse_once(mesh, field, rows, None if most is None else most[numbers], fresh, slenderest)
         if found is None:
             return mesh
-        smaller, used = found
-        fresh = _changed(smaller, used, mesh)
+        smaller, used, fresh = found
         mesh, gone = flip(smaller, field, 2, limit, None if near is None else fresh), len(mesh.points) - len(used)
         fresh[mesh.triangles[any_of(mesh.triangles != smaller.triangles)]] = True
         numbers, near = numbers[used], fresh
         if gone < FEW * len(numbers):
             return mesh
-
-
-def _changed(mesh: Labelled, used: Integers, before: Labelled) -> NDArray[np.bool_]:
-    """Which vertices (N,), of given numbers before, have triangles that were not there."""
-    known = np.isin(triangle_keys(used[mesh.triangles]), triangle_keys(before.triangles))
-    result = np.zeros(len(mesh.points), dtype=bool)
-    result[mesh.triangles[~known]] = True
-    return result
 
 
 def _collapse_once(
@@ -98,8 +91,9 @@ def _collapse_once(
     most: Floats | None = None,
     fresh: NDArray[np.bool_] | None = None,
     slenderest: Floats | None = None,
-) -> tuple[Labelled, Integers] | None:
-    """The mesh after collapses of edges in given rows, and which vertices are left; None where none can be done."""
+) -> tuple[Labelled, Integers, NDArray[np.bool_]] | None:
+    """The mesh after collapses of edges in given rows, which vertices are left, and which of them (N,) have triangles
+    that were not there; None where none can be done."""
     rows = rows[np.argsort(mesh.lengths[rows], kind="stable")]
     removed, kept = _directed(mesh.topology, rows)
     if fresh is not None:
@@ -126,7 +120,9 @@ def _collapse_once(
     pinned = number[pinned[stays[pinned]]]
     topology = Topology(number[triangles[distinct]], mesh.labels[distinct], len(used), pinned)
     known = normals[mesh.topology.rows(used[topology.pairs[:, 0]], topology.pairs[:, 1])]
-    return Labelled(mesh.points[used], topology, known), used
+    changed = np.zeros(len(used), dtype=bool)
+    changed[topology.triangles[any_of(triangles != mesh.triangles)[distinct]]] = True
+    return Labelled(mesh.points[used], topology, known), used, changed
 
 
 def _directed(topology: Topology, rows: Integers) -> tuple[Integers, Integers]:
@@ -154,7 +150,7 @@ def untangle(
     for _ in range(UNTANGLINGS):
         rows = np.arange(len(mesh.triangles)) if near is None else np.flatnonzero(any_of(near[mesh.triangles]))
         folded, near = rows[cosines(mesh, field, rows) < fold], None
-        if not len(folded) or len(folded) > MANY * len(mesh.triangles):
+        if not len(folded) or len(folded) > max(MANY * len(mesh.triangles), SOME):
             break
         marked = np.zeros(mesh.topology.size, dtype=bool)
         marked[mesh.triangles[folded]] = True
@@ -272,6 +268,12 @@ def _independent(
     that they change no edge and no triangle twice.  Chosen in rounds (after Luby 1986).
     """
     edges, size = mesh.topology.edges, mesh.topology.size
+    kernel = compiled(ROUNDS * len(mesh.triangles))
+    if kernel is not None:
+        tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
+        both, limits = (edges, mesh.topology.label_count), (most, slenderest)
+        least = (KEPT, HELD, TURNED, ROUNDS)
+        return kernel.merged_faces(mesh.points, tables, normals, both, (removed, kept), limits, least)
     sound = np.ones(len(removed), dtype=bool)
     if most is not None:
         sound = _keeps_straight(mesh, normals, removed, kept, most)

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
-from pas.mesh.rows import cross
+from pas.mesh.kernels import compiled
+from pas.mesh.rows import all_of, any_of, cross, dots
+from pas.mesh.topology import numbered
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -29,7 +31,9 @@ def snapped(
     group = np.arange(len(edges)) + len(free)
     group = np.where((t < snap) & ~free[a], a, np.where((t > 1 - snap) & ~free[b], b, group))
     order = np.argsort(np.minimum(t, 1 - t), kind="stable")
-    _, first, label = np.unique(group[order], return_index=True, return_inverse=True)
+    label = numbered(group[order])[1]
+    first = np.empty(label.max(initial=-1) + 1, dtype=np.intp)
+    first[label[::-1]] = np.arange(len(label))[::-1]  # the last to be written is the first there is
     back = np.empty(len(order), dtype=np.intp)
     back[order] = label
     merged = np.zeros((len(first), 3))
@@ -38,7 +42,7 @@ def snapped(
     corners = back[triangles]
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     checkpoint()
-    used, inverse = np.unique(_without_doubles(corners[distinct]), return_inverse=True)
+    used, inverse = numbered(_without_doubles(corners[distinct]).ravel())
     return merged[used], inverse.reshape(-1, 3), order[first][used]
 
 
@@ -47,8 +51,17 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
     """
-    size = len(negative)
-    negative = negative[tets]
+    size, kernel = len(negative), compiled(len(tets))
+    keys = _crossed(negative, tets) if kernel is None else kernel.crossings(tets, negative)
+    unique, inverse = numbered(keys)
+    return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
+
+
+def _crossed(negative: NDArray[np.bool_], tets: Integers) -> Integers:
+    """The numbers of the edges at the corners of the triangles (3 T,), one triangle after another."""
+    size, negative = len(negative), negative[tets]
+    mixed = any_of(negative) & ~all_of(negative)
+    tets, negative = tets[mixed], negative[mixed]
     ends = np.sort(tets[:, EDGES], axis=2)
     keys = ends[..., 0] * size + ends[..., 1]
     corners: list[Integers] = []
@@ -69,9 +82,7 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
         ring = [numbers[tuple(sorted(p))] for p in ((i, k), (i, m), (j, m), (j, k))]
         quad = rows[:, ring]
         corners += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
-    checkpoint()
-    unique, inverse = np.unique(np.concatenate(corners), return_inverse=True)
-    return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
+    return np.concatenate(corners).ravel()
 
 
 def oriented(
@@ -83,17 +94,21 @@ def oriented(
     negative to the positive ends of the edges through its corners; moving a corner along its edge
     does not change the side.
     """
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.oriented(triangles, points, edges, nodes, negative)
     ends = nodes[edges]
     rise = (ends[:, 1] - ends[:, 0]) * np.where(negative[edges[:, 0]], 1.0, -1.0)[:, None]
     p = points[triangles]
     normal = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    wrong = np.einsum("tx,tkx->t", normal, rise[triangles]) < 0
+    first, second, third = (rise[column] for column in triangles.T)
+    wrong = dots(normal, first + second + third) < 0
     return np.where(wrong[:, None], triangles[:, [0, 2, 1]], triangles)
 
 
 def _without_doubles(triangles: Integers) -> Integers:
     """Triangles that snapping folded onto one another vanish in pairs."""
     size = int(triangles.max(initial=0)) + 1
-    keys = np.sort(triangles, axis=1) @ np.array([size * size, size, 1])
-    _, inverse, times = np.unique(keys, return_inverse=True, return_counts=True)
-    return triangles[times[inverse] == 1]
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    inverse = numbered((low * size + triangles.sum(axis=1) - low - high) * size + high)[1]
+    return triangles[np.bincount(inverse)[inverse] == 1]

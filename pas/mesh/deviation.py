@@ -91,6 +91,8 @@ def _known(new: _Table, old: _Table, values: Floats, same: NDArray[np.bool_]) ->
     """The values (K,) of what is there in both tables; NaN where it is not."""
     result = np.full(len(new.keys), np.nan)
     rows = np.flatnonzero(all_of(same[new.vertices]))
+    if not len(rows):
+        return result
     order = np.argsort(old.keys, kind="stable")
     at = order[np.minimum(np.searchsorted(old.keys, new.keys[rows], sorter=order), len(order) - 1)]
     agree = (old.keys[at] == new.keys[rows]) & all_of(old.labels[at] == new.labels[rows])

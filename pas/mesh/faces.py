@@ -18,23 +18,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
+from pas.mesh.changes import Changes, node_numbers, side_changes
 from pas.mesh.contour import crossings, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
+from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
 from pas.mesh.remesh import least_norm, newton, placing
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
 
 SNAP = 0.4
 """Share of a lattice edge from its node within which crossings merge."""
-
-ROOT_STEPS, ROOT_STILL = 24, 1e-10
-"""Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""
-
-MOST_CHANGES = 12
-"""Functions that may change sign along one lattice edge and still be told apart."""
 
 FARTHEST = 4.0
 """How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
@@ -43,28 +38,23 @@ FLAT, MOST_UNCLEAR = 0.6, 1000
 """Sine of the angle between two faces below which they may touch nearby; triangles about which nodes are looked for:
 where there are more, the lattice is too coarse."""
 
-NEAR, BISECTIONS = 1e-6, 40
-"""How far before and after a crossing, over the edge's length, the side is checked; and how often an
-edge is halved where it is not what it should be."""
-
 _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 class Crossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
-    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.
+    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  What is
+    `known` from other lattices of the same boundary is not looked for again.
     """
 
-    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers) -> None:
-        self.field, self.nodes = field, nodes
+    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers, known: Known | None = None) -> None:
+        self.field, self.nodes, self._known = field, nodes, known
         checkpoint(f"finding the boundary in a lattice of {len(tetrahedra)} tetrahedra")
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
         checkpoint()
-        inside = self._inside[tetrahedra]
-        mixed = tetrahedra[inside.any(axis=1) & ~inside.all(axis=1)]
-        self.edges, triangles = crossings(self._inside, mixed)
+        self.edges, triangles = crossings(self._inside, tetrahedra)
         self.triangles = oriented(nodes, self._inside, self.edges, nodes[self.edges].mean(axis=1), triangles)
 
     @cached_property
@@ -82,13 +72,28 @@ class Crossings:
     @cached_property
     def crossed(self) -> tuple[Floats, Integers]:
         """Where along each edge the boundary is (E,), and the label of the face there (E,)."""
-        return _crossing(self.field, self.nodes, self.edges, self._signs, self._inside)
+        if self._known is None:
+            return self._changes(slice(None))
+        before, numbers = self._known.changes, node_numbers(self.nodes)
+        known = np.full(len(self.edges), -1) if before is None else before.rows(numbers, self.edges)
+        where, label = np.empty(len(known)), np.empty(len(known), dtype=np.intp)
+        new, old = np.flatnonzero(known < 0), np.flatnonzero(known >= 0)
+        where[new], label[new] = self._changes(new)
+        if before is not None:
+            where[old], label[old] = before.where[known[old]], before.label[known[old]]
+        if len(self.edges):
+            self._known.changes = Changes(numbers, self.edges, where, label)
+        return where, label
+
+    def _changes(self, rows: Integers | slice) -> tuple[Floats, Integers]:
+        """The same for edges in some rows."""
+        return side_changes(self.field, self.nodes, self.edges[rows], self._signs, self._inside)
 
     def shows_faces_of(self, finer: Crossings) -> bool:
         """Whether a finer lattice, which has this one's nodes as well, crosses no other faces."""
-        known, new = (c.nodes[:, 0] + np.sqrt(2) * c.nodes[:, 1] + np.sqrt(3) * c.nodes[:, 2] for c in (self, finer))
-        rows = (~np.isin(new, known))[finer.edges].any(axis=1)
-        labels = _crossing(finer.field, finer.nodes, finer.edges[rows], finer._signs, finer._inside)[1]
+        known, new = (node_numbers(c.nodes) for c in (self, finer))
+        rows = np.flatnonzero((~np.isin(new, known))[finer.edges].any(axis=1))
+        labels = finer._changes(rows)[1]
         return set(labels.tolist()) <= set(self.crossed[1].tolist())
 
     def mesh(self) -> Labelled | Floats:
@@ -106,7 +111,7 @@ class Crossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
+            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat, self._known)
         centers = points[triangles[unclear]].mean(axis=1)
         reached = nodes.reaches(centers)
         if not reached.all():
@@ -115,8 +120,10 @@ class Crossings:
         if not len(nodes.points):
             return mesh
         found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
-        # where a node drew in what is no disc, what is unclear may have been far from it
-        return np.concatenate([found, centers]) if isinstance(found, np.ndarray) else Labelled.of(*found)
+        if not isinstance(found, Nodes):
+            return Labelled.of(*found)
+        # where a node drew in what is no disc, what is unclear within its reach may have been far from it
+        return np.concatenate([found.points, centers[found.reaches(centers)]])
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""
@@ -228,94 +235,6 @@ def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Float
         around = field.inside(field.signs(corners)).reshape(-1, 8)
         result |= around.any(axis=1) & ~around.all(axis=1)
     return result
-
-
-def _crossing(
-    field: FaceField, points: Floats, edges: Integers, signs: NDArray[np.bool_], inside: NDArray[np.bool_]
-) -> tuple[Floats, Integers]:
-    """Where along each edge the side changes (E,), and the label of the face there (E,)."""
-    a, b = edges.T
-    start, end = signs[:, a], signs[:, b]
-    changes = start != end
-    roots = np.full(changes.shape, 2.0)
-    columns, rows = np.nonzero(changes)
-    roots[columns, rows] = _roots(field, 2 * columns, points[a[rows]], points[b[rows]])
-    order = np.argsort(roots, axis=0)
-    result, label = np.full(len(edges), 0.5), np.full(len(edges), -1)
-    open_edges = np.arange(len(edges))
-    state, before = start.copy(), inside[a]
-    for place in range(min(len(signs), MOST_CHANGES)):
-        checkpoint()
-        column = order[place, open_edges]
-        state[column, open_edges] ^= changes[column, open_edges]
-        turned = field.inside(state[:, open_edges]) != before[open_edges]
-        found = open_edges[turned]
-        column = column[turned]
-        result[found] = roots[column, found]
-        inner_sign = np.where(before[found], start[column, found], end[column, found])
-        label[found] = 2 * column + ~inner_sign
-        open_edges = open_edges[~turned]
-        if not len(open_edges):
-            break
-    _check_crossings(field, points[a], points[b], inside[a], result, label)
-    return np.clip(result, 1e-6, 1 - 1e-6), label
-
-
-def _check_crossings(
-    field: FaceField, a: Floats, b: Floats, start: NDArray[np.bool_], t: Floats, label: Integers
-) -> None:
-    """Correct, in place, the crossings where the side does not change: a function vanished twice."""
-
-    def signs(rows: Integers, at: Floats) -> NDArray[np.bool_]:
-        return field.signs(a[rows] + at[:, None] * (b[rows] - a[rows]))
-
-    everything = np.arange(len(t))
-    before = field.inside(signs(everything, np.maximum(t - NEAR, 0.0))) == start
-    after = field.inside(signs(everything, np.minimum(t + NEAR, 1.0))) != start
-    rows = np.flatnonzero(~(before & after) | (label < 0))
-    if not len(rows):
-        return
-    low, high = np.zeros(len(rows)), np.ones(len(rows))
-    for _ in range(BISECTIONS):
-        checkpoint()
-        middle = (low + high) / 2
-        same = field.inside(signs(rows, middle)) == start[rows]
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    first, last = signs(rows, low), signs(rows, high)
-    changes = first != last
-    found = np.full(len(rows), -1)
-    for column in range(len(changes)):
-        alone = last.copy()
-        alone[column] = first[column]
-        decides = changes[column] & (found < 0) & (field.inside(alone) == start[rows])
-        inner_sign = np.where(start[rows], first[column], last[column])
-        found = np.where(decides, 2 * column + ~inner_sign, found)
-    t[rows], label[rows] = (low + high) / 2, found
-
-
-def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
-    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish (bracketed Newton)."""
-    low, high = np.zeros(len(a)), np.ones(len(a))
-    first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
-    rising = first <= 0
-    t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
-    active = np.arange(len(a))
-    for _ in range(ROOT_STEPS):
-        checkpoint()
-        here, along = t[active], b[active] - a[active]
-        jets = field.jets(a[active] + here[:, None] * along, labels[active])
-        before = (jets[:, 0] <= 0) == rising[active]
-        low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
-        slope = dots(jets[:, 1:], along)
-        step = jets[:, 0] / np.where(slope != 0, slope, np.inf)
-        new = here - step
-        outside = (slope == 0) | (new < low[active]) | (new > high[active])
-        new = np.where(outside, (low[active] + high[active]) / 2, new)
-        t[active] = new
-        active = active[np.abs(new - here) > ROOT_STILL]
-        if not len(active):
-            break
-    return t
 
 
 def _cut(points: Floats, triangles: Integers, labels: Integers) -> Labelled:

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from pas.mesh.field import Floats, Integers
+from pas.mesh.topology import distinct, numbered
 
 
 def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple[Floats, Integers]:
@@ -18,7 +19,7 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
     weights, cut, border = _template(m)
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     keys = np.minimum(start, end) * size + np.maximum(start, end)
-    edges, place = np.unique(keys, return_inverse=True)
+    edges, place = numbered(keys)
     low, high = edges // size, edges % size
     s = (np.arange(1, m) / m)[None, :, None]
     p, q = points[low][:, None], points[high][:, None]
@@ -40,7 +41,7 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
 def points_on_edges(triangles: Integers, size: int, m: int, chosen: Integers) -> Integers:
     """The numbers (E, m - 1) that `finer` gives the new points of chosen edges (E, 2)."""
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
-    edges = np.unique(np.minimum(start, end) * size + np.maximum(start, end))
+    edges = distinct(np.minimum(start, end) * size + np.maximum(start, end))
     place = np.searchsorted(edges, chosen.min(axis=1) * size + chosen.max(axis=1))
     return np.asarray(size + place[:, None] * (m - 1) + np.arange(m - 1))
 

@@ -18,6 +18,7 @@ from pas.mesh.collapse import coarsen, collapse, untangle
 from pas.mesh.faces import Crossings
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.labelled import Labelled
+from pas.mesh.nodes import Known
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.remesh import cosines, flip, least_norm, pair_normals, placing, project, smooth
 from pas.mesh.rows import any_of, dots, norms
@@ -36,6 +37,10 @@ ALONG_CURVES = 0.03
 PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
+
+FEW = 0.002
+"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
+time than more cubes."""
 
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
@@ -77,8 +82,8 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None,
 
 
 def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled:
-    octree = _resolved(field, octree)
-    ahead, effort = [_Lattice(field, octree)], _Effort(field, TIMES * octree.count + ROOM)
+    octree, known = _resolved(field, octree), Known()
+    ahead, effort = [_Lattice(field, octree, known)], _Effort(field, TIMES * octree.count + ROOM)
     reason = ""
     for _ in range(HALVINGS):
         first, places = ahead[0].crossings, NOWHERE
@@ -87,7 +92,7 @@ def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) 
             reason, places = f"near {place_of(field, raw[0])} too many faces meet", raw
         else:
             while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
-                ahead.append(_Lattice(field, ahead[-1].octree.refined()))
+                ahead.append(_Lattice(field, ahead[-1].octree.refined(), known))
             if any(first.shape != other.crossings.shape for other in ahead[1:]):
                 reason = "its pieces or holes are too small"
             elif not all(first.shows_faces_of(other.crossings) for other in ahead[1:]):
@@ -100,9 +105,11 @@ def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) 
         if len(places):
             effort.failed(ahead[0].octree, places, reason)
         if not any(len(one.crossings.edges) for one in ahead):
-            ahead = [_Lattice(field, ahead[-1].octree.refined(least=QUIET))]
+            ahead = [_Lattice(field, ahead[-1].octree.refined(least=QUIET), known)]
         elif len(places) or len(ahead) == 1:
-            ahead = [_Lattice(field, ahead[0].octree.refined(places))]
+            finer = ahead[0].octree.refined(places)
+            twice = len(places) < FEW * ahead[0].octree.count
+            ahead = [_Lattice(field, finer.refined(places) if twice else finer, known)]
         else:
             ahead = ahead[1:]
     if not reason:
@@ -171,14 +178,15 @@ def _refusal(found: Trouble | None, octree: Octree, reason: str = "") -> MeshErr
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it."""
+    """An octree and where the boundary crosses it; and what is known of nodes from other octrees."""
 
     field: FaceField
     octree: Octree
+    known: Known
 
     @cached_property
     def crossings(self) -> Crossings:
-        return Crossings(self.field, *self.octree.tetrahedra())
+        return Crossings(self.field, *self.octree.tetrahedra(), self.known)
 
 
 def _improved(mesh: Labelled, field: FaceField, tolerance: float, even: bool) -> Labelled:

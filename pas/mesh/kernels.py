@@ -1,6 +1,7 @@
 """What makes triangles good ones in compiled code, where there is some: the same meshes, bit for bit, sooner.
 
-The functions here are those of `pas.mesh.radial`, `graded` and `coarsen`, which do the same with numpy.
+The functions here are those of `pas.mesh.radial`, `graded`, `coarsen`, `labelled`, `remesh` and `collapse`, which do
+the same with numpy.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.mesh.field import Floats, Integers
 
-SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in ("triangles", "collapses", "labelled"))
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans")
+SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
 """Products for a triangle in one of the functions, about."""
@@ -106,23 +108,97 @@ class CompiledTriangles:
         self,
         points: Floats,
         triangles: tuple[Integers, Integers, Integers],
-        normals: tuple[Floats, Floats],
+        normals: Floats,
         lines: tuple[NDArray[np.bool_], float] | None,
         near: NDArray[np.bool_] | None,
         passes: int,
     ) -> Integers | None:
         """The triangles, given with the rows of normals at their corners and their labels, after flips; None as before.
 
-        Of `normals` the first are those rows, the others those of the triangles.  See `pas.mesh.remesh.flip`.
+        See `pas.mesh.remesh.flip`.
         """
-        (result, rows, labels), (known, facing) = (t.copy() for t in triangles), normals
+        result, rows, labels = (t.copy() for t in triangles)
         straight, limit = (labels, 0.0) if lines is None else lines
         marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
         number = np.empty(1, dtype=np.intp)
         mesh = (len(result), result, rows, labels, len(points), _room(6 * len(result) + len(points) + 1), points)
         limits = (straight, lines is not None, limit, marked, near is not None, passes)
-        self._call("pas_flipped_faces", *mesh, known, facing.copy(), *limits, number)
+        self._call("pas_flipped_faces", *mesh, normals, np.empty((len(result), 3)), *limits, number)
         return result if number[0] else None
+
+    def cosines(self, points: Floats, triangles: Integers, rows: Integers, normals: Floats, chosen: Integers) -> Floats:
+        """Those of chosen triangles, with the rows of normals at their corners; see `pas.mesh.remesh.cosines`."""
+        result = np.empty(len(chosen))
+        self._call("pas_cosines", len(chosen), chosen, triangles, rows, points, normals, result)
+        return result
+
+    def sizes(self, edges: Integers, lengths: Floats, seams: NDArray[np.bool_], size: int) -> Floats:
+        """See `pas.mesh.labelled.Labelled.sizes`."""
+        result, total = np.empty((2, size))
+        self._call("pas_sizes", len(edges), edges, lengths, seams, size, _room(size), total, result)
+        return result
+
+    def crossings(self, tetrahedra: Integers, negative: NDArray[np.bool_]) -> Integers:
+        """The keys of crossed edges at the corners of triangles (3 T,); see `pas.mesh.contour.crossings`."""
+        keys, number = np.empty(6 * len(tetrahedra), dtype=np.intp), np.empty(1, dtype=np.intp)
+        self._call("pas_crossings", len(tetrahedra), tetrahedra, len(negative), negative, keys, number)
+        return keys[: 3 * number[0]]
+
+    def oriented(
+        self, triangles: Integers, points: Floats, edges: Integers, nodes: Floats, negative: NDArray[np.bool_]
+    ) -> Integers:
+        """See `pas.mesh.contour.oriented`."""
+        result = triangles.copy()
+        self._call("pas_oriented", len(result), result, points, edges, nodes, negative)
+        return result
+
+    def tetrahedra(self, halved: list[Integers], missed: list[Integers], counts: Integers) -> Integers:
+        """The corners (T, 4), as numbers, of cubes that are halved on each level and missed on one more; see
+        `pas.mesh.octree.Octree.tetrahedra`."""
+        found = np.empty(2, dtype=np.intp)
+        parts = [(np.concatenate(level), np.cumsum([0, *map(len, level)])) for level in (halved, missed)]
+        self._call("pas_tetrahedra", len(halved), *parts[0], *parts[1], counts, found)
+        result = np.empty((found[0], 4), dtype=np.intp)
+        self._call("pas_tetrahedra_taken", *found.tolist(), result)
+        return result
+
+    def pinched(self, triangles: Integers, size: int, among: NDArray[np.bool_] | None) -> Integers:
+        """See `pas.mesh.topology.pinched`; there are so many vertices."""
+        kinds, marks = np.empty(size, dtype=np.bool_), np.empty(0, dtype=np.bool_) if among is None else among
+        self._call("pas_fans", len(triangles), triangles, size, marks, among is not None, kinds)
+        found = kinds.view(np.int8)
+        return np.flatnonzero(found == (1 if (found == 1).any() else 2))
+
+    def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
+        """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
+        distinct, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)
+        inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
+        self._call("pas_numbered", len(keys), keys, placed, distinct, inverse, number)
+        return distinct[: number[0]].copy(), inverse
+
+    def merged_faces(
+        self,
+        points: Floats,
+        triangles: tuple[Integers, Integers, Integers],
+        normals: Floats,
+        edges: tuple[Integers, Integers],
+        collapses: tuple[Integers, Integers],
+        limits: tuple[Floats | None, Floats | None],
+        least: tuple[float, float, float, int],
+    ) -> NDArray[np.bool_]:
+        """Which collapses, of vertices removed (K,) into those kept (K,), are done together (K,).
+
+        The `triangles` are given with the rows of normals at their corners and their labels, the `edges` with the
+        number of labels of each vertex.  See `pas.mesh.collapse`.
+        """
+        (most, slenderest), (every, labels), (removed, kept) = limits, edges, collapses
+        mesh = (len(triangles[0]), *triangles, len(points), points, normals, len(every), every, labels)
+        off = points if most is None else most
+        heights, span = (points, 0) if slenderest is None else (slenderest, slenderest.shape[1])
+        chosen = np.empty(len(removed), dtype=bool)
+        given = (len(removed), removed, kept, off, most is not None, heights, span)
+        self._call("pas_merged_faces", *mesh, *given, *least, chosen)
+        return chosen
 
 
 class _Workspace(threading.local):

@@ -138,6 +138,48 @@ static inline void cross(const double *u, const double *v, double *w)
     w[2] = u[0] * v[1] - u[1] * v[0];
 }
 
+static inline void summed(const double *normals, const whole *rows, double *sum)
+{
+    for (int x = 0; x < 3; x++) sum[x] = normals[3 * rows[0] + x] + normals[3 * rows[1] + x] + normals[3 * rows[2] + x];
+}
+
+/* The cosines between the normals of chosen triangles and the sums of those given for their corners. */
+int pas_cosines(whole number, const whole *chosen, const whole *triangles, const whole *corners, const double *points,
+                const double *normals, double *cosines)
+{
+    for (whole i = 0; i < number; i++) {
+        const whole *t = triangles + 3 * chosen[i];
+        double u[3], v[3], area[3], normal[3];
+        minus(points + 3 * t[1], points + 3 * t[0], u);
+        minus(points + 3 * t[2], points + 3 * t[0], v);
+        cross(u, v, area);
+        summed(normals, corners + 3 * chosen[i], normal);
+        const double size = sqrt(dot(area, area) * dot(normal, normal));
+        cosines[i] = dot(area, normal) / (size > 1e-300 ? size : 1e-300);
+    }
+    return 0;
+}
+
+/* The mean length of the edges at each vertex, or of those that are `seams`, where there are some; `room` is (size). */
+int pas_sizes(whole number, const whole *edges, const double *lengths, const char *seams, whole size, whole *room,
+              double *total, double *sizes)
+{
+    for (whole v = 0; v < size; v++) sizes[v] = 1.0;
+    for (int pass = 0; pass < 2; pass++) {
+        memset(room, 0, size * sizeof(whole));
+        memset(total, 0, size * sizeof(double));
+        for (int side = 0; side < 2; side++)
+            for (whole e = 0; e < number; e++) {
+                if (pass && !seams[e]) continue;
+                total[edges[2 * e + side]] += lengths[e];
+                room[edges[2 * e + side]]++;
+            }
+        for (whole v = 0; v < size; v++)
+            if (room[v]) sizes[v] = total[v] / (double)room[v];
+    }
+    return 0;
+}
+
 /* Cosine and sine, times the same positive factor, of the angle at a vertex. */
 static void angle(const double *points, whole at, whole a, whole b, double *cosine, double *sine)
 {
@@ -188,7 +230,7 @@ static int by_gain(const void *p, const void *q)
 }
 
 /* A mesh whose edges are flipped.  `corners` are rows of `normals` for each corner, `facing` (count, 3) the way that
-   each triangle should face; `lines` says on which there are straight lines (NULL if that does not matter). */
+   each triangle should face, the sum of these; `lines` says on which there are straight lines (NULL if that does not matter). */
 typedef struct {
     whole count, size, *triangles, *corners;
     const whole *labels;
@@ -271,7 +313,7 @@ static whole apply(Faces *f, Flip *flips, whole number, char *taken, char *near,
     return done;
 }
 
-/* Flip edges in some passes; `near` (size) says about which vertices if `bounded`, and is written to. */
+/* Flip edges in some passes; `near` (size) says about which vertices if `bounded`, and is written to, as is `facing`. */
 int pas_flipped_faces(whole count, whole *triangles, whole *corners, const whole *labels, whole size, whole *room,
                       const double *points, const double *normals, double *facing, const char *lines, whole lined,
                       double limit, char *near, whole bounded, whole passes, whole *flipped)
@@ -283,6 +325,7 @@ int pas_flipped_faces(whole count, whole *triangles, whole *corners, const whole
     whole *heads = malloc((size + 1) * sizeof(whole)), *next = malloc((3 * count / 2 + 1) * sizeof(whole));
     const int good = flips && chosen && taken && heads && next;
     *flipped = 0;
+    for (whole t = 0; t < count; t++) summed(normals, corners + 3 * t, facing + 3 * t);
     for (whole pass = 0; good && pass < passes; pass++) {
         for (whole t = 0; t < count; t++) {
             const whole *v = triangles + 3 * t;

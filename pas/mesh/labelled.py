@@ -188,7 +188,9 @@ class Labelled:
     @cached_property
     def sizes(self) -> Floats:
         """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
-        topology = self.topology
+        topology, kernel = self.topology, compiled(self.topology.size)
+        if kernel is not None:
+            return kernel.sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
         result = np.ones(topology.size)
         for rows in (slice(None), topology.seam_mask):
             edges, lengths = topology.edges[rows], np.tile(self.lengths[rows], 2)

@@ -12,6 +12,7 @@ small sphere about it inside, and what outside, is connected.  Otherwise there i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as field_of
 from functools import cache
 from itertools import combinations
 
@@ -22,11 +23,14 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.errors import MeshError
+from pas.mesh.changes import Changes
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.remesh import least_norm, newton
+from pas.mesh.rows import norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import edge_table, pinched
+from pas.mesh.stars import Stars
+from pas.mesh.topology import edge_table, numbered
 from pas.mesh.touching import FOUND, touching
 
 SAME = 1e-7
@@ -71,14 +75,35 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
+@dataclass
+class Known:
+    """What was found from places that other lattices of a boundary have as well: most of them stay where they are.
+
+    `zeros` of systems of functions by these, the start and the reach; `cones` by the node and the spacing; and where
+    the edges of the last lattice are crossed.
+    """
+
+    changes: Changes | None = None
+
+    zeros: dict[tuple[tuple[int, ...], bytes, float], Floats] = field_of(default_factory=dict)
+    cones: dict[tuple[bytes, float], bool] = field_of(default_factory=dict)
+
+
 def find_nodes(
-    field: FaceField, points: Floats, triangles: Integers, labels: Integers, places: Integers, flat: Integers
+    field: FaceField,
+    points: Floats,
+    triangles: Integers,
+    labels: Integers,
+    places: Integers,
+    flat: Integers,
+    known: Known | None = None,
 ) -> Nodes:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises
-    `MeshError` where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  What is `known`
+    is not looked for again, and added to.  Raises `MeshError` where the solid touches itself in a node.
     """
+    known = Known() if known is None else known
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
@@ -88,7 +113,7 @@ def find_nodes(
     pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
     starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
     functions += [(int(pair[0]), int(pair[-1])) for pair in pairs]
-    found, owners = _solved(field, centers[starts], functions, size[starts]), starts
+    found, owners = _known_zeros(field, centers[starts], functions, size[starts], known), starts
     far = np.linalg.norm(found - centers[owners], axis=1) / size[owners]
     kept = np.flatnonzero(far < REACH)
     kept = kept[np.argsort(far[kept], kind="stable")]
@@ -99,7 +124,10 @@ def find_nodes(
             continue
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
         radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
-        if _is_cone(field, found[row], float(size[owners[row]])):
+        key = found[row].tobytes(), float(size[owners[row]])
+        if key not in known.cones:
+            known.cones[key] = _is_cone(field, found[row], key[1])
+        if known.cones[key]:
             nodes.append(found[row])
             reach.append(radius)
             done[owners[own]] = True
@@ -118,6 +146,17 @@ def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) ->
         systems += own
         rows += [row] * len(own)
     return np.array(rows, dtype=np.intp), systems
+
+
+def _known_zeros(
+    field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats, known: Known
+) -> Floats:
+    """The same as `_solved`, with what is known."""
+    keys = [(s, p.tobytes(), r) for s, p, r in zip(systems, starts, reach.tolist(), strict=True)]
+    new = [row for row, key in enumerate(keys) if key not in known.zeros]
+    found = _solved(field, starts[new], [systems[row] for row in new], reach[new])
+    known.zeros.update((keys[row], zero) for row, zero in zip(new, found, strict=True))
+    return np.array([known.zeros[key] for key in keys]).reshape(-1, 3)
 
 
 def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats) -> Floats:
@@ -142,10 +181,9 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
 
 def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
     """Whether the boundary is one sheet at a node, as its links show; raises `MeshError` where it is pinched there."""
-    parts = [_link(field, node, share * spacing, LEVEL) for share in LINKS]
-    if all(len(inside) == len(outside) == 1 for inside, outside in parts):
+    if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, LEVEL)):
         return True
-    finer = [_link(field, node, share * spacing, LEVEL + 1) for share in LINKS]
+    finer = _links(field, node, spacing, LEVEL + 1)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
         raise MeshError(
             f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
@@ -154,17 +192,18 @@ def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
     return False
 
 
-def _link(field: FaceField, node: Floats, radius: float, level: int) -> tuple[list[int], list[int]]:
-    """The numbers of points in the connected parts of a small sphere that are inside, and of those outside."""
+def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[tuple[list[int], list[int]]]:
+    """Of each small sphere the numbers of points in its connected parts that are inside, and of those outside."""
     units, edges = _sphere(level)
-    inside = field.inside(field.signs(node + radius * units))
-    result = []
-    for side in (inside, ~inside):
-        kept = edges[side[edges].all(axis=1)]
-        graph = coo_array((np.ones(len(kept)), kept.T), shape=(len(units),) * 2)
-        part = connected_components(graph, directed=False)[1]
-        result.append(np.unique(part[side], return_counts=True)[1].tolist())
-    return result[0], result[1]
+    number, count = len(units), len(LINKS)
+    radii = spacing * np.array(LINKS)
+    inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
+    every = (edges + number * np.arange(count)[:, None, None]).reshape(-1, 2)
+    kept = every[inside[every[:, 0]] == inside[every[:, 1]]]
+    part = connected_components(coo_array((np.ones(len(kept)), kept.T), shape=(len(inside),) * 2), directed=False)[1]
+    first, times = np.unique(part, return_index=True, return_counts=True)[1:]
+    parts = [(times[first // number == k], inside[first[first // number == k]]) for k in range(count)]
+    return [(sizes[within].tolist(), sizes[~within].tolist()) for sizes, within in parts]
 
 
 @cache
@@ -184,28 +223,30 @@ def _apart(points: Floats, reach: Floats) -> Nodes:
 
 def contracted(
     field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
-) -> tuple[Floats, Integers, Integers, Integers] | Floats:
+) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
     """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
 
-    Only what is a disc is; where it is none the result is the nodes (K, 3) in question.
+    Only what is a disc is; where it is none the result is the nodes in question.
     """
-    failed, drawn, close = [], [], SAME * float(np.ptp(field.box, axis=0).max())
-    for node, reach in zip(nodes.points, nodes.reach, strict=True):
-        distance = np.linalg.norm(points - node, axis=1)
+    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * float(np.ptp(field.box, axis=0).max())
+    stars, points = Stars(triangles, labels, len(points)), points.copy()
+    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
+        distance = np.where(stars.used, norms(points - node), np.inf)
+        center = int(distance.argmin())
         for share in SHRINKS:
-            found = _drawn(triangles, labels, np.flatnonzero(distance < share * reach), int(distance.argmin()))
-            if found is not None and _meet(field, node, found[1][(found[0] == found[2]).any(axis=1)], close):
+            found = stars.drawn(np.flatnonzero(distance < share * reach), center)
+            if found is not None and _meet(field, node, found.labels, close):
                 break
         else:
-            failed.append(node)
+            failed[number] = True
             continue
-        triangles, labels, center = found
-        points = points.copy()
+        stars.draw(found)
         points[center] = node
         drawn.append(center)
-    if failed:
-        return np.array(failed)
-    used, numbers = np.unique(triangles, return_inverse=True)
+    if failed.any():
+        return Nodes(nodes.points[failed], nodes.reach[failed])
+    triangles, labels = stars.triangles[stars.left], stars.labels[stars.left]
+    used, numbers = numbered(triangles.ravel())
     return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
 
 
@@ -214,26 +255,3 @@ def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> boo
     labels = np.unique(labels)
     steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
     return bool(np.abs(steps).max(initial=0.0) < close)
-
-
-def _drawn(triangles: Integers, labels: Integers, near: Integers, center: int) -> tuple[Integers, Integers, int] | None:
-    """Triangles and labels with some vertices drawn into one; None where these are no disc, or a label is lost."""
-    size = int(triangles.max()) + 1
-    number, chosen = np.arange(size), np.zeros(size, dtype=bool)
-    near = near[near < size]
-    number[near], chosen[near] = center, True
-    if not chosen[center]:
-        return triangles, labels, center
-    is_near = chosen[triangles]
-    within = triangles[is_near.sum(axis=1) > 1]
-    inner = chosen[edge_table(within)[0]].all(axis=1).sum()
-    if len(near) - inner + is_near.all(axis=1).sum() != 1:
-        return None
-    moved = number[triangles]
-    kept = (moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 2] != moved[:, 0])
-    result, rest = moved[kept], labels[kept]
-    about = np.zeros(size, dtype=bool)
-    about[moved[is_near.any(axis=1)]] = True
-    sound = about[center] and not len(pinched(result[about[result].any(axis=1)], about))
-    whole = sound and all((rest == lost).any() for lost in np.unique(labels[~kept]))
-    return (result, rest, center) if whole else None

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.topology import distinct
+from pas.mesh.kernels import compiled
+from pas.mesh.topology import distinct, numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
 """Where the cubes start, in small cubes before the box: irrational, so that the planes and axes that
@@ -40,12 +41,15 @@ MOST_UNSEEN = 30_000
 DEEPEST = 14
 """How often cubes are halved at most, so that `_SPAN` is not exceeded."""
 
+EACH = 20
+"""Tetrahedra of a cube, about."""
+
 HIDDEN = 1
 """Levels on which the boundary is looked for where it is not met."""
 
 NOWHERE = np.empty((0, 3))
 
-BASE, FLAT = 3, 0.1
+BASE, FLAT = 3, 0.2
 """How often cubes are halved wherever the boundary may pass, but for those in which faces turn less (radians)."""
 
 _SPAN = 1 << 18
@@ -136,11 +140,12 @@ class Octree:
     def is_seen(self) -> bool:
         """Whether some sample in the cubes is in the set."""
         for level, (cubes, _) in enumerate(self._leaves):
-            half = self.size / 2 ** (level + 1)
-            for start in range(0, len(cubes), CHUNK):
+            half, start, number = self.size / 2 ** (level + 1), 0, 1
+            while start < len(cubes):
                 checkpoint()
-                if self._samples(self.origin + cubes[start : start + CHUNK] * half, half).any():
+                if self._samples(self.origin + cubes[start : start + number] * half, half).any():
                     return True
+                start, number = start + number, min(8 * number, CHUNK)
         return False
 
     def until_seen(self) -> Octree:
@@ -173,10 +178,17 @@ class Octree:
 
     def tetrahedra(self) -> tuple[Floats, Integers]:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
-        used = self._middles()
-        found = [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+        kernel = compiled(EACH * self.count)
+        if kernel is not None:
+            halved = [cubes @ _WEIGHTS for cubes in self._halved]
+            corners = kernel.tetrahedra(halved, self._missed[: self.levels + 1], self._counts)
+        else:
+            used = self._middles()
+            corners = np.concatenate(
+                [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
+            )
         checkpoint()
-        numbers, inverse = np.unique(np.concatenate(found), return_inverse=True)
+        numbers, inverse = numbered(corners.ravel())
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
     def _halve(self, level: int, cubes: Integers) -> Integers:

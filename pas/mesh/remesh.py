@@ -24,9 +24,9 @@ NEWTON_STEPS = 16
 NEARBY = 8
 """How many times the reach of one step a corner may move."""
 
-PARALLEL, WELL_APART = 1e-6, 1e-6
-"""Ratio of singular values below which gradients count as parallel; squared sine of the angle between two
-above which their inverse is written down."""
+PARALLEL, WELL_APART, PEAKED = 1e-6, 1e-6, 1e-4
+"""Ratio of singular values below which gradients count as parallel; squared sine of the angle between two, and volume
+that three of length 1 span, above which their inverse is written down, with the same bits on every machine."""
 
 
 def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
@@ -72,9 +72,11 @@ def project(mesh: Labelled, field: FaceField, reach: Floats, chosen: Integers | 
         start = points[vertices]
         most = reach[vertices]
         end = newton(start, field, functions, most)
-        rest = norms(least_norm(field, functions, end))
-        lost = (rest > 1e-9 * most) | (norms(end - start) > NEARBY * most)
-        points[vertices] = np.where((corner[vertices] & lost)[:, None], start, end)
+        at = np.flatnonzero(corner[vertices])
+        rest = norms(least_norm(field, functions[at], end[at]))
+        lost = at[(rest > 1e-9 * most[at]) | (norms(end[at] - start[at]) > NEARBY * most[at])]
+        end[lost] = start[lost]
+        points[vertices] = end
     return mesh.moved(points)
 
 
@@ -110,15 +112,27 @@ def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Fl
     matrix = np.stack([j[:, 1:] for j in jets], axis=1)
     size = np.maximum(np.stack([norms(m) for m in matrix.transpose(1, 0, 2)], axis=1), 1e-300)
     matrix, values = matrix / size[..., None], values / size
-    if len(jets) > 2:
-        return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
-    cosine = dots(matrix[:, 0], matrix[:, 1])[:, None]
-    square = 1 - cosine * cosine
-    u, v = values.T[..., None]
-    result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
-    flat = np.flatnonzero(square[:, 0] < WELL_APART)
-    result[flat] = np.einsum("nij,nj->ni", np.linalg.pinv(matrix[flat], rcond=PARALLEL), values[flat])
-    return result
+    if len(jets) > 3:
+        return _pseudo_inverse(matrix, values)
+    if len(jets) == 3:
+        a, b, c = matrix.transpose(1, 0, 2)
+        sides = cross(b, c), cross(c, a), cross(a, b)
+        volume = dots(a, sides[0])
+        total = sum(value[:, None] * side for value, side in zip(values.T, sides, strict=True))
+        result, flat = total / np.where(volume != 0, volume, 1.0)[:, None], np.abs(volume) < PEAKED
+    else:
+        cosine = dots(matrix[:, 0], matrix[:, 1])[:, None]
+        square = 1 - cosine * cosine
+        u, v = values.T[..., None]
+        result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
+        flat = square[:, 0] < WELL_APART
+    result[flat] = _pseudo_inverse(matrix[flat], values[flat])
+    return np.asarray(result)
+
+
+def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
+    """The shortest solutions (N, 3), as far as there are some, of systems (N, m, 3) with right sides (N, m)."""
+    return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
 
 
 def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = None) -> Labelled:
@@ -154,15 +168,13 @@ def flip(
     On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
     With `near` (N,), only edges about these vertices.
     """
-    known = pair_normals(mesh, field)
-    facing = _summed(known, mesh.topology.corner_pairs)
-    kernel = compiled(len(mesh.triangles))
+    known, kernel = pair_normals(mesh, field), compiled(len(mesh.triangles))
     if kernel is None:
-        triangles = _flipped(mesh, field, (known, facing), passes, limit, near)
+        triangles = _flipped(mesh, field, known, passes, limit, near)
     else:
         tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
         lines = None if limit is None else (field.lines(mesh.labels), limit)
-        triangles = kernel.flipped_faces(mesh.points, tables, (known, facing), lines, near, passes)
+        triangles = kernel.flipped_faces(mesh.points, tables, known, lines, near, passes)
     topology = mesh.topology if triangles is None else replace(mesh.topology, triangles=triangles)
     return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
 
@@ -170,13 +182,14 @@ def flip(
 def _flipped(
     mesh: Labelled,
     field: FaceField,
-    normals: tuple[Floats, Floats],
+    known: Floats,
     passes: int,
     limit: float | None,
     near: NDArray[np.bool_] | None,
 ) -> Integers | None:
-    """The triangles after flips by numpy, by normals of pairs and of triangles; None where nothing was flipped."""
-    (known, facing), triangles, changed = normals, mesh.triangles.copy(), False
+    """The triangles after flips by numpy, by normals of pairs; None where nothing was flipped."""
+    triangles, changed = mesh.triangles.copy(), False
+    facing = _summed(known, mesh.topology.corner_pairs)
     rows = np.arange(len(triangles))
 
     def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
@@ -230,10 +243,14 @@ def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Fl
     return result
 
 
-def cosines(mesh: Labelled, field: FaceField, chosen: Integers | slice = slice(None)) -> Floats:
+def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
     """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
+    chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
+    normals, rows, kernel = pair_normals(mesh, field), mesh.topology.corner_pairs, compiled(len(chosen))
+    if kernel is not None:
+        return kernel.cosines(mesh.points, mesh.triangles, rows, normals, chosen)
     a, b, c = (mesh.points[column] for column in mesh.triangles[chosen].T)
     area = cross(b - a, c - a)
-    normal = _summed(pair_normals(mesh, field), mesh.topology.corner_pairs[chosen])
+    normal = _summed(normals, rows[chosen])
     size = np.sqrt(dots(area, area) * dots(normal, normal))
     return np.asarray(dots(area, normal) / np.maximum(size, 1e-300))

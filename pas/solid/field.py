@@ -30,6 +30,10 @@ STEEP = 0.3
 ON = 1e-9
 """A function's value at points that are on it."""
 
+INDEPENDENT = 1e-6
+"""Length of what is left of a vector of length 1 without its parts along others, above which it is not in their span:
+rounding leaves 1e-9 at most."""
+
 TOGETHER = 4096
 """Cubes of which all gradients are kept at once."""
 
@@ -221,6 +225,29 @@ class SolidField:
             self._found[a, b] = self._find_seam(a, b)
         return self._found[a, b]
 
+    def _may_join(self, a: int, b: int) -> NDArray[np.bool_]:
+        """Which columns are walls (M,) on which two faces may touch: three planes must depend on each other."""
+        result, units = self._walls.copy(), self._units
+        first, second = units[a], units[b]
+        second = second - (second @ first) * first
+        length = float(np.sqrt(second @ second))
+        if length > INDEPENDENT:  # not where it is NaN
+            second = second / length
+            rest = units - np.outer(units @ first, first) - np.outer(units @ second, second)
+            result &= ~(np.sqrt((rest * rest).sum(axis=1)) > INDEPENDENT)
+        return result
+
+    @cached_property
+    def _units(self) -> Floats:
+        """The four coefficients (M, 4) of the tree's planes, as vectors of length 1; NaN for others."""
+        result = np.full((self.program.used, 4), np.nan)
+        for number in np.flatnonzero(self.planes(2 * np.arange(self.program.used))).tolist():
+            function = self.program.columns[number].function
+            if isinstance(function, Polynomial):
+                row = function.dense(1)
+                result[number] = row / np.sqrt(row @ row)
+        return result
+
     @cached_property
     def _found(self) -> dict[tuple[int, int], tuple[int, ...]]:
         return {}
@@ -233,9 +260,9 @@ class SolidField:
         if len(first) != 1 or len(second) != 1:
             return ()
         f, g = first[0], second[0]
-        for number, wall in enumerate(self.program.columns[: self.program.used]):
-            w = wall.function
-            if wall.face or not isinstance(w, Polynomial) or number in (a, b):
+        for number in np.flatnonzero(self._may_join(a, b)).tolist():
+            w = self.program.columns[number].function
+            if not isinstance(w, Polynomial) or number in (a, b):
                 continue
             for kept, p, q in ((a, f, g), (b, g, f)):
                 ideal = Ideal(p, w)

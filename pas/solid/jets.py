@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.tables import PieceTables
+from pas.algebra.tables import MixedTables, PieceTables
 
 Integers = NDArray[np.intp]
 
@@ -24,31 +24,16 @@ class Jets:
 
     def __call__(self, points: Floats, numbers: Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3) of polynomials of given numbers (N,)."""
-        degrees = self._degrees[numbers]
-        found = np.flatnonzero(np.bincount(degrees))
-        if len(found) == 1:
-            return self._tables[int(found[0])](points, self._places[numbers]).T
-        result = np.empty((4, len(points)))
-        for degree in found.tolist():
-            rows = np.flatnonzero(degrees == degree)
-            result[:, rows] = self._tables[degree](points[rows], self._places[numbers[rows]])
-        return result.T
+        return self._tables(points, numbers).T if len(points) else np.empty((0, 4))
 
     @cached_property
-    def _places(self) -> Integers:
-        """Where each stands among those of its degree (M,)."""
-        result = np.zeros(len(self._degrees), dtype=np.intp)
-        for degree in np.unique(self._degrees):
-            own = self._degrees == degree
-            result[own] = np.arange(own.sum())
-        return result
-
-    @cached_property
-    def _tables(self) -> dict[int, PieceTables]:
-        """Of each degree."""
-        result = {}
-        for degree in np.unique(self._degrees).tolist():
-            own = [p for p, d in zip(self._polynomials, self._degrees, strict=True) if d == degree]
-            table = np.array([[q.dense(degree) for q in (p, *map(p.diff, range(3)))] for p in own])
-            result[degree] = PieceTables(table, (degree, *[max(degree - 1, 0)] * 3))
-        return result
+    def _tables(self) -> MixedTables:
+        degrees, kinds = np.unique(self._degrees, return_inverse=True)
+        places, tables = np.zeros(len(kinds), dtype=np.intp), []
+        for kind, degree in enumerate(degrees.tolist()):
+            own = np.flatnonzero(kinds == kind)
+            places[own] = np.arange(len(own))
+            jets = [(p, *map(p.diff, range(3))) for p in (self._polynomials[k] for k in own.tolist())]
+            table = np.array([[q.dense(degree) for q in jet] for jet in jets])
+            tables.append(PieceTables(table, (degree, *[max(degree - 1, 0)] * 3)))
+        return MixedTables(tables, kinds, places)

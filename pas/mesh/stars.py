@@ -1,0 +1,86 @@
+"""Vertices of a closed mesh drawn into one, many times, each time with a look at the triangles around them alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.mesh.field import Integers
+from pas.mesh.topology import edge_table, pinched
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What triangles of given `rows` become (K, 3) when vertices `near` are drawn into the `center`, which of them are
+    `kept` (K,), and the labels of those about it."""
+
+    near: Integers
+    center: int
+    rows: Integers
+    triangles: Integers
+    kept: NDArray[np.bool_]
+    labels: Integers
+
+
+class Stars:
+    """The triangles (T, 3) of a mesh, their labels (T,), which of them are `left` (T,), and those around each vertex.
+
+    Vertices (N,) are `used` until they are drawn into others.
+    """
+
+    def __init__(self, triangles: Integers, labels: Integers, size: int) -> None:
+        self.triangles, self.labels = triangles.copy(), labels
+        self.left, self.used = np.ones(len(triangles), dtype=bool), np.zeros(size, dtype=bool)
+        self.used[triangles] = True
+        self._order = np.argsort(triangles, axis=None, kind="stable") // 3
+        self._ends = np.cumsum(np.bincount(triangles.ravel(), minlength=size))
+        self._begins = np.concatenate([[0], self._ends[:-1]])
+        self._times = np.bincount(labels)
+        self._more: dict[int, Integers] = {}  # of vertices into which others were drawn: all of their triangles
+
+    def around(self, vertices: Integers) -> Integers:
+        """The rows of the triangles that are left at given vertices, ascending."""
+        begins, ends = self._begins[vertices], self._ends[vertices]
+        parts = [self._order[begin:end] for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]
+        parts += [self._more[v] for v in vertices.tolist() if v in self._more]
+        rows = np.unique(np.concatenate(parts)) if parts else np.empty(0, dtype=np.intp)
+        return rows[self.left[rows]]
+
+    def drawn(self, near: Integers, center: int) -> Drawn | None:
+        """What vertices drawn into one would leave; None where these are no disc, or a label would be lost.
+
+        Where none is near the centre stays what it is.
+        """
+        near = near if len(near) else np.array([center])
+        rows, chosen = self.around(near), np.zeros(len(self.used), dtype=bool)
+        chosen[near] = True
+        before = self.triangles[rows]
+        is_near = chosen[before]
+        inner = chosen[edge_table(before[is_near.sum(axis=1) > 1])[0]].all(axis=1).sum()
+        if len(near) - inner + is_near.all(axis=1).sum() != 1:
+            return None
+        after = np.where(is_near, center, before)
+        kept = (after[:, 0] != after[:, 1]) & (after[:, 1] != after[:, 2]) & (after[:, 2] != after[:, 0])
+        lost = np.bincount(self.labels[rows[~kept]], minlength=len(self._times))
+        if not (lost < self._times)[lost > 0].all() or self._pinched(rows, after, kept):
+            return None
+        about = kept & (after == center).any(axis=1)
+        return Drawn(near, center, rows, after, kept, self.labels[rows[about]])
+
+    def draw(self, found: Drawn) -> None:
+        """Draw vertices into one."""
+        gone = found.rows[~found.kept]
+        self.triangles[found.rows], self.left[gone] = found.triangles, False
+        self._times -= np.bincount(self.labels[gone], minlength=len(self._times))
+        self.used[found.near] = False
+        self.used[found.triangles[found.kept]] = True
+        self._more[found.center] = found.rows[found.kept]
+
+    def _pinched(self, rows: Integers, after: Integers, kept: NDArray[np.bool_]) -> bool:
+        """Whether some vertex is no more surrounded by one fan when triangles become others."""
+        about, among = np.unique(after), np.zeros(len(self.used), dtype=bool)
+        among[about] = True
+        others = np.setdiff1d(self.around(about), rows, assume_unique=True)
+        return len(pinched(np.concatenate([self.triangles[others], after[kept]]), among)) > 0
