@@ -170,6 +170,17 @@ def test_common_parts_fill_the_inner_region(boxes, center):
 ELBOW = [((1, 0, 0), 1), ((0, 1, 0), 1)]
 
 
+@pytest.mark.parametrize("number", [0, 255, 256, -1])
+def test_a_bubble_is_found_in_every_part(number):
+    middle = "1/3", "1/4", 0
+    parts = common_parts(pas.SingleCell(*SMALLER, center=middle), pas.SingleCell(*BOX, center=(0, 0, 0)))
+    assert len(parts) > 256
+    center = [sum(axis, fmpq(0)) / 4 for axis in zip(*parts[number].corners, strict=True)]
+    (verdict, *_) = nesting(sphere("1/100000", center, SMALLER, middle), sphere("1/10000"))
+    assert verdict.status is Status.REFUTED
+    assert np.allclose(verdict.witness, [float(x.p) / float(x.q) for x in center], atol=0.01)
+
+
 SHARP = ((1, 0, 0), 1), ((4, 7, 0), 1)
 """Two pipes at 60 degrees."""
 
@@ -268,6 +279,21 @@ def test_an_inner_side_around_a_sharp_bend_has_a_centre_further_in():
     inside, cavity = hollow.outer.surface.contains(points), hollow.inner.surface.contains(points)
     assert (cavity <= inside).all()
     assert np.array_equal(hollow.solid(0).contains(points), inside & ~cavity)
+
+
+@pytest.mark.parametrize("thickness, order", [("1/16", 1), pytest.param("1/2", 1, marks=pytest.mark.slow)])
+def test_walls_around_sharp_bends_may_be_thin_and_thick(thickness, order):
+    hollow = made("sharp", order).outer.hollow(thickness)
+    assert hollow.certificate.proved
+    shares = Cavity(hollow.outer, hollow.inner.surface.contacts, hollow.thickness).evenness.shares
+    assert shares(Depth(hollow.inner.surface).samples).min() > 0.5
+
+
+def test_a_centre_further_in_sees_all_contacts():
+    outer = pas.node([((1, 0, 0), 1), ((0, 1, 0), "1/2")], 1)
+    hollow = outer.hollow("1/4")
+    assert hollow.inner.surface.partition.center != outer.surface.partition.center
+    assert hollow.wall.distance > 0.125
 
 
 def test_an_inner_blend_is_kept_without_what_made_its_wall_even(tmp_path):

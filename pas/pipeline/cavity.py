@@ -33,6 +33,7 @@ from pas.pipeline.result import Blend
 from pas.surface.contact import Contact
 from pas.surface.depth import Depth
 from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.rims import outlook
 
 Way: TypeAlias = "tuple[int | None, Partition | Layout]"
 """A degree, None where it is to be found, and a partition to try."""
@@ -41,11 +42,15 @@ EVEN = 0.5, 2.0
 """The least and the largest share of its thickness that an even wall has anywhere."""
 
 SHALLOW, DEEP = 1 / 16, 1 / 8
-"""Shares of the smallest inner radius by which a centre is deeper than the thickness: with less it is moved, until it
-is by the other.  Much deeper, surfaces of GC^2 hollow."""
+"""Shares of the smallest inner radius by which a centre is deeper than the thickness: with less it is moved, towards
+where it is deeper by the other.  Much deeper, surfaces of GC^2 hollow."""
 
-FINE, FARTHEST = 32, 1.5
-"""Parts of the smallest inner radius in which centres are moved, and how many such radii at the most."""
+SIGHT = 0.1
+"""How well all contacts should be seen from such a centre: a pipe of radius r as from a point 0.9 r away from its axis.
+With none of it no inner side is found, after many seconds."""
+
+FINE = 32
+"""Parts of the smallest inner radius in which centres are moved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +161,10 @@ class Cavity:
                 yield next(Node.of(self.contacts, center).regions(self.outer.surface.order))
 
     def _moved(self, evenness: EvenWall, center: Vector) -> Vector | None:
-        """A centre that is deep enough; None where there is none towards the contacts."""
+        """A centre further in; None where there is none towards the contacts, nor one from which all of them are seen.
+
+        It is the first that is deep enough and sees the contacts well, or the one nearest to both.
+        """
         start, radius = np.array(to_floats(center)), self._radius
         off = np.array([to_floats(contact.rim.center) for contact in self.contacts]) - start
         towards = (off / np.linalg.norm(off, axis=1)[:, None]).sum(axis=0)
@@ -164,9 +172,27 @@ class Cavity:
         if not length > 0:
             return None
         step = power_of_two(radius / FINE)
-        for number in range(1, int(FARTHEST * FINE) + 1):
+        most, best = 0.0, None
+        for number in range(int(np.linalg.norm(off, axis=1).min() / radius * FINE)):
             shift = number * radius / FINE * towards / length / to_float(step)
             x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(center, shift, strict=True))
-            if self._beyond(evenness, (x, y, z)) >= DEEP:
-                return x, y, z
-        return None
+            served = min(1.0, self._room(evenness, (x, y, z)), self._sight((x, y, z)) / SIGHT)
+            if served > most:
+                most, best = served, (x, y, z)
+            if served == 1.0:
+                break
+        return best if best != center else None
+
+    def _room(self, evenness: EvenWall, center: Vector) -> float:
+        """How deep a point is, over how deep a centre should be."""
+        point = np.array([to_floats(center)])
+        return float(evenness.depth(point)[0][0] / (evenness.thickness(point)[0][0] + DEEP * self._radius))
+
+    def _sight(self, center: Vector) -> float:
+        """How well the contacts are seen from a point: 1 from their axes, 0 where one of them turns its back."""
+        point = np.array(to_floats(center))
+        seen = []
+        for contact in self.contacts:
+            distance = float(np.linalg.norm(np.array(to_floats(contact.rim.center)) - point))
+            seen.append(outlook(contact.surface, contact.rim, center)[0] * distance / contact.rim.radii[0])
+        return min(seen)
