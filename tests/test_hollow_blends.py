@@ -12,7 +12,13 @@ from flint import fmpq
 
 import pas
 from pas import solid
+from pas.fairing.energies.even_wall import EvenWall, Thickness
+from pas.fairing.fair import coordinates
+from pas.fairing.landscape import check_residuals
+from pas.fairing.surface_points import Sizes
+from pas.pipeline.cavity import Cavity
 from pas.surface.contact import CONTACTS
+from pas.surface.depth import Depth
 from pas.surface.nesting import common_parts, nesting
 from pas.surface.parallels import inner_contact
 from pas.surface.piecewise import PiecewiseSurface
@@ -102,7 +108,11 @@ SMALLER = (-1, "-6/5", "-3/2"), ("8/5", 1, "7/5")
         (sphere("9/4", center=("1/100", 0, 0)), Status.REFUTED),  # pokes out by a hundredth
         (sphere("9/400", center=("3/2", 0, 0)), Status.REFUTED),  # a bubble across the outer surface
         (sphere(1, box=((-3, -2, -2), (2, 2, 2))), Status.PROVED),
-        (sphere(1, middle=("1/10", 0, 0)), Status.UNDECIDED),
+        (sphere(1, middle=("1/10", 0, 0)), Status.PROVED),  # seen from another centre
+        (sphere("9/4", center=("1/100", 0, 0), middle=("1/10", "1/5", "3/10")), Status.REFUTED),
+        (sphere("9/400", center=("3/2", 0, 0), middle=("3/2", 0, 0)), Status.REFUTED),
+        (sphere(2, center=("1/20", 0, 0), box=SMALLER, middle=("1/3", "1/4", 0)), Status.PROVED),
+        (sphere(1, box=((-3, -2, -2), (2, 2, 2)), middle=("1/10", 0, 0)), Status.PROVED),
         (sphere("9/4", center=(0, 0, 0)), Status.UNDECIDED),  # the same sphere
         (sphere(2, center=("1/20", 0, 0)), Status.PROVED),  # within 0.04
     ],
@@ -135,23 +145,53 @@ def test_outside_the_outer_region_nothing_is_inside():
     assert "not in the region of the outer one" in verdict.reason
 
 
+CENTERS = (0, 0, 0), ("1/10", "1/5", "3/10"), ("1/5", 0, 0), ("1/3", "1/3", "1/3")
+"""That of both regions, one in no special place, one in planes and one on a line through the outer centre's corners."""
+
+
+@pytest.mark.parametrize("center", CENTERS)
 @pytest.mark.parametrize("boxes", [(BOX, BOX), (SMALLER, BOX), (BOX, SMALLER)])
-def test_common_parts_fill_the_inner_region(boxes):
-    inner, outer = (pas.SingleCell(*box, center=(0, 0, 0)) for box in boxes)
+def test_common_parts_fill_the_inner_region(boxes, center):
+    inner, outer = pas.SingleCell(*boxes[0], center=center), pas.SingleCell(*boxes[1], center=(0, 0, 0))
     parts = common_parts(inner, outer)
-    corners = np.array([[[float(x.p) / float(x.q) for x in v] for v in part.corners[1:]] for part in parts])
+    corners = np.array([[[float(x.p) / float(x.q) for x in v] for v in part.corners] for part in parts])
+    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
     sides = np.ptp(inner.points, axis=0)
-    assert np.linalg.det(corners).sum() / 6 == pytest.approx(np.prod(sides))
-    assert (np.linalg.det(corners) > 0).all()
+    assert volumes.min() > 0
+    assert volumes.sum() == pytest.approx(np.prod(sides))
+    cones = np.linalg.inv(np.array([outer.points[list(face.vertices)] for face in outer.outer_faces]))
+    within = ((corners[:, None] @ cones).min(axis=(2, 3)) > -1e-9).argmax(axis=1)
+    for part, points, cone in zip(parts, corners, within, strict=True):
+        face = outer.outer_faces[cone]
+        assert (points @ cones[cone]).min() > -1e-9  # in one cone from the outer centre
+        assert part.beyond in (face.plane, None)
 
 
 ELBOW = [((1, 0, 0), 1), ((0, 1, 0), 1)]
+
+
+@pytest.mark.parametrize("number", [0, 255, 256, -1])
+def test_a_bubble_is_found_in_every_part(number):
+    middle = "1/3", "1/4", 0
+    parts = common_parts(pas.SingleCell(*SMALLER, center=middle), pas.SingleCell(*BOX, center=(0, 0, 0)))
+    assert len(parts) > 256
+    center = [sum(axis, fmpq(0)) / 4 for axis in zip(*parts[number].corners, strict=True)]
+    (verdict, *_) = nesting(sphere("1/100000", center, SMALLER, middle), sphere("1/10000"))
+    assert verdict.status is Status.REFUTED
+    assert np.allclose(verdict.witness, [float(x.p) / float(x.q) for x in center], atol=0.01)
+
+
+SHARP = ((1, 0, 0), 1), ((4, 7, 0), 1)
+"""Two pipes at 60 degrees."""
 
 
 @cache
 def made(name, order):
     nodes = {
         "elbow": ELBOW,
+        "sharp": SHARP,
+        "unequal": [((1, 0, 0), 1), ((4, 7, 0), "1/2")],
+        "cross": [((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), 1), ((0, -1, 0), 1)],
         "T": [((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 1, 0), "3/4")],
         "corner": [((1, 0, 0), 1), ((0, 1, 0), "3/4"), ((0, 0, 1), "1/2")],
         "five": [((3, 1, -1), 1), ((-2, 1, 1), "3/4"), ((-1, -3, 0), "3/4"), ((0, 1, -4), "1/2"), ((1, 1, 5), 1)],
@@ -164,8 +204,10 @@ def made(name, order):
     [
         ("elbow", 1),
         ("corner", 2),
-        *(pytest.param(*case, marks=pytest.mark.slow) for case in product(("T", "five"), (1, 2))),
-        pytest.param("elbow", 2, marks=pytest.mark.slow),
+        ("sharp", 1),
+        ("unequal", 1),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in product(("T", "five", "cross"), (1, 2))),
+        *(pytest.param(name, 2, marks=pytest.mark.slow) for name in ("elbow", "sharp", "unequal")),
         pytest.param("corner", 1, marks=pytest.mark.slow),
     ],
 )
@@ -179,12 +221,18 @@ def test_nodes_are_hollow(name, order):
         assert inner.rim.radii[0] == pytest.approx(outer.rim.radii[0] - 0.1)
         assert inner.rim.center == outer.rim.center
     rays = np.random.default_rng(0).normal(size=(2000, 3))
-    near, far = (part.surface.intersect_rays((0, 0, 0), rays) for part in (hollow.inner, hollow.outer))
+    center = [float(c.p) / float(c.q) for c in hollow.inner.surface.partition.center]
+    near, far = (part.surface.intersect_rays(center, rays) for part in (hollow.inner, hollow.outer))
     both = np.isfinite(near) & np.isfinite(far)
     assert both.sum() > 500
     assert (near[both] < far[both]).all()
     assert not nesting(hollow.outer.surface, hollow.inner.surface)[0].proved  # not the other way round
-    assert 0 < hollow.wall.distance < 0.1 + 4 * hollow.wall.within
+    assert 0.05 - 4 * hollow.wall.within < hollow.wall.distance < 0.1 + 4 * hollow.wall.within
+    # every point of either side is between half and twice the thickness from the other one
+    meshes = [part.mesh(0.01).to_pyvista() for part in (hollow.outer, hollow.inner)]
+    for one, other in (meshes, meshes[::-1]):
+        distances = np.abs(one.compute_implicit_distance(other)["implicit_distance"])
+        assert 0.05 < distances.min() < distances.max() < 0.2
 
 
 def test_a_wall_is_closed_by_rings():
@@ -214,6 +262,115 @@ def test_a_hollow_node_is_a_solid():
     assert 0 < (inside & ~cavity).mean() < inside.mean()
     far = np.array([[2.2, 0.95, 0], [2.2, 0, 0], [2.2, 1.05, 0]])
     assert wall.contains(far).tolist() == [True, False, False]
+
+
+def test_an_inner_side_around_a_sharp_bend_has_a_centre_further_in():
+    hollow = made("sharp", 1)
+    outer, inner = (part.surface.partition.center for part in (hollow.outer, hollow.inner))
+    assert outer != inner
+    depth = Depth(hollow.outer.surface)
+    (before, after), _ = depth(np.array([[float(x.p) / float(x.q) for x in place] for place in (outer, inner)]))
+    assert before < 0.1 < after
+    (verdict, *_) = nesting(made("elbow", 1).inner.surface, hollow.outer.surface)
+    assert verdict.status is Status.REFUTED  # its other arm points elsewhere
+    wall = hollow.mesh(0.05)
+    assert (wall.is_closed, wall.components, wall.euler_characteristic) == (True, 1, 0)
+    points = np.random.default_rng(1).uniform((-1, -1.5, -1.1), (3, 3, 1.1), (4000, 3))
+    inside, cavity = hollow.outer.surface.contains(points), hollow.inner.surface.contains(points)
+    assert (cavity <= inside).all()
+    assert np.array_equal(hollow.solid(0).contains(points), inside & ~cavity)
+
+
+@pytest.mark.parametrize("thickness, order", [("1/16", 1), pytest.param("1/2", 1, marks=pytest.mark.slow)])
+def test_walls_around_sharp_bends_may_be_thin_and_thick(thickness, order):
+    hollow = made("sharp", order).outer.hollow(thickness)
+    assert hollow.certificate.proved
+    shares = Cavity(hollow.outer, hollow.inner.surface.contacts, hollow.thickness).evenness.shares
+    assert shares(Depth(hollow.inner.surface).samples).min() > 0.5
+
+
+def test_a_centre_further_in_sees_all_contacts():
+    outer = pas.node([((1, 0, 0), 1), ((0, 1, 0), "1/2")], 1)
+    hollow = outer.hollow("1/4")
+    assert hollow.inner.surface.partition.center != outer.surface.partition.center
+    assert hollow.wall.distance > 0.125
+
+
+def test_an_inner_blend_is_kept_without_what_made_its_wall_even(tmp_path):
+    hollow = made("sharp", 1)
+    inner = hollow.inner
+    assert inner.wishes.energy == hollow.outer.wishes.energy == pas.CurvatureVariation()
+    fairing = inner.space.fairing(inner.plate)
+    seen = fairing.landscape(inner.limits, coordinates(fairing, inner.surface)).first
+    assert inner.energy == pytest.approx(seen.energy, rel=0.02)
+    again = pas.load(hollow.save(tmp_path / "hollow.pas.json"))
+    assert again.inner.energy == inner.energy
+    assert again.certificate.proved
+
+
+def bend(order=1):
+    return made("elbow", order).outer
+
+
+def test_depths_are_distances_along_normals():
+    outer = bend()
+    depth = Depth(outer.surface)
+    rng = np.random.default_rng(0)
+    chosen = rng.choice(len(depth.samples), 300, replace=False)
+    feet = depth.samples[chosen]
+    on, normals = depth(feet)
+    assert np.abs(on).max() < 1e-9
+    for far in (-0.1, 0.1, 0.3):
+        found, across = depth(feet - far * normals)
+        assert np.abs(found - far).max() < 1e-7
+        assert np.abs(across - normals).max() < 1e-6
+    points = feet - 0.2 * normals + rng.normal(scale=0.02, size=feet.shape)
+    found, across = depth(points)
+    assert np.abs(outer.surface(points + found[:, None] * across)[found > 0.25]).max() < 1e-6
+    step = rng.normal(scale=1e-6, size=3)
+    change = depth(points + step)[0] - depth(points - step)[0]
+    assert np.abs(change + 2 * across @ step).max() < 1e-10
+
+
+def test_depths_go_on_beyond_clips():
+    contact = made("elbow", 1).outer.surface.contacts[0]
+    middle, radius = np.array([float(x.p) / float(x.q) for x in contact.rim.center]), contact.rim.radii[0]
+    angles = np.linspace(0, 6, 50)
+    beyond = middle + np.stack([np.full(50, 0.1), 0.8 * np.cos(angles), 0.8 * np.sin(angles)], axis=1)
+    assert np.abs(Depth(bend().surface)(beyond)[0] - (radius - 0.8)).max() < 1e-9
+
+
+def test_an_uneven_wall_has_slopes():
+    places, values = np.array([(2.0, 0, 0), (0, 2.0, 0), (0, 0, 2.0)]), np.array([0.1, 0.2, 0.4])
+    wanted = Thickness(places, values)
+    points = np.random.default_rng(0).uniform(-1, 1, (200, 3))
+    found, gradients = wanted(points)
+    assert (found > 0.1).all() and (found < 0.4).all()
+    assert wanted(places + 1e-7)[0] == pytest.approx(values)
+    step = np.array([1e-6, -2e-6, 3e-6])
+    assert wanted(points + step)[0] - wanted(points - step)[0] == pytest.approx(2 * gradients @ step, abs=1e-11)
+    energy = EvenWall(Depth(bend().surface), wanted)
+    inner = made("elbow", 1).inner
+    fairing = inner.space.fairing(inner.plate)
+    view = fairing.landscape(inner.limits, coordinates(fairing, inner.surface)).first.view.points
+    check_residuals(energy, view, Sizes(0.9, 2.0))
+    with pytest.raises(ValueError, match="disagree"):
+        check_residuals(Upwards(energy.depth, wanted), view, Sizes(0.9, 2.0))
+
+
+class Upwards(EvenWall):
+    """With slopes of the wrong sign."""
+
+    def slopes(self, points, sizes):
+        return -super().slopes(points, sizes)
+
+
+def test_walls_of_unlike_ends_go_over_into_one_another():
+    outer = bend()
+    pipes = [pas.Pipe(axis, radius, "63/32") for (axis, _), radius in zip(ELBOW, ("9/10", "7/10"), strict=True)]
+    inner = outer.hollow(inner=pipes).inner.surface
+    shares = Cavity(outer, inner.contacts, None).evenness.shares(Depth(inner).samples)
+    assert 0.7 < shares.min() < shares.max() < 1.4
 
 
 def test_inner_contacts_may_be_given():

@@ -153,7 +153,8 @@ def nearby_forms(
     """
     if not polynomials:
         return np.empty((0, 0)), UNIT_ROUNDOFF
-    table = np.stack([_polar_table(p, degree) for p in polynomials], axis=1)
+    tables = {id(p): _polar_table(p, degree) for p in {id(p): p for p in polynomials}.values()}  # most are many times
+    table = np.stack([tables[id(p)] for p in polynomials], axis=1)
     places = np.array([[(1.0, *to_floats(corner)) for corner in s] for s in simplices]).transpose(1, 2, 0)
     with np.errstate(all="ignore"):  # what is not finite is rounded
         forms = np.stack(list(_blossom(table, degree, places)), axis=1)

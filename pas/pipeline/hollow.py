@@ -1,36 +1,35 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
-Both are blends of the same order around one centre, with the same clips; between their contacts is a thickness.  That
-the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
+Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
+That the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
 between the ends is measured.
 
 `Solid.shell` makes walls of any solid, of one thickness everywhere, from exact distances on a lattice: in minutes, with
 inner faces that are no polynomials.  A hollow blend takes a second or two, both its sides are fair algebraic surfaces
-with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them, but thinner
-where the centre of the node is near the outer side, as that of an elbow is: the inner side goes around the centre, too.
+with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them: among the inner
+surfaces one is chosen that is fair and a thickness away (see `pas.pipeline.cavity`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.rational import Exact, plain, rational, to_floats
-from pas.blending.place import PartitionLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
-from pas.fairing.wishes import Wishes
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import least_distance, wall_mesh
-from pas.partition.region import Region
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
+from pas.pipeline.cavity import Cavity
 from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
 from pas.shape import Shape
@@ -39,10 +38,10 @@ from pas.surface.contact import Contact, ContactLike, as_contact
 from pas.surface.nesting import nesting
 from pas.surface.parallels import inner_contact
 from pas.surface.piecewise import DEFAULT_TOLERANCE
-from pas.verdicts import Findings
+from pas.verdicts import Findings, Status
 
-Way: TypeAlias = "tuple[int | None, PartitionLike | None]"
-"""A degree and a partition to try; None where they are to be found."""
+Rank: TypeAlias = "tuple[bool, float, float]"
+"""What is proved comes before what is not, then an even wall before an uneven one, then the fairer surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +79,12 @@ class HollowBlend(Shape):
         """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""
         both = Findings.of_parts({"outer": self.outer.certificate, "inner": self.inner.certificate})
         return Findings((*both.found, *nesting(self.inner.surface, self.outer.surface)))
+
+    @property
+    def crossing(self) -> bool:
+        """Whether an end is known to be no ring, which depends on the contacts alone."""
+        ends = self.certificate.verdicts[-len(self.outer.surface.contacts) :]
+        return any(end.status is Status.REFUTED for end in ends)
 
     @cached_property
     def wall(self) -> Wall:
@@ -159,23 +164,8 @@ def hollow(
     size = None if thickness is None else rational(thickness, "thickness")
     if size is not None and size <= 0:
         raise ValueError(f"thickness must be positive, not {plain(size)}")
-    contacts = _inner_contacts(outer, size, inner)
-    best: HollowBlend | None = None
-    failure: Exception | None = None
-    for degree, partition in _ways(outer):
-        try:
-            found = blend(contacts, outer.surface.order, degree, partition, wishes=_wishes(outer.wishes))
-        except (NoSolutionError, NotProvedError, InfeasibleError) as error:
-            failure = error
-            continue
-        made = HollowBlend(outer, found, size)
-        if best is None or _rank(made) < _rank(best):
-            best = made
-        if _rank(best) <= (False, excess(outer)):
-            break
-    if best is None:
-        assert failure is not None
-        raise NotProvedError(f"no inner surface was found: {failure}; a thinner wall may have one", None) from failure
+    cavity = Cavity(outer, _inner_contacts(outer, size, inner), size)
+    best = _best(cavity)
     if prove and not best.certificate.proved:
         failed = next(v for v in best.certificate.verdicts if not v.proved)
         advice = "inner contacts farther inside" if size is None else "a thinner wall"
@@ -183,18 +173,32 @@ def hollow(
     return best
 
 
-def _rank(made: HollowBlend) -> tuple[bool, float]:
-    """What is proved before what is not, then the fairer one."""
-    return not made.certificate.proved, excess(made.inner)
+def _best(cavity: Cavity) -> HollowBlend:
+    """The first way's hollow blend that is proved, even and fair, or the best of all; one whose ends cross is the last.
 
-
-def _ways(outer: Blend) -> Iterator[Way]:
-    """What to try: the outer blend's own region and degree, other degrees, then its layout with walls nearer by."""
-    partition = outer.surface.partition
-    yield outer.surface.degree, partition
-    yield None, partition
-    if isinstance(partition, Region) and partition.layout is not None:
-        yield None, partition.layout
+    Raises `NotProvedError` where no way has an inner surface.
+    """
+    best: HollowBlend | None = None
+    least: Rank | None = None
+    failure: Exception | None = None
+    ways = chain(((way, False) for way in cavity.ways()), ((way, True) for way in cavity.last_ways()))
+    for (degree, partition), last in ways:
+        if last and least is not None and not least[0]:
+            break
+        try:
+            found = blend(cavity.contacts, cavity.outer.surface.order, degree, partition, wishes=cavity.wishes)
+        except (NoSolutionError, NotProvedError, InfeasibleError) as error:
+            failure = error
+            continue
+        made = HollowBlend(cavity.outer, cavity.plain(found), cavity.thickness)
+        rank = not made.certificate.proved, cavity.unevenness(found.surface), excess(made.inner)
+        if least is None or rank < least:
+            best, least = made, rank
+        if (rank[:2] == (False, 1.0) and cavity.serves(made.inner)) or made.crossing:
+            break
+    if best is None:
+        raise NotProvedError(f"no inner surface was found: {failure}; a thinner wall may have one", None) from failure
+    return best
 
 
 def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike] | None) -> list[Contact]:
@@ -207,9 +211,3 @@ def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
     return found
-
-
-def _wishes(wishes: Wishes) -> Wishes:
-    """What is wished of the inner side: the outer one's energy and limits; its points are not in the inner one."""
-    options: Any = {"energy": wishes.energy, "limits": wishes.limits}
-    return Wishes(**options)

@@ -60,10 +60,7 @@ class Geometry:
         g, hessian, third = jet[FIRST], jet[SECOND], jet[THIRD]
         self.length = np.sqrt((g * g).sum(axis=0))
         n = g / self.length
-        zero = np.zeros_like(self.length)
-        t1 = np.where(np.abs(n[0]) < 0.6, [zero, n[2], -n[1]], [-n[2], zero, n[0]])  # across the first or second axis
-        t1 /= np.sqrt((t1 * t1).sum(axis=0))
-        t2 = np.stack([n[1] * t1[2] - n[2] * t1[1], n[2] * t1[0] - n[0] * t1[2], n[0] * t1[1] - n[1] * t1[0]])
+        t1, t2 = tangent_frame(n)
         along, across = (hessian * t1).sum(axis=1), (hessian * t2).sum(axis=1)
         angle = 0.5 * np.arctan2(2 * (along * t2).sum(axis=0), (along * t1).sum(axis=0) - (across * t2).sum(axis=0))
         cos, sin = np.cos(angle), np.sin(angle)
@@ -101,6 +98,15 @@ class Geometry:
     def principal(self) -> Floats:
         """Principal curvatures (N, 2), the larger first."""
         return np.stack([self._shape[0, 0], self._shape[1, 1]], axis=1)
+
+
+def tangent_frame(n: Floats) -> tuple[Floats, Floats]:
+    """Two unit vectors (3, N) across unit normals (3, N) and across one another."""
+    zero = np.zeros_like(n[0])
+    t1 = np.where(np.abs(n[0]) < 0.6, [zero, n[2], -n[1]], [-n[2], zero, n[0]])  # across the first or second axis
+    t1 /= np.sqrt((t1 * t1).sum(axis=0))
+    t2 = np.stack([n[1] * t1[2] - n[2] * t1[1], n[2] * t1[0] - n[0] * t1[2], n[0] * t1[1] - n[1] * t1[0]])
+    return t1, t2
 
 
 def _along(form: Floats, vectors: Floats) -> Floats:

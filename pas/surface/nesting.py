@@ -1,13 +1,14 @@
 """The proof that one piecewise surface is inside another: what a hollow node promises.
 
-Both surfaces are seen from one centre, and no ray from there changes cells (see `pas.partition.cells`).  The directions
-in which rays leave the inner region through a face and the outer one through another make a cone, which is cut into
-triangles exactly; over each of these the inner region is a tetrahedron in which both surfaces are one polynomial, f of
-the outer one and g of the inner one.  Claims:
+Each surface is seen from a centre, and no ray from there changes cells (see `pas.partition.cells`).  So the directions
+in which rays from the outer centre leave the outer region through a face make a cone in which the outer surface is one
+polynomial f; and between the inner centre and an outer face of the inner region, in a tetrahedron, the inner surface is
+one polynomial g.  What such a cone and such a tetrahedron have in common is cut into tetrahedra exactly: mostly both
+have one centre, and then the directions are cut into triangles.  Claims:
 
-Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in that
-direction (unless both faces are in one plane).  So the inner body, with its sections in the clip faces, is in the
-interior of the outer one, relative to these faces.
+Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
+direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
+faces, is in the interior of the outer one, relative to these faces.
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
 wherever the inner one's is not positive.  So the wall ends in what is between two curves without a common point.
@@ -18,8 +19,9 @@ is not promised: a thickness of the wall, which can only be measured (see `pas.p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
@@ -39,17 +41,26 @@ INSIDE = "inside"
 HALVINGS = Limits(halvings=30)
 """Fewer than other proofs have: where the surfaces cross there is a refutation, and where they touch no end."""
 
+TOGETHER = 256
+"""Simplices that a search begins with: so many give up together, when too many are open.  Around one centre there are
+fewer, around two some thousand."""
+
+
+Triangle: TypeAlias = "tuple[Vector, Vector, Vector]"
+Tetrahedron: TypeAlias = "tuple[Vector, Vector, Vector, Vector]"
+
+ORIGIN: Vector = (fmpq(0), fmpq(0), fmpq(0))
+
 
 @dataclass(frozen=True)
 class Common:
-    """A tetrahedron of the inner region over a triangle of directions, which leave both regions through one face each.
+    """A tetrahedron of the inner region in which rays from each centre leave their region through one face.
 
-    `corners` are its exact points in the outer surface's local coordinates, the centre first; `inner` and `outer` are
-    the pieces, and `beyond` is the plane of the outer region's face, positive outside, None where that is the plane of
-    the inner one's.
+    `corners` are its exact points in the outer surface's local coordinates; `inner` and `outer` are the pieces, and
+    `beyond` is the plane of the outer region's face, positive outside, None where that is the plane of the inner one's.
     """
 
-    corners: tuple[Vector, ...]
+    corners: Tetrahedron
     inner: int
     outer: int
     beyond: Polynomial | None
@@ -65,14 +76,15 @@ def _inside(inner: PiecewiseSurface, outer: PiecewiseSurface) -> Verdict:
     """Where the inner surface's function is not positive, the outer one's is negative, all over the inner region."""
     if not inner.partition.cells or not outer.partition.cells:
         return Verdict(Status.UNDECIDED, INSIDE, "one of the surfaces has no region")
-    if inner.partition.center is None or inner.partition.center != outer.partition.center:
-        return Verdict(Status.UNDECIDED, INSIDE, "the two surfaces are not seen from one centre")
+    if inner.partition.center is None or outer.partition.center is None:
+        return Verdict(Status.UNDECIDED, INSIDE, "one of the surfaces is not seen from a centre")
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
         return Verdict(Status.UNDECIDED, INSIDE, "a clip passes through a region, so that a part of it only is in use")
     parts = common_parts(_in_frame_of(inner.partition, outer.partition), outer.local)
     below = [outer.partition.frame.localise(p).raw for p in inner.polynomials]
     corners = [part.corners for part in parts]
-    values = [-outer.patches[part.outer].raw for part in parts]
+    above = [-p.raw for p in outer.patches]
+    values = [above[part.outer] for part in parts]
     found = _prove(values, outer.degree, [below[part.inner] for part in parts], inner.degree, corners)
     reason = "the inner surface is not inside the outer one"
     if found.status is not Status.PROVED:
@@ -123,7 +135,17 @@ def _prove(
     forms, off = nearby_forms(values, corners, degree)
     below, error = nearby_forms(inside, corners, other)
     points = np.array([[to_floats(corner) for corner in simplex] for simplex in corners])
-    return prove_positive_inside(forms, below, points, HALVINGS, max(off, error))
+    worst, examined = None, 0
+    for start in range(0, max(1, len(corners)), TOGETHER):
+        some = slice(start, start + TOGETHER)
+        found = prove_positive_inside(forms[some], below[some], points[some], HALVINGS, max(off, error))
+        examined += found.simplices
+        if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
+            worst = found
+        if found.status is Status.REFUTED:
+            break
+    assert worst is not None
+    return replace(worst, simplices=examined)
 
 
 def _in_frame_of(partition: Partition, other: Partition) -> Partition:
@@ -136,22 +158,78 @@ def _in_frame_of(partition: Partition, other: Partition) -> Partition:
 
 
 def common_parts(inner: Partition, outer: Partition) -> list[Common]:
-    """The inner region cut along the directions of both regions' outer faces; both around the origin, in one frame."""
+    """The inner region cut along the cones from the outer centre, 0, to the outer region's faces; both in one frame."""
     theirs = [(face, _turned(outer, face)) for face in outer.outer_faces]
+    center = inner.center
+    assert center is not None
     parts = []
     for face in inner.outer_faces:
         triangle = _turned(inner, face)
         for other, window in theirs:
-            shared = _clipped(triangle, window)
             wall = None if other.plane == face.plane else other.plane
-            for i in range(1, len(shared) - 1):
-                ends = [_on_plane(ray, face.plane) for ray in (shared[0], shared[i], shared[i + 1])]
-                if dot(ends[0], cross(ends[1], ends[2])) != 0:
-                    parts.append(Common(((fmpq(0), fmpq(0), fmpq(0)), *ends), face.piece, other.piece, wall))
+            cut = (
+                _over_directions(triangle, window, face.plane) if not any(center) else _cut((center, *triangle), window)
+            )
+            parts += [Common(corners, face.piece, other.piece, wall) for corners in cut]
     return parts
 
 
-def _turned(partition: Partition, face: OuterFace) -> tuple[Vector, Vector, Vector]:
+def _over_directions(triangle: Triangle, window: Triangle, plane: Polynomial) -> Iterator[Tetrahedron]:
+    """The part of a tetrahedron between 0 and a triangle, which lies in a plane, in the cone over another triangle."""
+    shared = _clipped(triangle, window)
+    for i in range(1, len(shared) - 1):
+        a, b, c = (_on_plane(ray, plane) for ray in (shared[0], shared[i], shared[i + 1]))
+        if dot(a, cross(b, c)) != 0:
+            yield ORIGIN, a, b, c
+
+
+def _cut(tetrahedron: Tetrahedron, window: Triangle) -> list[Tetrahedron]:
+    """The part of a tetrahedron in the cone from 0 over a triangle: one plane after the other cuts what there is."""
+    kept = [tetrahedron]
+    for i in range(3):
+        normal = cross(window[i], window[(i + 1) % 3])
+        kept = [part for whole in kept for part in _beside(whole, normal)]
+    return kept
+
+
+def _beside(tetrahedron: Tetrahedron, normal: Vector) -> Iterator[Tetrahedron]:
+    """The part of a tetrahedron where `normal . x >= 0`, cut into tetrahedra; nothing where that has no inside."""
+    sides = [dot(normal, corner) for corner in tetrahedron]
+    there = [i for i in range(4) if sides[i] > 0]
+    away = [i for i in range(4) if sides[i] < 0]
+    if not there:
+        return
+    if not away:
+        yield tetrahedron
+        return
+    on = [tetrahedron[i] for i in range(4) if sides[i] == 0]
+    corners = [tetrahedron[i] for i in there]
+
+    def met(i: int, j: int) -> Vector:
+        share = sides[i] / (sides[i] - sides[j])
+        x, y, z = (a + share * (b - a) for a, b in zip(tetrahedron[i], tetrahedron[j], strict=True))
+        return x, y, z
+
+    if len(away) == 1:  # between the triangle of what is there and its image on the plane, on which corners may be
+        yield from _between((*on, *corners), (*on, *(met(i, away[0]) for i in there)))
+    elif len(there) == 1:
+        a, b, c = (*on, *(met(there[0], j) for j in away))
+        yield corners[0], a, b, c
+    else:
+        first, second = there
+        yield from _between((corners[0], *(met(first, j) for j in away)), (corners[1], *(met(second, j) for j in away)))
+
+
+def _between(first: Sequence[Vector], second: Sequence[Vector]) -> Iterator[Tetrahedron]:
+    """A prism between two triangles, of which leading corners may be the same, as a stack of tetrahedra."""
+    chain = (*first, *second)
+    for start in range(3):
+        a, b, c, d = chain[start : start + 4]
+        if first[start] != second[start]:
+            yield a, b, c, d
+
+
+def _turned(partition: Partition, face: OuterFace) -> Triangle:
     """The corners of an outer face, counterclockwise seen from outside."""
     a, b, c = partition.corners(face.vertices)
     return (a, b, c) if dot(a, cross(b, c)) > 0 else (a, c, b)

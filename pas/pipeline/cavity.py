@@ -1,0 +1,198 @@
+"""The cavity of a hollow node: its contacts, where it is looked for, what makes its wall even, and how even one is.
+
+An inner surface is chosen by the outer one's energy and by how far the wall is from its thickness
+(`pas.fairing.energies.even_wall`).  It needs a centre of its own where the outer surface passes near the centre of the
+outer one, as around sharp bends: from a point less than a thickness inside no inner surface is seen.  That centre lies
+further in, in the direction in which the contacts are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.inputs import HIGHEST_DEGREE
+from pas.algebra.rational import Vector, to_float, to_floats
+from pas.errors import GeometryError
+from pas.fairing.basis import to_doubles
+from pas.fairing.energies.even_wall import EvenWall, Thickness
+from pas.fairing.wishes import Wishes
+from pas.layouts.nodes import Node
+from pas.layouts.seen import power_of_two
+from pas.partition.cells import Partition
+from pas.partition.layout import Layout
+from pas.partition.region import Region
+from pas.pipeline.ladder import excess
+from pas.pipeline.result import Blend
+from pas.surface.contact import Contact
+from pas.surface.depth import Depth
+from pas.surface.piecewise import PiecewiseSurface
+from pas.surface.rims import outlook
+
+Way: TypeAlias = "tuple[int | None, Partition | Layout]"
+"""A degree, None where it is to be found, and a partition to try."""
+
+EVEN = 0.5, 2.0
+"""The least and the largest share of its thickness that an even wall has anywhere."""
+
+SHALLOW, DEEP = 1 / 16, 1 / 8
+"""Shares of the smallest inner radius by which a centre is deeper than the thickness: with less it is moved, towards
+where it is deeper by the other.  Much deeper, surfaces of GC^2 hollow."""
+
+SIGHT = 0.1
+"""How well all contacts should be seen from such a centre: a pipe of radius r as from a point 0.9 r away from its axis.
+With none of it no inner side is found, after many seconds."""
+
+FINE = 32
+"""Parts of the smallest inner radius in which centres are moved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cavity:
+    """What is wished of the inner side of an `outer` blend: to end in `contacts`, with a wall of some `thickness`; None
+    where that is whatever it is between the contacts."""
+
+    outer: Blend
+    contacts: Sequence[Contact]
+    thickness: fmpq | None
+
+    @cached_property
+    def evenness(self) -> EvenWall | None:
+        """What makes the wall even; None where the outer blend's energy looks at no surface, or has no centre."""
+        energy = self.outer.plate
+        if self.outer.surface.partition.center is None or not energy.on_surface:
+            return None
+        depth = Depth(self.outer.surface)
+        places = np.array([to_floats(contact.rim.center) for contact in self.contacts])
+        if self.thickness is not None:
+            return EvenWall(depth, Thickness(places, np.full(len(places), to_float(self.thickness))))
+        values = np.array([depth(contact.rim.points())[0].mean() for contact in self.contacts])
+        return EvenWall(depth, Thickness(places, values)) if values.min() > 0 else None
+
+    @property
+    def wishes(self) -> Wishes:
+        """What is wished of the inner side: the outer one's energy and limits, and an even wall.
+
+        The outer one's points are not in the inner one.
+        """
+        return self._wishes(self.evenness)
+
+    def _wishes(self, evenness: EvenWall | None) -> Wishes:
+        wishes = self.outer.wishes
+        energy = self.outer.plate if evenness is None else self.outer.plate + evenness
+        options: Any = {"energy": energy if evenness else wishes.energy, "limits": wishes.limits}
+        return Wishes(**options)
+
+    def plain(self, found: Blend) -> Blend:
+        """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
+        choice = found.choice
+        if self.evenness is None or choice is None:
+            return found
+        energy = found.energy
+        if choice.by is None:
+            fairing, limits = found.space.fairing(self.outer.plate), found.limits
+            first = fairing.landscape(limits, to_doubles(choice.working)[0]).first
+            energy = energy if first is None else first.energy + fairing.energy_of(choice.working)
+        return replace(found, energy=energy, wishes=self._wishes(None), choice=replace(choice, energy=energy))
+
+    def unevenness(self, inner: PiecewiseSurface) -> float:
+        """By what factor the wall's thickness is beyond `EVEN`, at some thousand points: 1 for an even wall."""
+        if self.evenness is None:
+            return 1.0
+        shares = self.evenness.shares(Depth(inner).samples)
+        low, high = float(shares.min()), float(shares.max())
+        return max(1.0, EVEN[0] / low, high / EVEN[1]) if low > 0 else np.inf
+
+    @cached_property
+    def _regions(self) -> list[Partition]:
+        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough."""
+        own = self.outer.surface.partition
+        return [own] if self._deep_enough else [*self._deeper(), own]
+
+    def ways(self) -> Iterator[Way]:
+        """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
+        nearer by."""
+        own, degree = self.outer.surface.partition, self.outer.surface.degree
+        yield from ((degree, region) for region in self._regions)
+        if degree < HIGHEST_DEGREE:
+            yield degree + 1, self._regions[0]
+        if isinstance(own, Region) and own.layout is not None:
+            yield None, own.layout
+
+    def last_ways(self) -> Iterator[Way]:
+        """What to try where all these have nothing that is proved."""
+        yield from ((None, region) for region in self._regions)
+
+    def serves(self, inner: Blend) -> bool:
+        """Whether an inner blend that is proved and whose wall is even is fair enough to look for no other.
+
+        Beside outer sides that are not fair, as some of cones and spheres are, none was found that is.
+        """
+        return not excess(inner) or excess(self.outer) > 0
+
+    @cached_property
+    def _radius(self) -> float:
+        return min(contact.rim.radii[0] for contact in self.contacts)
+
+    def _beyond(self, evenness: EvenWall, center: Vector) -> float:
+        """How much deeper than the wall is thick a point is, in smallest inner radii."""
+        point = np.array([to_floats(center)])
+        return float(evenness.depth(point)[0][0] - evenness.thickness(point)[0][0]) / self._radius
+
+    @property
+    def _deep_enough(self) -> bool:
+        center = self.outer.surface.partition.center
+        return self.evenness is None or center is None or self._beyond(self.evenness, center) >= SHALLOW
+
+    def _deeper(self) -> Iterator[Partition]:
+        """The first region around a centre further in; none where no layout fits."""
+        own = self.outer.surface.partition
+        if self.evenness is None or own.center is None or not isinstance(own, Region):
+            return
+        center = self._moved(self.evenness, own.center)
+        if center is not None:
+            with suppress(GeometryError):
+                yield next(Node.of(self.contacts, center).regions(self.outer.surface.order))
+
+    def _moved(self, evenness: EvenWall, center: Vector) -> Vector | None:
+        """A centre further in; None where there is none towards the contacts, nor one from which all of them are seen.
+
+        It is the first that is deep enough and sees the contacts well, or the one nearest to both.
+        """
+        start, radius = np.array(to_floats(center)), self._radius
+        off = np.array([to_floats(contact.rim.center) for contact in self.contacts]) - start
+        towards = (off / np.linalg.norm(off, axis=1)[:, None]).sum(axis=0)
+        length = float(np.linalg.norm(towards))
+        if not length > 0:
+            return None
+        step = power_of_two(radius / FINE)
+        most, best = 0.0, None
+        for number in range(int(np.linalg.norm(off, axis=1).min() / radius * FINE)):
+            shift = number * radius / FINE * towards / length / to_float(step)
+            x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(center, shift, strict=True))
+            served = min(1.0, self._room(evenness, (x, y, z)), self._sight((x, y, z)) / SIGHT)
+            if served > most:
+                most, best = served, (x, y, z)
+            if served == 1.0:
+                break
+        return best if best != center else None
+
+    def _room(self, evenness: EvenWall, center: Vector) -> float:
+        """How deep a point is, over how deep a centre should be."""
+        point = np.array([to_floats(center)])
+        return float(evenness.depth(point)[0][0] / (evenness.thickness(point)[0][0] + DEEP * self._radius))
+
+    def _sight(self, center: Vector) -> float:
+        """How well the contacts are seen from a point: 1 from their axes, 0 where one of them turns its back."""
+        point = np.array(to_floats(center))
+        seen = []
+        for contact in self.contacts:
+            distance = float(np.linalg.norm(np.array(to_floats(contact.rim.center)) - point))
+            seen.append(outlook(contact.surface, contact.rim, center)[0] * distance / contact.rim.radii[0])
+        return min(seen)
