@@ -77,6 +77,12 @@ def test_open_ends_are_placed_with_room(table, order):
     assert placed.contacts[0].surface == item.clipped(1).contact.surface
 
 
+@pytest.mark.parametrize("slope", ["-1/8", "-1/2"])
+def test_cones_that_narrow_end_before_their_tips(slope):
+    blend = pas.blend([pas.Cone((1, 0, 0), 1, "auto", slope), pas.Pipe((0, 1, 0), 1, "auto")], 1)
+    assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)
+
+
 def test_struts_are_the_same_mechanism():
     struts = pas.struts([(X, 1), (OBLIQUE, 1), ((0, -1, 3), "3/4")], 2)
     placed = place([pipe(X, 1), pipe(OBLIQUE, 1), pipe((0, -1, 3), "3/4")], 2)

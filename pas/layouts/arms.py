@@ -78,7 +78,7 @@ def arms_of(items: Sequence[Any], center: Vector | None) -> tuple[list[Arm], lis
     place = _center(items) if center is None else center
     arms, ends = [], []
     for number, item in enumerate(items, start=1):
-        arm, end = _free(item, place) if is_free(item) else _given(number, item, place)
+        arm, end = _free(number, item, place) if is_free(item) else _given(number, item, place)
         arms.append(arm)
         ends.append(end)
     for (i, a), (j, b) in combinations(enumerate(arms, start=1), 2):
@@ -107,7 +107,7 @@ def _in_line(rims: Sequence[Rim]) -> bool:
     return not any(any(cross(rims[0].normal, rim.normal)) for rim in rims)
 
 
-def _free(item: Endless, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
+def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
     axis = np.array(to_floats(item.axis))
     length = float(np.linalg.norm(axis))
     foot = float((np.array(to_floats(center)) - to_floats(item.point)) @ axis) / length**2
@@ -116,7 +116,13 @@ def _free(item: Endless, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
         parts *= 2
 
     def ended(distance: float) -> Endless:
-        return item.clipped(fmpq(ceil((foot + distance / length) * parts), parts))
+        try:
+            return item.clipped(fmpq(ceil((foot + distance / length) * parts), parts))
+        except ValueError:
+            raise GeometryError(
+                f"contact {number} has no curve {distance:.4g} from the centre, where it would have to end to leave room "
+                "for a blend; let it narrow less, or give its clip"
+            ) from None
 
     return Arm(axis / length, lambda distance: item.width(foot + distance / length)), ended
 

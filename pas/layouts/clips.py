@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from functools import lru_cache
+from itertools import takewhile
 from math import ceil, log, radians
 from typing import Any
 
@@ -66,11 +67,24 @@ def _with_clips(items: Sequence[Any], order: int, wanted: Layout | str | None, s
         return serves(placed) if serves else _served([as_contact(item) for item in placed], order, wanted, roomy)
 
     factors = [OUTWARDS**n for n in range(1 + ceil(log(FARTHEST, OUTWARDS)))]
+    factors = list(takewhile(_possible(ended), factors)) or factors[:1]  # cones that narrow end somewhere
     for roomy in (True, False):
         # what has no room far out has none nearer, and looking for it takes long
         if served(factors[-1], roomy):
             return ended(next(factor for factor in factors if served(factor, roomy)))
     return ended(1.0)
+
+
+def _possible(ended: Callable[[float], list[Any]]) -> Callable[[float], bool]:
+    """Whether contacts can end that far out."""
+
+    def possible(factor: float) -> bool:
+        try:
+            return bool(ended(factor))
+        except GeometryError:
+            return False
+
+    return possible
 
 
 def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> bool:
