@@ -120,8 +120,8 @@ def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[fl
             return item.clipped(fmpq(ceil((foot + distance / length) * parts), parts))
         except ValueError:
             raise GeometryError(
-                f"contact {number} has no curve {distance:.4g} from the centre, where it would have to end to leave room "
-                "for a blend; let it narrow less, or give its clip"
+                f"contact {number} has no curve {distance:.4g} from the centre, where it would have to end to leave "
+                "room for a blend; let it narrow less, or give its clip"
             ) from None
 
     return Arm(axis / length, lambda distance: item.width(foot + distance / length)), ended
