@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import time
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -353,6 +354,24 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
         made.seen.save(tmp_path / "moved.pas.json")
         assert not proved or all(f.proved for f in check_independently(tmp_path / "moved.pas.json"))
     assert counts[True] > 80 and counts[False] > 25
+
+
+def test_a_handle_that_is_dragged_fast_is_followed():
+    """Steps in between are left out where the machine is busy."""
+    quartic = {name: value for name, value in GALLERY["Elbow of one quartic"]["problem"].items() if name != "degree"}
+
+    def held(value):
+        points = {"handles": [[[1, [3, 0, 1, 0]], value]]}
+        return {"kind": "problem", "problem": {**quartic, "degree": 4, "points": points}}
+
+    final, quick = Desk(), Desk()
+    final.solve(held("0.401835"))
+    quick.take(*final.kept(held("0.401835")))
+    for value in ("0.3493722", "0.1919826"):
+        quick.move(held(value))
+    (cell, index), _ = quick.seen.wishes.handles[0]
+    assert quick.seen.surface.cells[cell].b_coefficients[index] == Fraction("0.1919826")
+    assert quick.prove().head["proved"]
 
 
 def test_changed_contacts_are_outlined_at_once(desk):

@@ -24,14 +24,13 @@ from pas.errors import InfeasibleError, InputError, NoSolutionError, NotProvedEr
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import read_problem
 from pas.exchange.tables import read_toml
-from pas.fairing.energies.curvature_variation import CurvatureVariation
-from pas.fairing.wishes import DEFAULT_NEAR_WEIGHT, MeanAlpha
 from pas.kinds.files import load
 from pas.limits import limit
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
-from pas.studio.controls import LENGTHS, SHAPE, TENSION, controls
+from pas.studio.controls import LENGTHS, SHAPE, controls
+from pas.studio.following import followed
 from pas.studio.freedoms import at_degree, coefficients_of, freedoms, pulled_by_coefficients, shares_of, with_handle
 from pas.studio.gallery import Data
 from pas.studio.messages import Message
@@ -53,10 +52,6 @@ SAMPLED = (48, 12)
 
 UNSAVED = re.compile(r"[^\w.-]+")
 """What names of files are cleared of."""
-
-AT_REST: dict[str, Any] = {"inside": (), "outside": (), "through": (), "near": (), "near_weight": DEFAULT_NEAR_WEIGHT,
-                           "handles": (), "coefficients": ()}  # fmt: skip
-"""The sliders of a blend of which nothing is wished."""
 
 
 class Desk:
@@ -269,7 +264,7 @@ class Desk:
         key = _key(documents.base_of(document))
         before = self.seen if self.key == key else self.bases.get(key)
         if can_follow(before):
-            return before.refit(**_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
+            return followed(before, document)
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
         shaped = _shaped(self.before, document)
@@ -332,17 +327,6 @@ def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
 def can_follow(shape: Any) -> bool:
     """Whether other sliders can be followed from it."""
     return getattr(shape, "kind", "") == "blend"
-
-
-def _sliders(blend: Any, document: Data) -> dict[str, Any]:
-    """All sliders of a document, those that it does not name at rest."""
-    tense = {"tension": TENSION} if isinstance(blend.plate, CurvatureVariation) else {}
-    usual = {**AT_REST, **tense}
-    if document["kind"] == "project":  # the file's own wishes
-        usual = {}
-    elif isinstance(blend.wishes.normalize, MeanAlpha):
-        usual["margin"] = None
-    return usual | documents.sliders_of(document)
 
 
 def _key(document: Data) -> str:
