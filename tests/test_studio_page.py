@@ -342,6 +342,77 @@ def test_a_point_is_added_dragged_in_the_picture_and_removed(page):
     assert page.problem["points"]["near"] == [] and page.page.locator(".mark").count() == 0
 
 
+class Fingers:
+    """Touches of a page, as its browser would tell of them."""
+
+    def __init__(self, page):
+        self.page, self.session = page, page.page.context.new_cdp_session(page.page)
+
+    def tell(self, kind, *places):
+        points = [{"x": float(x), "y": float(y), "id": i} for i, (x, y) in enumerate(places)]
+        self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def go(self, *ways, lift=True):
+        """Fingers that go from one place to another at the same time."""
+        starts, ends = (np.array(side, dtype=float) for side in zip(*ways, strict=True))
+        self.tell("touchStart", *starts)
+        for share in np.linspace(0, 1, 11):
+            self.tell("touchMove", *(starts + share * (ends - starts)))
+            self.page.page.wait_for_timeout(10)
+        if lift:
+            self.tell("touchEnd")
+
+    @property
+    def mark(self):
+        box = self.page.page.locator(".mark.near circle").bounding_box()
+        return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+
+
+CAMERA = "(({ towards, target, wide }) => ({ towards, target, wide }))(studio.view.camera)"
+STILL = "[scrollX, scrollY, document.querySelector('aside').scrollTop, visualViewport.scale]"
+
+
+def test_fingers_turn_zoom_and_drag_and_the_page_stays(browser, studio):
+    context = browser.new_context(viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    page = Page(context, studio[1])
+    page.until(FINAL)
+    fingers, middle, start = Fingers(page), np.array([200.0, 192.0]), page.ask(CAMERA)
+    fingers.go((middle, middle + [60, 0]))  # one turns
+    turned = page.ask(CAMERA)
+    assert turned["towards"] != start["towards"] and turned["wide"] == start["wide"]
+    page.page.click("text=Add point")
+    page.until(FINAL)
+    page.ask("scrollTo(0, 0)")
+    (first,), place = page.problem["points"]["near"], fingers.mark
+    fingers.go((place, place + [0, -50]))  # a mark is dragged, beneath the finger and next to it
+    fingers.go((place + [14, -50], place + [34, -50]))
+    page.until(FINAL)
+    assert np.abs(fingers.mark - place - [20, -50]).max() < 1
+    (second,) = page.problem["points"]["near"]
+    assert second != first and page.ask(CAMERA) == turned
+    place = fingers.mark
+    fingers.go((place, place + [20, 0]), lift=False)
+    fingers.go((place + [20, 0], place + [60, 0]), (place - [60, 0], place - [100, 0]))  # a second one zooms instead
+    page.until(FINAL)
+    zoomed = page.ask(CAMERA)
+    assert page.problem["points"]["near"] == [second] and zoomed["towards"] == turned["towards"]
+    assert zoomed["wide"] == pytest.approx(turned["wide"] / 2)
+    assert np.abs(fingers.mark - place - [20, 0]).max() < 4  # about the middle of the two: (-20, 0) goes to itself
+    fingers.go((middle, middle + [30, 40]), (middle - [80, 0], middle + [-50, 40]))  # two move the picture
+    assert page.ask(CAMERA)["wide"] == pytest.approx(zoomed["wide"])
+    assert np.abs(fingers.mark - place - [50, 40]).max() < 6  # perspective: it is nearer than the target
+    assert page.ask(STILL) == [0, 0, 0, 1]
+    slider = page.page.locator("#c-problem-tension-s")
+    slider.scroll_into_view_if_needed()
+    box, before = slider.bounding_box(), page.ask(STILL)
+    at = np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+    fingers.go((at, at + [box["width"] / 5, 8]))
+    page.until(FINAL)
+    assert 600 < int(slider.input_value()) < 800 and float(page.problem["tension"]) > 6 and page.ask(STILL) == before
+    assert page.trouble == []
+    context.close()
+
+
 def drawn(page):
     return np.array(page.ask("studio.state.scene.surface.map((p) => Array.from(p.values))"))
 

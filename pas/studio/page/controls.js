@@ -39,7 +39,7 @@ const plain = (value, span) => String(Number(value.toFixed(Math.max(0, Math.min(
 export function numberControl(c, act, label = c.label, path = c.path) {
 	const id = `c-${path.join("-")}`, bent = c.bent || 1, span = c.high - c.low;
 	const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, id: `${id}-s`, "aria-label": `${c.group}, ${label}` });
-	const field = make("input", { type: "text", id, inputmode: "decimal", autocomplete: "off", spellcheck: "false", "aria-label": `${c.group}, ${label}, exact value` });
+	const field = make("input", { type: "text", id, autocomplete: "off", spellcheck: "false", "aria-label": `${c.group}, ${label}, exact value` });
 	const to = (v) => Math.round(STEPS * Math.pow(Math.min(1, Math.max(0, (v - c.low) / span)), 1 / bent)), from = (s) => c.low + span * Math.pow(s / STEPS, bent);
 	let moved = false;
 	slider.addEventListener("input", () => { moved = true; const v = plain(from(Number(slider.value)), span); field.value = v; tell(v); act.move(path, v, c.slow); });
