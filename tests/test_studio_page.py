@@ -804,50 +804,117 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     page.page.set_viewport_size({"width": 860, "height": 480})
 
 
-def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser):
+@pytest.fixture
+def widget():
     pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1)]
-    widget = pas.blend(pipes, 1, 4).studio()
-    frame = browser.new_page(viewport={"width": 860, "height": 640})
-    trouble = []
-    frame.on("pageerror", lambda error: trouble.append(str(error)))
+    return pas.blend(pipes, 1, 4).studio()
 
-    def told(content, parts=()):
-        frame.evaluate(HEAR, [content, [base64.b64encode(part).decode() for part in parts]])
 
-    asked = []
-    widget.send = told
-    frame.expose_function("ask", lambda request: asked.append(request))
-    frame.expose_function("keep", lambda document: setattr(widget, "document", document))
-    frame.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+class Notebook:
+    """A page that shows views of a widget below a cell to type in, as notebooks do: within a root of their own."""
 
-    def answered(text):
+    def __init__(self, browser, widget):
+        self.widget, self.asked, self.trouble = widget, [], []
+        self.page = browser.new_page(viewport={"width": 860, "height": 640})
+        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
+        widget.send = lambda content, parts=(): self.page.evaluate(
+            HEAR, [content, [base64.b64encode(part).decode() for part in parts]]
+        )
+        self.page.expose_function("ask", lambda request: self.asked.append(request))
+        self.page.expose_function("keep", lambda document: setattr(widget, "document", document))
+        self.page.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+        self.page.evaluate("show()")
+
+    def until(self, text, view=0):
         for _ in range(400):
-            while asked:
-                widget.answer(asked.pop(0))
-            if frame.evaluate(text):
+            while self.asked:
+                self.widget.answer(self.asked.pop(0))
+            if self.page.evaluate(f"((view) => {text})(views[{view}])"):
                 return
-            frame.wait_for_timeout(30)
-        raise AssertionError(f"{text}; {frame.inner_text('.message')!r}; {trouble}")
+            self.page.wait_for_timeout(30)
+        raise AssertionError(f"{text}; {self.page.locator('.message').all_inner_texts()}; {self.trouble}")
 
-    answered("/all proved/.test(document.querySelector('.overall')?.textContent)")
+
+PROVED = "/all proved/.test(view.querySelector('.overall')?.textContent)"
+TENSION = "view.querySelector('#c-sliders-tension').value === '{}' && " + PROVED
+
+
+def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser, widget):
+    notebook = Notebook(browser, widget)
+    notebook.until(PROVED)
     before = widget.blend
-    field = frame.locator("#c-sliders-tension")
+    field = notebook.page.locator("#c-sliders-tension")
     field.fill("9")
     field.press("Enter")
-    answered("/tension=\"9\"/.test(document.querySelector('pre').textContent)")
-    assert widget.document["sliders"] == {"tension": "9"} and trouble == []
+    notebook.until("/tension=\"9\"/.test(view.querySelector('pre').textContent)")
+    assert widget.document["sliders"] == {"tension": "9"} and notebook.trouble == []
     assert widget.blend.surface.patches != before.surface.patches and widget.blend.standing == "proved"
-    frame.close()
+    notebook.page.close()
+
+
+def test_two_views_of_a_widget_follow_each_other_and_python(browser, widget):
+    notebook = Notebook(browser, widget)
+
+    def typed(view, value):
+        field = notebook.page.locator("#c-sliders-tension").nth(view)
+        field.fill(value)
+        field.press("Enter")
+        notebook.page.focus(".cell")
+        for other in range(notebook.page.locator(".pas-studio").count()):
+            notebook.until(TENSION.format(value), other)
+        assert widget.document["sliders"] == {"tension": value}
+
+    notebook.until(PROVED)
+    typed(0, "5")
+    notebook.page.evaluate("show()")  # later, so that it has counted less
+    notebook.until(TENSION.format("5"), 1)
+    typed(0, "9")
+    typed(1, "7")
+    widget.document = {**widget.document, "sliders": {"tension": "12"}}
+    notebook.page.evaluate("(document) => model.changed(document)", widget.document)
+    for view in range(2):
+        notebook.until(TENSION.format("12"), view)
+    assert notebook.trouble == []
+    notebook.page.close()
+
+
+def test_keys_of_a_widget_are_not_the_notebooks_and_those_of_cells_not_the_widgets(browser, widget):
+    notebook = Notebook(browser, widget)
+    notebook.until(PROVED)
+    keys = notebook.page.keyboard
+    notebook.page.focus("#c-sliders-tension-s")
+    keys.press("ArrowRight")
+    notebook.until(f"Number(view.querySelector('#c-sliders-tension').value) > 4.6 && {PROVED}")
+    moved = widget.document["sliders"]["tension"]
+    notebook.page.focus(".cell")
+    keys.type("x")
+    keys.press("Control+z")
+    notebook.until(TENSION.format(moved))
+    notebook.page.focus(".live")
+    for key in ("d", "d", "Home", "Shift+Enter", "Control+s", "Control+z"):
+        keys.press(key)
+    notebook.until(TENSION.format("23/5"))
+    assert notebook.page.evaluate("heard") == ["x", "Control", "z", "Enter", "Control", "s", "Control"]
+    notebook.page.close()
 
 
 MODEL = """async ([esm, css, start]) => {
-  const listeners = {}, held = { document: start };
-  globalThis.model = { get: (k) => held[k], set: (k, v) => { held[k] = v; globalThis.keep(v); }, save_changes() {},
-    send: (request) => globalThis.ask(request), on: (name, f) => { listeners[name] = f; }, off() {}, listeners };
-  const url = (text, type) => URL.createObjectURL(new Blob([text], { type }));
-  const link = document.createElement("style"); link.textContent = css; document.head.append(link);
+  const listeners = {}, held = { document: start }, text = JSON.stringify;
+  const tell = (name, ...about) => listeners[name].forEach((f) => f(...about));
+  const put = (k, v) => { if (text(held[k]) !== text(v)) { held[k] = v; tell(`change:${k}`); } };
+  globalThis.model = { get: (k) => held[k], set: (k, v) => { globalThis.keep(v); put(k, v); }, save_changes() {},
+    send: (request) => globalThis.ask(request), on: (name, f) => (listeners[name] ||= []).push(f), off() {},
+    heard: (...message) => tell("msg:custom", ...message), changed: (document) => put("document", document) };
+  globalThis.heard = []; globalThis.views = [];
+  document.addEventListener("keydown", (e) => { heard.push(e.key); if (e.key === "s") e.preventDefault(); });
+  const url = (source, type) => URL.createObjectURL(new Blob([source], { type }));
   const module = await import(url(esm, "text/javascript"));
-  module.default.render({ model, el: document.body });
+  const add = (tag, place) => place.appendChild(document.createElement(tag));
+  const cell = add("div", document.body); cell.className = "cell"; cell.contentEditable = "true";
+  globalThis.show = () => {
+    const root = add("div", document.body).attachShadow({ mode: "open" }); add("style", root).textContent = css;
+    views.push(add("div", root)); module.default.render({ model, el: views.at(-1) });
+  };
 }"""
-HEAR = """([content, parts]) => model.listeners["msg:custom"](content,
+HEAR = """([content, parts]) => model.heard(content,
   parts.map((p) => new DataView(Uint8Array.from(atob(p), (c) => c.charCodeAt(0)).buffer)))"""

@@ -53,7 +53,7 @@ export function numberControl(c, act, label = c.label, path = c.path) {
 	field.addEventListener("change", take);
 	field.addEventListener("keydown", (e) => { if (e.key === "Enter") take(); if (e.key === "Escape") { show(get(act.document(), path)); field.blur(); } });
 	const tell = (v) => { slider.setAttribute("aria-valuetext", `${v}${c.ends ? (number(v) < number(c.usual ?? 0) ? `, towards ${c.ends[0]}` : `, towards ${c.ends[1]}`) : ""}`); };
-	const show = (value) => { const v = String(value ?? c.usual ?? ""); field.dataset.value = v; if (document.activeElement !== field) { field.value = v; field.removeAttribute("aria-invalid"); } slider.value = to(number(v)); tell(v); };
+	const show = (value) => { const v = String(value ?? c.usual ?? ""); field.dataset.value = v; if (!field.matches(":focus")) { field.value = v; field.removeAttribute("aria-invalid"); } slider.value = to(number(v)); tell(v); };
 	const ends = c.ends ? make("span", { class: "ends", "aria-hidden": "true" }, make("span", {}, c.ends[0]), make("span", {}, c.ends[1])) : null;
 	const safe = make("small", { class: "safe", hidden: true });
 	const mark = (limits) => { const most = limits[path.at(-1)]; safe.hidden = most === undefined || most > c.high; if (!safe.hidden) { safe.textContent = `▲ safe up to ${Number(most.toPrecision(3))}`; safe.style.marginLeft = `${Math.min(45, (100 * (most - c.low)) / span)}%`; } };
@@ -68,7 +68,7 @@ function vectorControl(c, act) {
 function textControl(c, act) {
 	const id = `c-${c.path.join("-")}`, field = make("input", { type: "text", id, autocomplete: "off", spellcheck: "false" });
 	field.addEventListener("change", () => { if (field.value !== get(act.document(), c.path)) { act.move(c.path, field.value, true); act.commit(); } });
-	return { element: make("div", { class: "choice" }, make("label", { for: id }, c.label), field), update: (doc) => { if (document.activeElement !== field) field.value = get(doc, c.path) ?? ""; } };
+	return { element: make("div", { class: "choice" }, make("label", { for: id }, c.label), field), update: (doc) => { if (!field.matches(":focus")) field.value = get(doc, c.path) ?? ""; } };
 }
 
 function choiceControl(c, act) {

@@ -305,15 +305,16 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
 	// ---- keys, files dropped, connections
 	const onkey = (e) => {
-		if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "") || !el.isConnected) return;
+		if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "")) return;
 		const key = e.key.toLowerCase();
 		if (key === "z" && !e.shiftKey) { step(s.past, s.future); e.preventDefault(); } else if (key === "y" || key === "z") { step(s.future, s.past); e.preventDefault(); }
 	};
-	document.addEventListener("keydown", onkey);
+	const keys = el.parentNode === document.body ? document : el; // in a notebook other cells have keys of their own
+	keys.addEventListener("keydown", onkey);
 	el.addEventListener("dragover", (e) => e.preventDefault());
 	el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
 	channel.receive(receive);
 	channel.onstate?.((text, again) => say(text, !again));
 	buttons();
-	return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
+	return { state: s, view, panel, act, openDocument, go, destroy() { keys.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }
