@@ -756,6 +756,13 @@ def test_shape_values_are_drawn_by_the_page_alone(page, name):
     page.until(FINAL)
 
 
+EDGES = """(() => { const v = studio.view, c = v.live, g = v.caster.gl; v.aim([0.62, -0.62, 0.48]); v.fit(); v.now();
+  return [0, c.width - 1].map((x) => { const a = new Uint8Array(4 * c.height);
+    g.readPixels(x, 0, 1, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+    return a.filter((_, i) => i % 4 === 3 && a[i]).length; });
+})()"""
+"""Pixels that are not empty in the first and last column of the picture."""
+
 SHARE = """((meshed) => { const v = studio.view, c = v.live, g = v.caster.gl;
   v.sized(1); v.caster.draw(v.camera, { ...v.look, meshed, jitter: [0, 0] });
   const a = new Uint8Array(4 * c.width * c.height); let all = 0, drawn = 0;
@@ -801,7 +808,10 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     unnamed = page.ask(UNNAMED)
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
+    page.page.set_viewport_size({"width": 300, "height": 1200})  # the picture is higher than wide: nothing is cut off
+    assert page.ask(EDGES) == [0, 0]
     page.page.set_viewport_size({"width": 860, "height": 480})
+    page.ask("studio.view.fit()")
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@
     widget = pas.blend(pipes, order=1).studio()
 
 `widget.shape` is what is seen at rest, and setting `widget.document` moves the page.  The kernel does the work, one
-request after the other.
+request after the other.  In marimo, cells that use `mo.ui.anywidget(widget)` follow it.
 """
 
 from __future__ import annotations

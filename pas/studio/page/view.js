@@ -27,8 +27,9 @@ export class View {
 	}
 	destroy() { this.observer.disconnect(); clearTimeout(this.resting); cancelAnimationFrame(this.asked); this.caster.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
 	load(scene, keep) { this.scene = scene; scene.load(this.caster); if (!keep) this.fit(); this.ask(); }
-	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.caster.reach; this.ask(); }
+	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.whole; this.ask(); }
 	setLines(name, data, lift) { if (data && data.length) this.lineSets[name] = { data, lift }; else delete this.lineSets[name]; this.caster.setLines(Object.values(this.lineSets)); this.ask(); }
+	get whole() { return this.caster.reach / Math.min(1, this.aspect); } // half the height that shows everything
 	get aspect() { return this.place.clientWidth / Math.max(1, this.place.clientHeight); }
 	ask() { // a frame, soon
 		clearTimeout(this.resting); this.still.hidden = true;
@@ -101,7 +102,7 @@ export class View {
 		this.ask();
 	}
 	aim(way) { const w = unit(way); this.camera.towards = Math.abs(w[2]) > 0.99 ? unit([0.002, -0.02, Math.sign(w[2])]) : w; this.camera.up = [0, 0, 1]; this.ask(); }
-	zoom(factor) { this.camera.wide = Math.min(4 * this.caster.reach, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
+	zoom(factor) { this.camera.wide = Math.min(4 * this.whole, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
 	pan(dx, dy) { // in shares of the height
 		const f = this.camera.frame(1), s = 2 * this.camera.wide, moved = plus(plus(this.camera.target, f.side, -dx * s), f.up, dy * s);
 		if (Math.hypot(...moved) < 2 * this.caster.reach) this.camera.target = moved;
