@@ -342,6 +342,77 @@ def test_a_point_is_added_dragged_in_the_picture_and_removed(page):
     assert page.problem["points"]["near"] == [] and page.page.locator(".mark").count() == 0
 
 
+class Fingers:
+    """Touches of a page, as its browser would tell of them."""
+
+    def __init__(self, page):
+        self.page, self.session = page, page.page.context.new_cdp_session(page.page)
+
+    def tell(self, kind, *places):
+        points = [{"x": float(x), "y": float(y), "id": i} for i, (x, y) in enumerate(places)]
+        self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def go(self, *ways, lift=True):
+        """Fingers that go from one place to another at the same time."""
+        starts, ends = (np.array(side, dtype=float) for side in zip(*ways, strict=True))
+        self.tell("touchStart", *starts)
+        for share in np.linspace(0, 1, 11):
+            self.tell("touchMove", *(starts + share * (ends - starts)))
+            self.page.page.wait_for_timeout(10)
+        if lift:
+            self.tell("touchEnd")
+
+    @property
+    def mark(self):
+        box = self.page.page.locator(".mark.near circle").bounding_box()
+        return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+
+
+CAMERA = "(({ towards, target, wide }) => ({ towards, target, wide }))(studio.view.camera)"
+STILL = "[scrollX, scrollY, document.querySelector('aside').scrollTop, visualViewport.scale]"
+
+
+def test_fingers_turn_zoom_and_drag_and_the_page_stays(browser, studio):
+    context = browser.new_context(viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    page = Page(context, studio[1])
+    page.until(FINAL)
+    fingers, middle, start = Fingers(page), np.array([200.0, 192.0]), page.ask(CAMERA)
+    fingers.go((middle, middle + [60, 0]))  # one turns
+    turned = page.ask(CAMERA)
+    assert turned["towards"] != start["towards"] and turned["wide"] == start["wide"]
+    page.page.click("text=Add point")
+    page.until(FINAL)
+    page.ask("scrollTo(0, 0)")
+    (first,), place = page.problem["points"]["near"], fingers.mark
+    fingers.go((place, place + [0, -50]))  # a mark is dragged, beneath the finger and next to it
+    fingers.go((place + [14, -50], place + [34, -50]))
+    page.until(FINAL)
+    assert np.abs(fingers.mark - place - [20, -50]).max() < 1
+    (second,) = page.problem["points"]["near"]
+    assert second != first and page.ask(CAMERA) == turned
+    place = fingers.mark
+    fingers.go((place, place + [20, 0]), lift=False)
+    fingers.go((place + [20, 0], place + [60, 0]), (place - [60, 0], place - [100, 0]))  # a second one zooms instead
+    page.until(FINAL)
+    zoomed = page.ask(CAMERA)
+    assert page.problem["points"]["near"] == [second] and zoomed["towards"] == turned["towards"]
+    assert zoomed["wide"] == pytest.approx(turned["wide"] / 2)
+    assert np.abs(fingers.mark - place - [20, 0]).max() < 4  # about the middle of the two: (-20, 0) goes to itself
+    fingers.go((middle, middle + [30, 40]), (middle - [80, 0], middle + [-50, 40]))  # two move the picture
+    assert page.ask(CAMERA)["wide"] == pytest.approx(zoomed["wide"])
+    assert np.abs(fingers.mark - place - [50, 40]).max() < 6  # perspective: it is nearer than the target
+    assert page.ask(STILL) == [0, 0, 0, 1]
+    slider = page.page.locator("#c-problem-tension-s")
+    slider.scroll_into_view_if_needed()
+    box, before = slider.bounding_box(), page.ask(STILL)
+    at = np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+    fingers.go((at, at + [box["width"] / 5, 8]))
+    page.until(FINAL)
+    assert 600 < int(slider.input_value()) < 800 and float(page.problem["tension"]) > 6 and page.ask(STILL) == before
+    assert page.trouble == []
+    context.close()
+
+
 def drawn(page):
     return np.array(page.ask("studio.state.scene.surface.map((p) => Array.from(p.values))"))
 
@@ -685,6 +756,13 @@ def test_shape_values_are_drawn_by_the_page_alone(page, name):
     page.until(FINAL)
 
 
+EDGES = """(() => { const v = studio.view, c = v.live, g = v.caster.gl; v.aim([0.62, -0.62, 0.48]); v.fit(); v.now();
+  return [0, c.width - 1].map((x) => { const a = new Uint8Array(4 * c.height);
+    g.readPixels(x, 0, 1, c.height, g.RGBA, g.UNSIGNED_BYTE, a);
+    return a.filter((_, i) => i % 4 === 3 && a[i]).length; });
+})()"""
+"""Pixels that are not empty in the first and last column of the picture."""
+
 SHARE = """((meshed) => { const v = studio.view, c = v.live, g = v.caster.gl;
   v.sized(1); v.caster.draw(v.camera, { ...v.look, meshed, jitter: [0, 0] });
   const a = new Uint8Array(4 * c.width * c.height); let all = 0, drawn = 0;
@@ -730,53 +808,123 @@ def test_narrow_windows_and_dark_ones_have_all_controls(page):
     unnamed = page.ask(UNNAMED)
     assert unnamed == 0
     page.page.emulate_media(color_scheme="light")
+    page.page.set_viewport_size({"width": 300, "height": 1200})  # the picture is higher than wide: nothing is cut off
+    assert page.ask(EDGES) == [0, 0]
     page.page.set_viewport_size({"width": 860, "height": 480})
+    page.ask("studio.view.fit()")
 
 
-def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser):
+@pytest.fixture
+def widget():
     pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1)]
-    widget = pas.blend(pipes, 1, 4).studio()
-    frame = browser.new_page(viewport={"width": 860, "height": 640})
-    trouble = []
-    frame.on("pageerror", lambda error: trouble.append(str(error)))
+    return pas.blend(pipes, 1, 4).studio()
 
-    def told(content, parts=()):
-        frame.evaluate(HEAR, [content, [base64.b64encode(part).decode() for part in parts]])
 
-    asked = []
-    widget.send = told
-    frame.expose_function("ask", lambda request: asked.append(request))
-    frame.expose_function("keep", lambda document: setattr(widget, "document", document))
-    frame.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+class Notebook:
+    """A page that shows views of a widget below a cell to type in, as notebooks do: within a root of their own."""
 
-    def answered(text):
+    def __init__(self, browser, widget):
+        self.widget, self.asked, self.trouble = widget, [], []
+        self.page = browser.new_page(viewport={"width": 860, "height": 640})
+        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
+        widget.send = lambda content, parts=(): self.page.evaluate(
+            HEAR, [content, [base64.b64encode(part).decode() for part in parts]]
+        )
+        self.page.expose_function("ask", lambda request: self.asked.append(request))
+        self.page.expose_function("keep", lambda document: setattr(widget, "document", document))
+        self.page.evaluate(MODEL, [widget._esm, widget._css, widget.document])
+        self.page.evaluate("show()")
+
+    def until(self, text, view=0):
         for _ in range(400):
-            while asked:
-                widget.answer(asked.pop(0))
-            if frame.evaluate(text):
+            while self.asked:
+                self.widget.answer(self.asked.pop(0))
+            if self.page.evaluate(f"((view) => {text})(views[{view}])"):
                 return
-            frame.wait_for_timeout(30)
-        raise AssertionError(f"{text}; {frame.inner_text('.message')!r}; {trouble}")
+            self.page.wait_for_timeout(30)
+        raise AssertionError(f"{text}; {self.page.locator('.message').all_inner_texts()}; {self.trouble}")
 
-    answered("/all proved/.test(document.querySelector('.overall')?.textContent)")
+
+PROVED = "/all proved/.test(view.querySelector('.overall')?.textContent)"
+TENSION = "view.querySelector('#c-sliders-tension').value === '{}' && " + PROVED
+
+
+def test_the_widget_of_a_notebook_moves_the_blend_in_python(browser, widget):
+    notebook = Notebook(browser, widget)
+    notebook.until(PROVED)
     before = widget.blend
-    field = frame.locator("#c-sliders-tension")
+    field = notebook.page.locator("#c-sliders-tension")
     field.fill("9")
     field.press("Enter")
-    answered("/tension=\"9\"/.test(document.querySelector('pre').textContent)")
-    assert widget.document["sliders"] == {"tension": "9"} and trouble == []
+    notebook.until("/tension=\"9\"/.test(view.querySelector('pre').textContent)")
+    assert widget.document["sliders"] == {"tension": "9"} and notebook.trouble == []
     assert widget.blend.surface.patches != before.surface.patches and widget.blend.standing == "proved"
-    frame.close()
+    notebook.page.close()
+
+
+def test_two_views_of_a_widget_follow_each_other_and_python(browser, widget):
+    notebook = Notebook(browser, widget)
+
+    def typed(view, value):
+        field = notebook.page.locator("#c-sliders-tension").nth(view)
+        field.fill(value)
+        field.press("Enter")
+        notebook.page.focus(".cell")
+        for other in range(notebook.page.locator(".pas-studio").count()):
+            notebook.until(TENSION.format(value), other)
+        assert widget.document["sliders"] == {"tension": value}
+
+    notebook.until(PROVED)
+    typed(0, "5")
+    notebook.page.evaluate("show()")  # later, so that it has counted less
+    notebook.until(TENSION.format("5"), 1)
+    typed(0, "9")
+    typed(1, "7")
+    widget.document = {**widget.document, "sliders": {"tension": "12"}}
+    notebook.page.evaluate("(document) => model.changed(document)", widget.document)
+    for view in range(2):
+        notebook.until(TENSION.format("12"), view)
+    assert notebook.trouble == []
+    notebook.page.close()
+
+
+def test_keys_of_a_widget_are_not_the_notebooks_and_those_of_cells_not_the_widgets(browser, widget):
+    notebook = Notebook(browser, widget)
+    notebook.until(PROVED)
+    keys = notebook.page.keyboard
+    notebook.page.focus("#c-sliders-tension-s")
+    keys.press("ArrowRight")
+    notebook.until(f"Number(view.querySelector('#c-sliders-tension').value) > 4.6 && {PROVED}")
+    moved = widget.document["sliders"]["tension"]
+    notebook.page.focus(".cell")
+    keys.type("x")
+    keys.press("Control+z")
+    notebook.until(TENSION.format(moved))
+    notebook.page.focus(".live")
+    for key in ("d", "d", "Home", "Shift+Enter", "Control+s", "Control+z"):
+        keys.press(key)
+    notebook.until(TENSION.format("23/5"))
+    assert notebook.page.evaluate("heard") == ["x", "Control", "z", "Enter", "Control", "s", "Control"]
+    notebook.page.close()
 
 
 MODEL = """async ([esm, css, start]) => {
-  const listeners = {}, held = { document: start };
-  globalThis.model = { get: (k) => held[k], set: (k, v) => { held[k] = v; globalThis.keep(v); }, save_changes() {},
-    send: (request) => globalThis.ask(request), on: (name, f) => { listeners[name] = f; }, off() {}, listeners };
-  const url = (text, type) => URL.createObjectURL(new Blob([text], { type }));
-  const link = document.createElement("style"); link.textContent = css; document.head.append(link);
+  const listeners = {}, held = { document: start }, text = JSON.stringify;
+  const tell = (name, ...about) => listeners[name].forEach((f) => f(...about));
+  const put = (k, v) => { if (text(held[k]) !== text(v)) { held[k] = v; tell(`change:${k}`); } };
+  globalThis.model = { get: (k) => held[k], set: (k, v) => { globalThis.keep(v); put(k, v); }, save_changes() {},
+    send: (request) => globalThis.ask(request), on: (name, f) => (listeners[name] ||= []).push(f), off() {},
+    heard: (...message) => tell("msg:custom", ...message), changed: (document) => put("document", document) };
+  globalThis.heard = []; globalThis.views = [];
+  document.addEventListener("keydown", (e) => { heard.push(e.key); if (e.key === "s") e.preventDefault(); });
+  const url = (source, type) => URL.createObjectURL(new Blob([source], { type }));
   const module = await import(url(esm, "text/javascript"));
-  module.default.render({ model, el: document.body });
+  const add = (tag, place) => place.appendChild(document.createElement(tag));
+  const cell = add("div", document.body); cell.className = "cell"; cell.contentEditable = "true";
+  globalThis.show = () => {
+    const root = add("div", document.body).attachShadow({ mode: "open" }); add("style", root).textContent = css;
+    views.push(add("div", root)); module.default.render({ model, el: views.at(-1) });
+  };
 }"""
-HEAR = """([content, parts]) => model.listeners["msg:custom"](content,
+HEAR = """([content, parts]) => model.heard(content,
   parts.map((p) => new DataView(Uint8Array.from(atob(p), (c) => c.charCodeAt(0)).buffer)))"""

@@ -6,7 +6,7 @@
     widget = pas.blend(pipes, order=1).studio()
 
 `widget.shape` is what is seen at rest, and setting `widget.document` moves the page.  The kernel does the work, one
-request after the other.
+request after the other.  In marimo, cells that use `mo.ui.anywidget(widget)` follow it.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def widget_class() -> type[Any]:
         def _tell(self, message: Message, request: dict[str, Any]) -> None:
             shown = message.head["kind"] in ("picture", "moved")
             self._shot += shown
-            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot}
+            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot, "view": request.get("view")}
             table, parts = Message(head, message.arrays).parts()
             self.send(table, parts)
 

@@ -39,7 +39,7 @@ const plain = (value, span) => String(Number(value.toFixed(Math.max(0, Math.min(
 export function numberControl(c, act, label = c.label, path = c.path) {
 	const id = `c-${path.join("-")}`, bent = c.bent || 1, span = c.high - c.low;
 	const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, id: `${id}-s`, "aria-label": `${c.group}, ${label}` });
-	const field = make("input", { type: "text", id, inputmode: "decimal", autocomplete: "off", spellcheck: "false", "aria-label": `${c.group}, ${label}, exact value` });
+	const field = make("input", { type: "text", id, autocomplete: "off", spellcheck: "false", "aria-label": `${c.group}, ${label}, exact value` });
 	const to = (v) => Math.round(STEPS * Math.pow(Math.min(1, Math.max(0, (v - c.low) / span)), 1 / bent)), from = (s) => c.low + span * Math.pow(s / STEPS, bent);
 	let moved = false;
 	slider.addEventListener("input", () => { moved = true; const v = plain(from(Number(slider.value)), span); field.value = v; tell(v); act.move(path, v, c.slow); });
@@ -53,7 +53,7 @@ export function numberControl(c, act, label = c.label, path = c.path) {
 	field.addEventListener("change", take);
 	field.addEventListener("keydown", (e) => { if (e.key === "Enter") take(); if (e.key === "Escape") { show(get(act.document(), path)); field.blur(); } });
 	const tell = (v) => { slider.setAttribute("aria-valuetext", `${v}${c.ends ? (number(v) < number(c.usual ?? 0) ? `, towards ${c.ends[0]}` : `, towards ${c.ends[1]}`) : ""}`); };
-	const show = (value) => { const v = String(value ?? c.usual ?? ""); field.dataset.value = v; if (document.activeElement !== field) { field.value = v; field.removeAttribute("aria-invalid"); } slider.value = to(number(v)); tell(v); };
+	const show = (value) => { const v = String(value ?? c.usual ?? ""); field.dataset.value = v; if (!field.matches(":focus")) { field.value = v; field.removeAttribute("aria-invalid"); } slider.value = to(number(v)); tell(v); };
 	const ends = c.ends ? make("span", { class: "ends", "aria-hidden": "true" }, make("span", {}, c.ends[0]), make("span", {}, c.ends[1])) : null;
 	const safe = make("small", { class: "safe", hidden: true });
 	const mark = (limits) => { const most = limits[path.at(-1)]; safe.hidden = most === undefined || most > c.high; if (!safe.hidden) { safe.textContent = `▲ safe up to ${Number(most.toPrecision(3))}`; safe.style.marginLeft = `${Math.min(45, (100 * (most - c.low)) / span)}%`; } };
@@ -68,7 +68,7 @@ function vectorControl(c, act) {
 function textControl(c, act) {
 	const id = `c-${c.path.join("-")}`, field = make("input", { type: "text", id, autocomplete: "off", spellcheck: "false" });
 	field.addEventListener("change", () => { if (field.value !== get(act.document(), c.path)) { act.move(c.path, field.value, true); act.commit(); } });
-	return { element: make("div", { class: "choice" }, make("label", { for: id }, c.label), field), update: (doc) => { if (document.activeElement !== field) field.value = get(doc, c.path) ?? ""; } };
+	return { element: make("div", { class: "choice" }, make("label", { for: id }, c.label), field), update: (doc) => { if (!field.matches(":focus")) field.value = get(doc, c.path) ?? ""; } };
 }
 
 function choiceControl(c, act) {

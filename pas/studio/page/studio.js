@@ -19,6 +19,7 @@ const PULLING = "the arrow keys up and down pull and push the surface";
 const ARROW = 0.08, TOWARDS = 0.3; // a handle's arrow over the picture's size; how long a normal must look not to point at the eye
 const PAUSE = 120; // milliseconds of rest after which the verdicts on what the page drew by itself are asked for
 const PULL = 0.1; // of the picture's size, by which a handle's slider moves the surface
+const FINGER = 22; // pixels within which a finger finds a mark
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -249,7 +250,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			if (g) wanted.set(`handle ${i}`, { kind: "handle", p: g.place, way: g.normal, text: `handle ${i + 1}`, about: `${short(number(value))}; ${PULLING}`, take: () => takeHandle(at, i) });
 		});
 		if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: s.scene.local(v.witness), text: `${v.claim} fails here`, about: v.witness.map(short).join(", ") }); });
-		for (const [key, g] of marks) if (!wanted.has(key)) { g.remove(); marks.delete(key); }
+		for (const [key, g] of marks) if (!wanted.has(key)) { if (held?.g === g) held = null; g.remove(); marks.delete(key); }
 		for (const [key, m] of wanted) {
 			let g = marks.get(key);
 			if (!g) {
@@ -259,7 +260,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			}
 			g.take = m.take; g.pulls = Boolean(m.way);
 			const [x, y] = view.toScreen(m.p);
-			g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.about}`);
+			g.at = [x, y]; g.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)})`); g.lastChild.textContent = m.text; g.setAttribute("aria-label", `${m.text}: ${m.about}`);
 			if (m.way) { const [u, v] = view.toScreen(plus(m.p, m.way, ARROW * s.scene.reach)); g.childNodes[1].setAttribute("d", `M0 0L${(u - x).toFixed(1)} ${(v - y).toFixed(1)}`); }
 		}
 	}
@@ -279,11 +280,20 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		const { place, normal, change } = gripOf(at), far = along(place, normal), path = [...pointsPath(), "handles", i, 1], from = number(get(s.doc, path));
 		return (dx, dy, more) => act.move(path, String(Number((from + change * far(dx, dy, more)).toPrecision(7))));
 	}
+	let held = null; // the mark that is dragged, where that began, the last event of its pointer, and how it follows
+	function grab(g, e) { e.preventDefault(); g.focus({ preventScroll: true }); g.setPointerCapture(e.pointerId); held = { g, start: [e.clientX, e.clientY], last: e, follow: g.take() }; }
+	function drop() { const before = s.before; s.before = held = null; if (before && !same(before, s.doc)) go(before); }
+	view.onfinger = (e, [x, y]) => { // what a finger that comes down takes hold of: the nearest mark in reach; with a second one both turn to the picture
+		if (held) { const { last } = held; drop(); view.take(last, true); }
+		if (view.pointers.size) return false;
+		const far = (g) => Math.hypot(g.at[0] - x, g.at[1] - y), near = [...marks.values()].filter((g) => g.take).sort((a, b) => far(a) - far(b))[0];
+		if (!near || far(near) > FINGER) return false;
+		grab(near, e); return true;
+	};
 	function draggable(g) {
-		let follow = null, start = [0, 0];
-		g.addEventListener("pointerdown", (e) => { e.preventDefault(); g.focus(); g.setPointerCapture(e.pointerId); start = [e.clientX, e.clientY]; follow = g.take(); });
-		g.addEventListener("pointermove", (e) => follow?.(e.clientX - start[0], e.clientY - start[1], 0, e.shiftKey));
-		const end = () => { if (follow) { follow = null; act.commit(); } };
+		g.addEventListener("pointerdown", (e) => { if (e.pointerType === "touch") view.take(e); else grab(g, e); });
+		g.addEventListener("pointermove", (e) => { if (held?.last.pointerId !== e.pointerId) return; held.last = e; held.follow(e.clientX - held.start[0], e.clientY - held.start[1], 0, e.shiftKey); });
+		const end = (e) => { if (held?.last.pointerId === e.pointerId) { held = null; act.commit(); } };
 		g.addEventListener("pointerup", end); g.addEventListener("pointercancel", end);
 		g.addEventListener("keydown", (e) => {
 			const way = (g.pulls && !e.shiftKey ? PULLS : WAYS)[e.key];
@@ -295,15 +305,16 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 
 	// ---- keys, files dropped, connections
 	const onkey = (e) => {
-		if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "") || !el.isConnected) return;
+		if (!(e.ctrlKey || e.metaKey) || /^(text|number)$/.test(e.target.type || "")) return;
 		const key = e.key.toLowerCase();
 		if (key === "z" && !e.shiftKey) { step(s.past, s.future); e.preventDefault(); } else if (key === "y" || key === "z") { step(s.future, s.past); e.preventDefault(); }
 	};
-	document.addEventListener("keydown", onkey);
+	const keys = el.parentNode === document.body ? document : el; // in a notebook other cells have keys of their own
+	keys.addEventListener("keydown", onkey);
 	el.addEventListener("dragover", (e) => e.preventDefault());
 	el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
 	channel.receive(receive);
 	channel.onstate?.((text, again) => say(text, !again));
 	buttons();
-	return { state: s, view, panel, act, openDocument, go, destroy() { document.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
+	return { state: s, view, panel, act, openDocument, go, destroy() { keys.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }

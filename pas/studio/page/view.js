@@ -22,13 +22,14 @@ export class View {
 		this.live.setAttribute("aria-label", "The surface. Drag or use the arrow keys to turn it, plus and minus to zoom, Home to go back.");
 		this.place = place; this.overlay = overlay; this.camera = new Camera(); this.caster = new Caster(this.live);
 		this.look = { mode: "shaded", range: 1, section: null, colors: COLORS }; this.coarse = 1; this.frames = this.crawls = 0; this.tooSlow = false; this.pointers = new Map(); this.lineSets = {};
-		this.onpick = null; this.listen();
+		this.onpick = this.onfinger = null; this.listen();
 		this.observer = new ResizeObserver(() => this.ask()); this.observer.observe(place);
 	}
 	destroy() { this.observer.disconnect(); clearTimeout(this.resting); cancelAnimationFrame(this.asked); this.caster.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
 	load(scene, keep) { this.scene = scene; scene.load(this.caster); if (!keep) this.fit(); this.ask(); }
-	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.caster.reach; this.ask(); }
+	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.whole; this.ask(); }
 	setLines(name, data, lift) { if (data && data.length) this.lineSets[name] = { data, lift }; else delete this.lineSets[name]; this.caster.setLines(Object.values(this.lineSets)); this.ask(); }
+	get whole() { return this.caster.reach / Math.min(1, this.aspect); } // half the height that shows everything
 	get aspect() { return this.place.clientWidth / Math.max(1, this.place.clientHeight); }
 	ask() { // a frame, soon
 		clearTimeout(this.resting); this.still.hidden = true;
@@ -101,11 +102,17 @@ export class View {
 		this.ask();
 	}
 	aim(way) { const w = unit(way); this.camera.towards = Math.abs(w[2]) > 0.99 ? unit([0.002, -0.02, Math.sign(w[2])]) : w; this.camera.up = [0, 0, 1]; this.ask(); }
-	zoom(factor) { this.camera.wide = Math.min(4 * this.caster.reach, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
+	zoom(factor) { this.camera.wide = Math.min(4 * this.whole, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
 	pan(dx, dy) { // in shares of the height
 		const f = this.camera.frame(1), s = 2 * this.camera.wide, moved = plus(plus(this.camera.target, f.side, -dx * s), f.up, dy * s);
 		if (Math.hypot(...moved) < 2 * this.caster.reach) this.camera.target = moved;
 		this.ask();
+	}
+	pinch(before, now, other) { // one of two fingers moves: what was in the middle of them stays there
+		const apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1, wide = this.camera.wide, h = this.place.clientHeight;
+		this.zoom(apart(before) / apart(now));
+		const k = wide / this.camera.wide, off = (p, i, full) => (p[i] + other[i] - full) / 2;
+		this.pan(...[this.place.clientWidth, h].map((full, i) => (off(now, i, full) - k * off(before, i, full)) / h));
 	}
 	toScreen(point) { const [x, y, deep] = this.camera.project(point, this.aspect); return [((x + 1) / 2) * this.place.clientWidth, ((1 - y) / 2) * this.place.clientHeight, deep]; }
 	// A point at a place on the screen, as deep as another one.
@@ -123,15 +130,19 @@ export class View {
 	}
 	listen() {
 		const c = this.live, at = (e) => { const r = c.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
-		c.addEventListener("pointerdown", (e) => { c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* no real pointer */ } this.pointers.set(e.pointerId, at(e)); this.dragged = 0; });
+		this.take = (e, sure = false) => { // a pointer that the picture follows from now on, if no mark wants it
+			if (!sure && e.pointerType === "touch" && this.onfinger?.(e, at(e))) return;
+			this.dragged = this.pointers.size ? Infinity : 0; // two fingers are no click
+			c.focus({ preventScroll: true }); try { c.setPointerCapture(e.pointerId); } catch { /* no real pointer */ }
+			this.pointers.set(e.pointerId, at(e));
+		};
+		c.addEventListener("pointerdown", (e) => this.take(e));
 		c.addEventListener("pointermove", (e) => {
 			const before = this.pointers.get(e.pointerId); if (!before) return;
 			const now = at(e), dx = now[0] - before[0], dy = now[1] - before[1], h = this.place.clientHeight;
 			this.dragged += Math.abs(dx) + Math.abs(dy);
-			if (this.pointers.size > 1) {
-				const other = [...this.pointers].find(([id]) => id !== e.pointerId)[1], apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-				this.zoom(apart(before) / apart(now)); this.pan(dx / h / 2, dy / h / 2);
-			} else if (e.shiftKey || e.buttons === 4 || e.buttons === 2) this.pan(dx / h, dy / h); else this.turn((dx * 3.2) / h, (dy * 3.2) / h);
+			if (this.pointers.size > 1) this.pinch(before, now, [...this.pointers].find(([id]) => id !== e.pointerId)[1]);
+			else if (e.shiftKey || e.buttons === 4 || e.buttons === 2) this.pan(dx / h, dy / h); else this.turn((dx * 3.2) / h, (dy * 3.2) / h);
 			this.pointers.set(e.pointerId, now);
 		});
 		const end = (e) => { const p = this.pointers.get(e.pointerId); this.pointers.delete(e.pointerId); if (p && this.dragged < 4 && e.type === "pointerup" && this.onpick) this.onpick(...p); };
