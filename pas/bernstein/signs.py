@@ -134,7 +134,7 @@ def _searched(batch: _Simplices, limits: Limits | None, error: float) -> SignRes
         examined += len(batch)
         bound = rounding_bound(max(degrees), halved, error)
         batch = batch.select(~_settled(batch, bound))
-        batch = batch.select(~_made_up(batch, bound))
+        batch = batch.select(~_by_multiple(batch, bound))
         witnesses = _violations(batch, bound)
         if witnesses.any():
             if witness is None:
@@ -187,7 +187,7 @@ def _settled(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     return settled
 
 
-def _made_up(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
+def _by_multiple(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     """Where a multiple of the polynomial that vanishes makes up for what is negative."""
     if len(batch.zeros) != 1 or batch.zeros[0].shape != batch.value.shape:
         return np.zeros(len(batch), dtype=bool)

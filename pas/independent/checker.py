@@ -161,14 +161,14 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
     if not any(h(*p) < 0 for cell in surface.cells for p in cell):
         return Finding(claim, UNDECIDED, "no point of the region is known to be inside the clip")
     forms, power, parts = _by_degree(f, centre), _by_degree(h, centre)[-1] ** (k + 1), list[Part]()
-    alphas = [_series(_by_degree(patch, centre), forms, power) for patch in surface.patches]
-    for i, cell in enumerate(surface.cells):
-        alpha = alphas[surface.patch_of[i]]
+    alphas = list[fmpq_mpoly]()
+    for patch in surface.patches:
+        alpha = _series(_by_degree(patch, centre), forms, power)
         if alpha is None:
             return Finding(claim, UNDECIDED, "a patch does not meet it to its order all along the curve")
-        parts.append(
-            Part(cell, on_simplex(alpha.compose(*_seen_from(centre, -1), ctx=RING), cell), on_simplex(h, cell))
-        )
+        alphas.append(alpha.compose(*_seen_from(centre, -1), ctx=RING))
+    for i, cell in enumerate(surface.cells):
+        parts.append(Part(cell, on_simplex(alphas[surface.patch_of[i]], cell), on_simplex(h, cell)))
     edges = [tuple(p for p in side.corners if p != centre) for side in surface.sides]
     around = [Part(edge, on_simplex(h, edge)) for edge in edges]
     steps = {"its clip is inside the sides of the region": around, "alpha > 0 all over its clip": parts}
@@ -186,6 +186,7 @@ def _by_degree(p: fmpq_mpoly, centre: Point) -> list[fmpq_mpoly]:
 
 
 def _seen_from(centre: Point, sign: int) -> list[fmpq_mpoly]:
+    """The variables moved by the centre, to it (1) or back (-1)."""
     *axes, one = RING.gens()
     return [*(x + sign * c * one for x, c in zip(axes, centre, strict=False)), one]
 

@@ -53,7 +53,7 @@ def positive(parts: Iterable[Part], budget: int = BUDGET) -> tuple[str, tuple[Po
         (least, most), *zero = [_range(form, len(corners)) for form in forms]
         if least > 0 or any(low > 0 or high < 0 for low, high in zero):
             continue
-        if zero and _made_up(forms[0], forms[1], len(corners)):
+        if zero and _by_multiple(forms[0], forms[1], len(corners)):
             continue
         values, *zeros = [[form(*(i == j for j in range(4))) for i in range(len(corners))] for form in forms]
         if not zeros:
@@ -90,7 +90,7 @@ def _range(p: fmpz_mpoly, size: int) -> tuple[fmpz, fmpz]:
     return min(found), max(found)
 
 
-def _made_up(value: fmpz_mpoly, zero: fmpz_mpoly, size: int) -> bool:
+def _by_multiple(value: fmpz_mpoly, zero: fmpz_mpoly, size: int) -> bool:
     """Whether all coefficients of value + t zero, both of one degree, are positive for some t."""
     degree, left, right = value.total_degree(), value.to_dict(), zero.to_dict()
     keys = left.keys() | right.keys()
