@@ -320,6 +320,23 @@ def test_only_a_positive_multiple_of_what_is_not_positive_may_be_added():
     assert one_simplex(0.1 + 0.5 * inside, inside, below=True).status is not Status.PROVED  # wrong where it is -1
 
 
+def test_none_of_several_is_positive():
+    """Beside one that settles a simplex another does not count, and all are negative where a claim is refuted."""
+    corners, limits = np.eye(4)[None, :, :3], Limits(halvings=0)
+    value, low, high = (np.array([c]) for c in ([-0.5, 0.5, 0.5, 0.5], [-1.0] * 4, [0.25] * 4))
+    for inside, status in (
+        ([low, high], "proved"),
+        ([high, low], "proved"),
+        ([low, low], "refuted"),
+        ([low], "refuted"),
+    ):
+        assert prove_positive_inside(value, inside, corners, limits).status.value == status
+    there = np.array([[0.5, -0.5, 0.5, 0.5]])
+    assert prove_positive_inside(value, [low, there], corners, limits).status is Status.UNDECIDED
+    found = prove_positive_inside(low, [low, np.array([[0.5, 0.5, -0.5, 0.5]])], corners, limits)
+    assert found.status is Status.REFUTED and found.witness.tolist() == [0, 0, 1]
+
+
 @pytest.mark.parametrize("times", [0.5, -0.25, -1.0])
 def test_rounding_of_multiples_is_accounted_for(times):
     zero = np.array([0.5, -0.5, 0.25, -0.125])

@@ -17,6 +17,7 @@ from pas.fairing.fair import coordinates
 from pas.fairing.landscape import check_residuals
 from pas.fairing.surface_points import Sizes
 from pas.pipeline.cavity import Cavity
+from pas.surface.cones import first_met, nappe, nappe_rays
 from pas.surface.contact import CONTACTS
 from pas.surface.depth import Depth
 from pas.surface.nesting import common_parts, nesting
@@ -38,17 +39,25 @@ CONTACTS_WITH_INNER = {
     "tori": pas.Torus((0, 1, 1), (3, 1, -1), 1, (1, 2, 3)),
     "quadrics": pas.QuadricContact("x^2 + 2*y^2 - 3*z^2 + 1", "z - 1"),
     "contacts": pas.Contact("x^2 + y^2 - 1/2", "z - 1"),
+    "plates": pas.Plate((1, 2, 2), 2, point=(1, 0, 0)),
+    "openings": pas.Opening("x^2 + y^2 - 4", (1, 0, 0), "4/7"),
 }
-"""One of each kind that has an inner surface."""
+"""One of each kind."""
 
-PARALLEL = ("pipes", "cones", "spheres", "tori", "contacts")
+PARALLEL = ("pipes", "cones", "spheres", "tori", "contacts", "plates", "openings")
 """Those whose inner surface is parallel, so that the distance is the same everywhere."""
 
 
-def test_every_kind_of_contacts_has_an_inner_one_or_a_sentence():
-    assert set(CONTACTS_WITH_INNER) | {"openings", "plates"} == set(CONTACTS)
-    with pytest.raises(pas.GeometryError, match=r"contact 3: no inner surface is known for z, .*inner="):
-        inner_contact(pas.Plate((0, 0, 1), 1).contact, TENTH, 3)
+def test_every_kind_of_contacts_has_an_inner_one_and_others_a_sentence():
+    assert set(CONTACTS_WITH_INNER) == set(CONTACTS)
+    with pytest.raises(pas.GeometryError, match=r"contact 3: no inner surface is known for x\^3 \+ z, .*inner="):
+        inner_contact(pas.Contact("x^3 + z", "y"), TENTH, 3)
+
+
+def around(contact):
+    """Points of the curve of an opening along x from 0."""
+    rays = nappe_rays(nappe(contact.clip, np.array([1.0, 0, 0])), 200)
+    return rays * first_met(contact.surface, rays)[:, None]
 
 
 @pytest.mark.parametrize("table", CONTACTS_WITH_INNER)
@@ -56,7 +65,7 @@ def test_an_inner_contact_is_a_thickness_inside(table):
     contact = CONTACTS_WITH_INNER[table].contact
     inner = inner_contact(contact, TENTH)
     assert inner.clip == contact.clip
-    points = inner.rim.points(200)
+    points = around(inner) if table == "openings" else inner.rim.points(200)
     feet = points.copy()
     for _ in range(60):  # to the foot on the outer surface: first along the gradient, then at right angles to it
         slopes = contact.surface.gradient(feet)

@@ -8,10 +8,11 @@ import pytest
 from flint import fmpq
 
 import pas
+from pas.algebra.rational import to_floats
 from pas.blending.place import ended, place
 from pas.independent.checker import check_independently
-from pas.layouts.opened import apex
 from pas.pipeline import repeated
+from pas.surface.cones import apex
 from pas.surface.openings import cofactor
 
 X, Z = (1, 0, 0), (0, 0, 1)
@@ -193,8 +194,30 @@ def test_openings_in_any_surface(name, tmp_path):
     assert (contact.clip(mesh.points) < 1e-9).all()
     gradients, wanted = surface.gradient(on_cone), contact.surface.gradient(on_cone)
     assert np.abs(np.cross(gradients, wanted)).max() < 1e-7 * np.linalg.norm(wanted, axis=1).max()
-    with pytest.raises(pas.GeometryError, match="no flat cap there"):
-        blend.solid()
+    solid = blend.solid("1/2")
+    assert solid.proved and len(solid.verdicts) == 2
+    points = np.random.default_rng(0).uniform(*solid.box, (20000, 3))
+    q, f = contact.clip(points), contact.surface(points)
+    inside = solid.contains(points)
+    ahead = points[:, 0] > to_floats(surface.partition.center)[0]
+    assert not (inside & (q > 0) & (f > 0) & ~(other.clip(points) > 0)).any()  # around the opening: the neighbour
+    assert not (inside & (q < 0) & ahead & (other.clip(points) < 0) & ~surface.contains(points)).any()
+    deep = points[:, 0] > solid.box[0, 0] + 1e-6
+    assert inside[deep & (q < -1e-9) & surface.contains(points)].all()
+    mesh = solid.mesh(2e-2)
+    assert mesh.is_closed and (mesh.components, mesh.euler_characteristic) == (1, 2) and mesh.names == solid.faces
+
+
+def test_a_surface_that_comes_back_around_its_opening():
+    """Across the hole of a torus is its other side, which is no part of the neighbour."""
+    f = pas.Torus(Z, (3, 0, 0), 1).contact.surface
+    blend = pas.blend([pas.Opening(f, (-1, 0, 0), "1/2", (3, 0, 0)), pas.Pipe((-1, 0, 0), "1/4", -1)], 1)
+    words = r"neighbour 1 does not go on as one sheet for 3 around its opening; a length of 0\.375 works"
+    with pytest.raises(pas.GeometryError, match=words):
+        blend.solid(3)
+    assert blend.solid("3/8").mesh(5e-2).components == blend.solid().mesh(5e-2).components == 1
+    points = np.random.default_rng(0).uniform((-4, -1, -1), (0, 1, 1), (2000, 3))
+    assert not blend.solid().contains(points).any()
 
 
 LEANING = {

@@ -7,9 +7,9 @@ one `zero` have one sign or those of `value` are positive, or those of `value + 
 number t: they are where `zero` vanishes only, and there both are the same.  The claim is refuted
 when those of `value` are negative and `zero` changes sign between two vertices (then it vanishes in
 between); any other simplex is halved at its longest edge.  Several polynomials may change their signs
-without a common zero: with them a claim is proved or left undecided.  Of where another polynomial is
-not positive, a simplex is settled when all coefficients of that or of `value` are positive, or of
-`value` and t >= 0 times that, and the claim is refuted where both are negative at a vertex.
+without a common zero: with them a claim is proved or left undecided.  Of where other polynomials are
+not positive, a simplex is settled when all coefficients of one of them or of `value` are positive, or of
+`value` and t >= 0 times one, and the claim is refuted where all are negative at a vertex.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
 2^-53), or with another error that is known.  One halving is a product with rows of at most n+1
@@ -61,7 +61,7 @@ class SignResult:
 class _Simplices:
     """A batch: B-coefficients (N, m), corner points (N, d+1, 3), numbers of origin (N,).
 
-    The claim is about where all `zeros` vanish, or with `below` where the one there is not positive.
+    The claim is about where all `zeros` vanish, or with `below` where none of them is positive.
     """
 
     zeros: tuple[Floats, ...]
@@ -154,13 +154,19 @@ def _searched(batch: _Simplices, limits: Limits | None, error: float) -> SignRes
 
 
 def prove_positive_inside(
-    value: Floats, inside: Floats, corners: Floats, limits: Limits | None = None, error: float = UNIT_ROUNDOFF
+    value: Floats,
+    inside: Floats | Sequence[Floats],
+    corners: Floats,
+    limits: Limits | None = None,
+    error: float = UNIT_ROUNDOFF,
 ) -> SignResult:
-    """Prove that `value > 0` wherever another polynomial, `inside`, is not positive: arguments as `prove_positive` has.
+    """Prove that `value > 0` wherever another polynomial, `inside`, is not positive, or none of several: arguments as
+    `prove_positive` has.
 
-    A simplex is settled when all coefficients of `value` or all of `inside` are positive.
+    A simplex is settled when all coefficients of `value` or all of one that is `inside` are positive.
     """
-    return _searched(_Simplices((inside,), value, corners, np.arange(len(value)), below=True), limits, error)
+    walls = (inside,) if isinstance(inside, np.ndarray) else tuple(inside)
+    return _searched(_Simplices(walls, value, corners, np.arange(len(value)), below=True), limits, error)
 
 
 def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
@@ -188,10 +194,16 @@ def _settled(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
 
 
 def _by_multiple(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
-    """Where a multiple of the polynomial that vanishes makes up for what is negative."""
-    if len(batch.zeros) != 1 or batch.zeros[0].shape != batch.value.shape:
-        return np.zeros(len(batch), dtype=bool)
-    value, (zero,) = batch.value, batch.zeros
+    """Where a multiple of a polynomial that vanishes makes up for what is negative."""
+    settled = np.zeros(len(batch), dtype=bool)
+    for zero in batch.zeros if len(batch.zeros) == 1 or batch.below else ():
+        if zero.shape == batch.value.shape:
+            settled |= _by_multiple_of(zero, batch, bound)
+    return settled
+
+
+def _by_multiple_of(zero: Floats, batch: _Simplices, bound: float) -> NDArray[np.bool_]:
+    value = batch.value
     with np.errstate(all="ignore"):
         ratios = -value / zero
         least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
@@ -205,12 +217,11 @@ def _by_multiple(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
 def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     if not batch.zeros:
         return _at_vertices(batch.value, batch.corners.shape[1]).min(axis=1) < -bound
+    if batch.below:
+        return np.asarray(_highest(batch).min(axis=1) < -bound)
     if len(batch.zeros) > 1:
         return np.zeros(len(batch), dtype=bool)
     at_vertices = _at_vertices(batch.zeros[0], batch.corners.shape[1])
-    if batch.below:
-        both = (at_vertices < -bound) & (_at_vertices(batch.value, batch.corners.shape[1]) < -bound)
-        return np.asarray(both.any(axis=1))
     changes = (at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound)
     return changes & (batch.value.max(axis=1) < -bound)
 
@@ -220,7 +231,7 @@ def _near_witnesses(batch: _Simplices) -> Floats:
     vertices = batch.corners.shape[1]
     rows = np.arange(len(batch))
     if batch.below:
-        return batch.corners[rows, _worst_vertices(batch)]
+        return batch.corners[rows, _highest(batch).argmin(axis=1)]
     if not batch.zeros:
         return batch.corners[rows, _at_vertices(batch.value, vertices).argmin(axis=1)]
     values = _at_vertices(batch.zeros[0], vertices)
@@ -234,7 +245,7 @@ def _witness(batch: _Simplices, row: int) -> Floats:
     """Where one simplex violates the claim: its worst vertex, or the zero between two vertices."""
     vertices, corners = batch.corners.shape[1], batch.corners[row]
     if batch.below:
-        return corners[_worst_vertices(batch)[row]]
+        return corners[_highest(batch)[row].argmin()]
     if not batch.zeros:
         return corners[_at_vertices(batch.value[[row]], vertices)[0].argmin()]
     values = _at_vertices(batch.zeros[0][[row]], vertices)[0]
@@ -254,10 +265,9 @@ def _witness(batch: _Simplices, row: int) -> Floats:
     return corners[low] * (1 - share) + corners[high] * share
 
 
-def _worst_vertices(batch: _Simplices) -> NDArray[np.intp]:
-    """Where both polynomials are most negative (N,)."""
-    both = (_at_vertices(c, batch.corners.shape[1]) for c in (batch.value, batch.zeros[0]))
-    return np.maximum(*both).argmin(axis=1)
+def _highest(batch: _Simplices) -> Floats:
+    """The largest of all polynomials at each vertex (N, d+1)."""
+    return np.maximum.reduce([_at_vertices(c, batch.corners.shape[1]) for c in (batch.value, *batch.zeros)])
 
 
 def _at_vertices(coefficients: Floats, vertices: int) -> Floats:

@@ -11,7 +11,7 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq
 
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, minus, to_float, to_floats
@@ -21,6 +21,7 @@ from pas.layouts.nodes import check_outlook, rim_of_contact, seen
 from pas.layouts.open_cone import open_cone
 from pas.layouts.seen import power_of_two
 from pas.partition.open_region import OpenRegion
+from pas.surface.cones import apex
 from pas.surface.contact import Contact, as_contact
 from pas.surface.endless import Endless
 from pas.surface.rims import Rim
@@ -130,19 +131,6 @@ def open_region(contacts: Sequence[Contact]) -> OpenRegion:
             discs.append(seen(other, rim, center))
     surfaces = [contact.surface for i, contact in enumerate(contacts) if i != number]
     return open_cone(opening, number + 1, discs, surfaces, center)
-
-
-def apex(clip: Polynomial) -> Vector | None:
-    """The apex of a cone of degree 2; None for other polynomials."""
-    slopes = [clip.diff(i).raw for i in range(3)]
-    if clip.degree != 2:
-        return None
-    origin = (fmpq(0), fmpq(0), fmpq(0))
-    form = fmpq_mat(3, 3, [slope.derivative(j)(*origin) for slope in slopes for j in range(3)])
-    if form.det() == 0:
-        return None
-    x, y, z = form.solve(fmpq_mat(3, 1, [-slope(*origin) for slope in slopes])).entries()
-    return (x, y, z) if clip.raw(x, y, z) == 0 else None
 
 
 def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int) -> Vector:

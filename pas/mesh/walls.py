@@ -1,34 +1,54 @@
-"""Meshes of walls: two open sheets, one inside the other, closed by flat rings between their boundaries."""
+"""Meshes of walls: two open sheets, one inside the other, closed by rings between their boundaries."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
 from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
 
 
-def wall_mesh(outer: Mesh, inner: Mesh, planes: Sequence[Floats], names: Sequence[str]) -> Mesh:
-    """The closed mesh between two sheets that end in the same planes.
+@dataclass(frozen=True)
+class End:
+    """A surface in which both sheets of a wall end, positive outside; seen along `axis` (3,) against it, the ring
+    between them is seen from outside."""
 
-    `planes` are (4,) each, a unit normal that points out of the wall and the value of `normal . x` there; `names` are
-    the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no ring, as
-    where curves are not seen around from the middle of the inner one.
+    surface: Polynomial
+    axis: Floats
+
+    def off(self, points: Floats) -> float:
+        """How far points (N, 3) are from it at most, to first order."""
+        slopes = self.surface.gradient(points)
+        return float((np.abs(self.surface(points)) / np.linalg.norm(slopes, axis=-1)).max())
+
+    def normals(self, points: Floats) -> Floats:
+        """The unit normals (..., 3) outwards at points of it."""
+        slopes = self.surface.gradient(points)
+        return np.asarray(slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
+
+
+def wall_mesh(outer: Mesh, inner: Mesh, ends: Sequence[End], names: Sequence[str]) -> Mesh:
+    """The closed mesh between two sheets that end in the same surfaces, planes or cones.
+
+    `names` are the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no
+    ring, as where curves are not seen around from the middle of the inner one.
     """
     sheets = [(outer.points, outer.triangles), (inner.points, inner.triangles[:, ::-1])]
     points, start = np.concatenate([p for p, _ in sheets]), len(outer.points)
     triangles = [outer.triangles, sheets[1][1] + start]
     loops = _loops(outer), [loop + start for loop in _loops(inner)]
     normals = [outer.normals, -inner.normals[:, ::-1]]
-    for plane, name in zip(planes, names[2:], strict=True):
-        pair = [min(some, key=lambda loop: _off(points[loop], plane), default=None) for some in loops]
+    for end, name in zip(ends, names[2:], strict=True):
+        pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
         if pair[0] is None or pair[1] is None:
             raise MeshError(f"one of the two sheets does not end in {name}")
-        triangles.append(_ring(points, pair[0], pair[1], plane[:3], name))
-        normals.append(np.broadcast_to(plane[:3], (len(triangles[-1]), 3, 3)))
+        triangles.append(_ring(points, pair[0], pair[1], end.axis, name))
+        normals.append(end.normals(points[triangles[-1]]))
     faces = np.repeat(np.arange(len(triangles)), [len(t) for t in triangles])
     known = [m.deviation for m in (outer, inner) if m.deviation is not None]
     return Mesh(
@@ -55,10 +75,6 @@ def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:
     return best, where
 
 
-def _off(points: Floats, plane: Floats) -> float:
-    return float(np.abs(points @ plane[:3] - plane[3]).max())
-
-
 def _loops(mesh: Mesh) -> list[Integers]:
     """The closed curves in which a mesh ends: vertices in order, the mesh to their left."""
     t = mesh.triangles
@@ -77,9 +93,10 @@ def _loops(mesh: Mesh) -> list[Integers]:
 
 
 def _ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:
-    """Triangles between two loops in a plane, counterclockwise seen from the tip of its normal."""
+    """Triangles between two loops around a normal, counterclockwise seen from its tip."""
     middle = points[inner].mean(axis=0)
     first = points[inner[0]] - middle
+    first = first - (first @ normal) * normal
     axes = np.stack([first, np.cross(normal, first)])
     rings = []
     for given in (outer, inner):

@@ -169,9 +169,9 @@ class Partition:
         """The same partition in local coordinates (centre, if any, 0; size about 1)."""
         points = [self.frame.local_point(v) for v in self.vertices]
         center = None if self.center is None else self.frame.local_point(self.center)
-        return self._of_same_kind(points, center)
+        return self.with_vertices(points, center)
 
-    def _of_same_kind(self, vertices: Sequence[Vector], center: Vector | None) -> Partition:
+    def with_vertices(self, vertices: Sequence[Vector], center: Vector | None) -> Partition:
         """A partition with the same cells on other vertices, as open as this one."""
         return Partition(vertices, self.cells, center, self.pieces, self.title)
 

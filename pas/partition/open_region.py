@@ -24,7 +24,7 @@ class OpenRegion(Region):
     def moved(self, map_: Affine) -> OpenRegion:
         """See `Partition.moved`."""
         assert self.center is not None
-        return self._of_same_kind([map_.exact(v) for v in self.vertices], map_.exact(self.center))
+        return self.with_vertices([map_.exact(v) for v in self.vertices], map_.exact(self.center))
 
-    def _of_same_kind(self, vertices: Sequence[Vector], center: Vector | None) -> OpenRegion:
+    def with_vertices(self, vertices: Sequence[Vector], center: Vector | None) -> OpenRegion:
         return OpenRegion(vertices, self.cells, center, self.pieces, self.title)

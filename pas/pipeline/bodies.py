@@ -7,26 +7,38 @@ clip and ends in a flat cap.  The claims of contact become joints, which the sol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
+from pas.pipeline.mouth import Mouth
 from pas.solid.pieces import Pieces, region
 from pas.solid.several import union
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 from pas.surface.piecewise import PiecewiseSurface
 
+Around: TypeAlias = 'Literal["edged", "endless", "surface"]'
+
 
 def body(
-    surface: PiecewiseSurface, length: Any = None, names: Sequence[str] | None = None, face: str = "blend"
+    surface: PiecewiseSurface,
+    length: Any = None,
+    names: Sequence[str] | None = None,
+    face: str = "blend",
+    floor: fmpq | None = None,
+    around: Around = "edged",
 ) -> Solid:
-    """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`."""
+    """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
+
+    `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
+    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does.
+    """
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
     titles = _names(names, len(surface.contacts))
@@ -38,49 +50,23 @@ def body(
         end = contact.clip if join.opening else _plane(surface, number)
         ends.append(end)
         if join.opening:
-            slab = _Slab.of(surface, number, reach)
-            solids[0] = solids[0].cap(end, "").cap(slab.back, f"{name} back")
-            if reach > 0:
-                plate = patch(name, contact.surface, end)
-                solids.append(plate.cap(slab.edge, f"{name} end").cap(slab.back, f"{name} back"))
+            opening = Mouth.of(surface, number)
+            back = opening.back(reach) if floor is None else opening.at(floor)
+            solids[0] = solids[0].cap(back, f"{name} back")
+            solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
+            if reach > 0 and around != "surface":
+                plate = patch(name, contact.surface, end).cap(back, f"{name} back")
+                solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach > 0:
             cap = _cap(end, reach)
             solids.append(patch(name, contact.surface, end, -cap).cap(cap, f"{name} end"))
     solid = union(solids)
     for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
-        if reach > 0:
+        if name in solid.faces:
             solid = solid.joined(face, name, (contact.surface, end), surface.order)
-        else:
+        elif reach == 0:
             solid = solid.cap(end, f"{name} end")
     return solid
-
-
-@dataclass(frozen=True)
-class _Slab:
-    """A plate around the opening of a region: the plane of its back and the cylinder of its edge, positive outside."""
-
-    back: Polynomial
-    edge: Polynomial
-
-    @classmethod
-    def of(cls, surface: PiecewiseSurface, number: int, reach: fmpq) -> _Slab:
-        """As wide beyond the opening as `reach`, and as thick, but no thicker than half the way to the centre."""
-        contact, center = surface.contacts[number], surface.partition.center
-        plane = contact.surface
-        if plane.degree > 1 or center is None:
-            raise GeometryError(
-                f"neighbour {number + 1} ends in {contact.clip} = 0, which is no plane, so it has no flat cap there; "
-                "compose the solid with pas.solid.patch instead"
-            )
-        rim = contact.rim
-        normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
-        size = exact(float(np.linalg.norm(plane.dense(1)[1:])))
-        depth = -plane.raw(*center) / 2
-        back = -plane - Polynomial(min(reach * size, depth) if reach > 0 else depth)
-        across = plane.raw / sum(n * n for n in normal)
-        wider = 1 + reach / exact(rim.radii[0])
-        onto = [m + (g - across * n - m) / wider for g, n, m in zip(GENERATORS, normal, rim.center, strict=True)]
-        return cls(back, Polynomial.from_raw(contact.clip.raw.compose(*onto)))
 
 
 def hollow_body(
@@ -88,12 +74,17 @@ def hollow_body(
 ) -> Solid:
     """The solid between two surfaces and their neighbours; see `HollowBlend.solid`.
 
-    The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane.
+    The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
+    it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
     """
     reach = _length(length, outer)
     titles = _names(names, len(outer.contacts))
-    cavity = body(inner, reach + outer.partition.frame.scale / 2, [f"{INSIDE} {t}" for t in titles], f"{INSIDE} blend")
-    return body(outer, reach, names) - (cavity if reach > 0 else replace(cavity, joints=()))
+    low = next((Mouth.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
+    floors = (None, None) if low is None else (low / 2, low / 4)
+    further = reach + outer.partition.frame.scale / 2
+    around: Around = "endless" if reach > 0 else "surface"
+    cavity = body(inner, further, [f"{INSIDE} {t}" for t in titles], f"{INSIDE} blend", floors[1], around)
+    return body(outer, length, names, floor=floors[0]) - (cavity if reach > 0 else replace(cavity, joints=()))
 
 
 INSIDE = "inside of"

@@ -18,6 +18,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import HIGHEST_DEGREE
+from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float, to_floats
 from pas.errors import GeometryError
 from pas.fairing.basis import to_doubles
@@ -32,6 +33,7 @@ from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
 from pas.surface.contact import Contact
 from pas.surface.depth import Depth
+from pas.surface.joins import Join
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.rims import outlook
 
@@ -69,11 +71,21 @@ class Cavity:
         if self.outer.surface.partition.center is None or not energy.on_surface:
             return None
         depth = Depth(self.outer.surface)
-        places = np.array([to_floats(contact.rim.center) for contact in self.contacts])
+        curves = [self._curve(number) for number in range(len(self.contacts))]
+        places = np.array([curve.mean(axis=0) for curve in curves])
         if self.thickness is not None:
             return EvenWall(depth, Thickness(places, np.full(len(places), to_float(self.thickness))))
-        values = np.array([depth(contact.rim.points())[0].mean() for contact in self.contacts])
+        values = np.array([depth(curve)[0].mean() for curve in curves])
         return EvenWall(depth, Thickness(places, values)) if values.min() > 0 else None
+
+    def _curve(self, number: int) -> Floats:
+        """Points (N, 3) all around the curve in which the inner side meets a contact."""
+        contact, join = self.contacts[number], self.outer.surface.joins[number]
+        if not join.opening:
+            return contact.rim.points()
+        frame = self.outer.surface.partition.frame
+        inner = Join(Contact(frame.localise(contact.surface), join.contact.clip), (), join.partition)
+        return frame.global_points(inner.curve())
 
     @property
     def wishes(self) -> Wishes:
@@ -113,7 +125,7 @@ class Cavity:
     def _regions(self) -> list[Partition]:
         """The outer blend's region, and before it one around a deeper centre where its own is not deep enough."""
         own = self.outer.surface.partition
-        return [own] if self._deep_enough else [*self._deeper(), own]
+        return [own] if own.open or self._deep_enough else [*self._deeper(), own]
 
     def ways(self) -> Iterator[Way]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
@@ -122,7 +134,7 @@ class Cavity:
         yield from ((degree, region) for region in self._regions)
         if degree < HIGHEST_DEGREE:
             yield degree + 1, self._regions[0]
-        if isinstance(own, Region) and own.layout is not None:
+        if isinstance(own, Region) and not own.open and own.layout is not None:
             yield None, own.layout
 
     def last_ways(self) -> Iterator[Way]:

@@ -21,12 +21,12 @@ from typing import TypeAlias
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.rational import Exact, plain, rational, to_floats
+from pas.algebra.rational import Exact, plain, rational
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.walls import least_distance, wall_mesh
+from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
@@ -111,18 +111,18 @@ class HollowBlend(Shape):
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
-        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clip planes.
+        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clips.
 
-        Its faces are "blend", "inside of blend", "end 1", ...  Raises `MeshError` as `PiecewiseSurface.mesh` does, and
-        where an end is no plane ring.
+        These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
+        `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        ends = range(1, len(self.outer.surface.contacts) + 1)
+        ends = range(len(self.outer.surface.contacts))
         return wall_mesh(
             self.outer.surface.mesh(tolerance, quality=quality),
             self.inner.surface.mesh(tolerance, quality=quality),
-            [self._plane(number - 1) for number in ends],
-            ["blend", "inside of blend", *(f"end {number}" for number in ends)],
+            [self._end(number) for number in ends],
+            ["blend", "inside of blend", *(f"end {number + 1}" for number in ends)],
         )
 
     @property
@@ -130,14 +130,16 @@ class HollowBlend(Shape):
         """That of meshes where none is given, the same for both sides."""
         return DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
-    def _plane(self, number: int) -> np.ndarray:
-        """The plane of an end as (4,): a unit normal outwards, and its distance from the origin."""
-        rim = self.outer.surface.contacts[number].rim
-        normal = np.array(to_floats(rim.normal))
-        normal /= np.linalg.norm(normal)
-        inside = np.array(to_floats(self.outer.surface.partition.center or rim.center)) - to_floats(rim.center)
-        normal = -normal if normal @ inside > 0 else normal
-        return np.append(normal, normal @ to_floats(rim.center))
+    def _end(self, number: int) -> End:
+        """The plane of an end, or the cone of an opening, which is seen from its apex."""
+        surface = self.outer.surface
+        join = surface.joins[number]
+        if join.opening:
+            return End(surface.contacts[number].clip, -join.nappe[0] / np.linalg.norm(join.nappe[0]))
+        rim = surface.contacts[number].rim
+        plane = rim.plane if rim.plane.at(surface.partition.center or rim.center) <= 0 else -rim.plane
+        normal = plane.gradient(np.zeros(3))
+        return End(plane, normal / np.linalg.norm(normal))
 
     def __str__(self) -> str:
         thickness = "given inner contacts" if self.thickness is None else f"thickness {plain(self.thickness)}"

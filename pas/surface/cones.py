@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector
 from pas.errors import GeometryError
 
 HALVINGS = 60
@@ -13,6 +15,19 @@ HALVINGS = 60
 
 FARTHEST = 64.0
 """How far along rays, over the size of what is looked at, surfaces are looked for."""
+
+
+def apex(clip: Polynomial) -> Vector | None:
+    """The apex of a cone of degree 2; None for other polynomials."""
+    slopes = [clip.diff(i).raw for i in range(3)]
+    if clip.degree != 2:
+        return None
+    origin = (fmpq(0), fmpq(0), fmpq(0))
+    form = fmpq_mat(3, 3, [slope.derivative(j)(*origin) for slope in slopes for j in range(3)])
+    if form.det() == 0:
+        return None
+    x, y, z = form.solve(fmpq_mat(3, 1, [-slope(*origin) for slope in slopes])).entries()
+    return (x, y, z) if clip.raw(x, y, z) == 0 else None
 
 
 def nappe(cone: Polynomial, towards: Floats) -> Floats:

@@ -8,10 +8,12 @@ have one centre, and then the directions are cut into triangles.  Claims:
 
 Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
 direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
-faces, is in the interior of the outer one, relative to these faces.
+faces, is in the interior of the outer one, relative to these faces.  Of a region that is open only what is inside the
+cone of its opening is in use, and nothing is claimed of the rest (see `pas.surface.openings`).
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
-wherever the inner one's is not positive.  So the wall ends in what is between two curves without a common point.
+wherever the inner one's is not positive.  At an opening both are the same cone, and that holds all over the cone in the
+inner region.  So the wall ends in what is between two curves without a common point.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
 is not promised: a thickness of the wall, which can only be measured (see `pas.pipeline.hollow`).
@@ -49,6 +51,9 @@ fewer, around two some thousand."""
 Triangle: TypeAlias = "tuple[Vector, Vector, Vector]"
 Tetrahedron: TypeAlias = "tuple[Vector, Vector, Vector, Vector]"
 
+OfDegree: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"
+"""Polynomials, one on each simplex, and the degree as of which they are taken."""
+
 ORIGIN: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
 
@@ -80,20 +85,26 @@ def _inside(inner: PiecewiseSurface, outer: PiecewiseSurface) -> Verdict:
         return Verdict(Status.UNDECIDED, INSIDE, "one of the surfaces is not seen from a centre")
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
         return Verdict(Status.UNDECIDED, INSIDE, "a clip passes through a region, so that a part of it only is in use")
+    if not all(_one_nappe(inner, outer, number) for number, join in enumerate(outer.joins) if join.opening):
+        return Verdict(Status.UNDECIDED, INSIDE, "the outer region is open, and the inner one not along the same cone")
+    frame = outer.partition.frame
     parts = common_parts(_in_frame_of(inner.partition, outer.partition), outer.local)
-    below = [outer.partition.frame.localise(p).raw for p in inner.polynomials]
-    corners = [part.corners for part in parts]
+    below = [frame.localise(p).raw for p in inner.polynomials]
+    cones = [frame.localise(c.clip).raw for c, j in zip(inner.contacts, inner.joins, strict=True) if j.opening]
     above = [-p.raw for p in outer.patches]
-    values = [above[part.outer] for part in parts]
-    found = _prove(values, outer.degree, [below[part.inner] for part in parts], inner.degree, corners)
+
+    def proved(some: Sequence[Common], values: Sequence[fmpq_mpoly], degree: int) -> SignResult:
+        inside = [([below[part.inner] for part in some], inner.degree), *(([q] * len(some), 2) for q in cones)]
+        return _prove((values, degree), inside, [part.corners for part in some])
+
+    found = proved(parts, [above[part.outer] for part in parts], outer.degree)
     reason = "the inner surface is not inside the outer one"
     if found.status is not Status.PROVED:
         return from_signs(outer, INSIDE, reason, found)
     examined = found.simplices
     walls = [(part, -part.beyond.raw) for part in parts if part.beyond is not None]
     if walls:
-        narrow = [below[part.inner] for part, _ in walls]
-        found = _prove([raw for _, raw in walls], 1, narrow, inner.degree, [part.corners for part, _ in walls])
+        found = proved([part for part, _ in walls], [raw for _, raw in walls], 1)
         examined += found.simplices
         if found.status is not Status.PROVED:
             return from_signs(outer, INSIDE, "the inner surface is not in the region of the outer one", found)
@@ -107,6 +118,8 @@ def _end(inner: PiecewiseSurface, outer: PiecewiseSurface, number: int) -> Verdi
     if number >= min(len(inner.contacts), len(outer.contacts)):
         return Verdict(Status.REFUTED, claim, "only one of the two surfaces ends there")
     ours, theirs = inner.joins[number], outer.joins[number]
+    if ours.opening and theirs.opening:
+        return _open_end(inner, outer, number)
     if len(ours.planes) != 1 or len(theirs.planes) != 1 or not ours.confined or not theirs.confined:
         return Verdict(Status.UNDECIDED, claim, "one of the surfaces does not end in a plane there")
     frame = outer.partition.frame
@@ -115,30 +128,65 @@ def _end(inner: PiecewiseSurface, outer: PiecewiseSurface, number: int) -> Verdi
         return Verdict(Status.REFUTED, claim, "the two surfaces end in different planes")
     local = _in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(face.vertices) for face in ours.faces]
-    narrow, wide = frame.localise(inner.contacts[number].surface).raw, -theirs.contact.surface.raw
-    count = len(corners)
-    found = _prove([wide] * count, int(wide.total_degree()), [narrow] * count, int(narrow.total_degree()), corners)
+    return _nested(inner, outer, number, corners, (), "one plane, the inner section in the interior of the outer one")
+
+
+def _open_end(inner: PiecewiseSurface, outer: PiecewiseSurface, number: int) -> Verdict:
+    """The wall ends at an opening between two nested curves on one cone."""
+    if not _one_nappe(inner, outer, number):
+        return Verdict(Status.REFUTED, f"end {number + 1}", "the two surfaces do not end in one nappe of one cone")
+    cone = outer.joins[number].contact.clip.raw
+    local = _in_frame_of(inner.partition, outer.partition)
+    corners = [local.corners(cell) for cell in local.cells]
+    return _nested(inner, outer, number, corners, (cone, -cone), "one cone, the inner curve inside the outer surface")
+
+
+def _nested(
+    inner: PiecewiseSurface,
+    outer: PiecewiseSurface,
+    number: int,
+    corners: Sequence[Sequence[Vector]],
+    walls: Sequence[fmpq_mpoly],
+    words: str,
+) -> Verdict:
+    """That on simplices, where no wall is positive, a contact's inner surface is inside its outer one."""
+    claim, count = f"end {number + 1}", len(corners)
+    narrow = outer.partition.frame.localise(inner.contacts[number].surface).raw
+    wide = -outer.joins[number].contact.surface.raw
+    inside = [([p] * count, int(p.total_degree())) for p in (narrow, *walls)]
+    found = _prove(([wide] * count, int(wide.total_degree())), inside, corners)
     if found.status is not Status.PROVED:
         return from_signs(outer, claim, "the inner contact is not inside the outer one", found)
-    reason = "both end in one plane, the inner section in the interior of the outer one"
-    return Verdict(Status.PROVED, claim, reason, measure=found.simplices)
+    return Verdict(Status.PROVED, claim, f"both end in {words}", measure=found.simplices)
 
 
-def _prove(
-    values: Sequence[fmpq_mpoly],
-    degree: int,
-    inside: Sequence[fmpq_mpoly],
-    other: int,
-    corners: Sequence[Sequence[Vector]],
-) -> SignResult:
-    """That values are positive where other polynomials are not, on simplices."""
-    forms, off = nearby_forms(values, corners, degree)
-    below, error = nearby_forms(inside, corners, other)
+def _one_nappe(inner: PiecewiseSurface, outer: PiecewiseSurface, number: int) -> bool:
+    """Whether both regions are open at a contact, along the same nappe of the same cone, whose apex is their centre.
+
+    Of a cone that is negative inside, two points inside are in one nappe iff its bilinear form is negative for both.
+    """
+    if number >= len(inner.joins) or not inner.joins[number].opening:
+        return False
+    if inner.contacts[number].clip.primitive() != outer.contacts[number].clip.primitive():
+        return False
+    cone = outer.joins[number].contact.clip.raw
+    v, w = (next((v for v in s.local.vertices if cone(*v) < 0), None) for s in (inner, outer))
+    if v is None or w is None:
+        return False
+    x, y, z = (a + b for a, b in zip(v, w, strict=True))
+    return bool(cone(x, y, z) < cone(*v) + cone(*w))
+
+
+def _prove(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence[Sequence[Vector]]) -> SignResult:
+    """That values are positive where no other polynomials are, on simplices."""
+    forms, *errors = nearby_forms(values[0], corners, values[1])
+    walls = [nearby_forms(raws, corners, degree) for raws, degree in inside]
+    error = max(*errors, *(off for _, off in walls))
     points = np.array([[to_floats(corner) for corner in simplex] for simplex in corners])
     worst, examined = None, 0
     for start in range(0, max(1, len(corners)), TOGETHER):
         some = slice(start, start + TOGETHER)
-        found = prove_positive_inside(forms[some], below[some], points[some], HALVINGS, max(off, error))
+        found = prove_positive_inside(forms[some], [w[some] for w, _ in walls], points[some], HALVINGS, error)
         examined += found.simplices
         if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
             worst = found
@@ -154,7 +202,7 @@ def _in_frame_of(partition: Partition, other: Partition) -> Partition:
         return other.local
     points = [other.frame.local_point(v) for v in partition.vertices]
     center = None if partition.center is None else other.frame.local_point(partition.center)
-    return Partition(points, partition.cells, center, partition.pieces)
+    return partition.with_vertices(points, center)
 
 
 def common_parts(inner: Partition, outer: Partition) -> list[Common]:

@@ -1,9 +1,9 @@
 """Contacts of the inner side of a wall: for each contact a surface a thickness inside, clipped the same.
 
-What a contact is, is recognised from its polynomial, so that blends loaded from files serve as well.  Spheres, circular
-cylinders and tori get their parallel surfaces; cones, and what else widens from a tip (paraboloids, hyperboloids of
-two sheets), move along their axes, so that cones get theirs as well.  Ellipsoids, elliptic cylinders and hyperboloids
-of one sheet, whose parallel surfaces are of higher degree, get semi-axes less the thickness.
+What a contact is, is recognised from its polynomial, so that blends loaded from files serve as well.  Planes, spheres,
+circular cylinders and tori get their parallel surfaces; cones, and what else widens from a tip (paraboloids,
+hyperboloids of two sheets), move along their axes, so that cones get theirs as well.  Ellipsoids, elliptic cylinders
+and hyperboloids of one sheet, whose parallel surfaces are of higher degree, get semi-axes less the thickness.
 
 Guaranteed: the polynomials are exact.  Parallel surfaces are exact where the radii are rational; irrational numbers are
 rounded to 32 binary digits.  Not guaranteed: that the inner surface is inside, which `pas.surface.nesting` proves.
@@ -24,6 +24,7 @@ from pas.algebra.inputs import short
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, plain, to_float, to_floats
 from pas.errors import GeometryError
+from pas.surface.cones import apex
 from pas.surface.contact import Contact
 
 LARGEST_DENOMINATOR = 10**6
@@ -44,9 +45,10 @@ UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
     """The contact a `thickness` (the model's units) inside another, with the same clip.
 
-    Raises `GeometryError`, naming contact `number`, where the thickness is not below its radius and where its surface
-    is none of those that have an inner one.
+    Raises `GeometryError`, naming contact `number`, where the thickness is not below its radius, where the point from
+    which a cone opens is not deeper inside, and where its surface is none of those that have an inner one.
     """
+
     for recognised in KINDS:
         try:
             surface = recognised(contact, thickness)
@@ -55,12 +57,23 @@ def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact
                 f"contact {number} has the radius {error}; the thickness must be below that, not {plain(thickness)}"
             ) from None
         if surface is not None:
+            _check_apex(contact, surface, thickness, number)
             return Contact(surface, contact.clip, contact.near)
     raise GeometryError(
-        f"contact {number}: no inner surface is known for {short(str(contact.surface))}, only for quadrics with "
-        "rational principal axes that have an inside, and for tori; give the inner contacts yourself, as in "
+        f"contact {number}: no inner surface is known for {short(str(contact.surface))}, only for planes, tori and "
+        "quadrics with rational principal axes that have an inside; give the inner contacts yourself, as in "
         "blend.hollow(inner=[(surface, clip), ...])"
     )
+
+
+def _check_apex(contact: Contact, inner: Polynomial, thickness: fmpq, number: int) -> None:
+    """That the point from which a contact opens, if it does, is inside the inner surface as well."""
+    point = apex(contact.clip)
+    if point is not None and contact.surface.raw(*point) < 0 <= inner.raw(*point):
+        raise GeometryError(
+            f"contact {number} opens along a cone from ({', '.join(map(plain, point))}), which is no more than the "
+            f"thickness, {plain(thickness)}, inside; make the wall thinner, or let the cone open from further inside"
+        )
 
 
 class _TooThickError(Exception):
@@ -87,6 +100,15 @@ def _rounded(value: float) -> fmpq:
     """A number to its first `DIGITS` binary digits."""
     part, power = frexp(value)
     return exact(ldexp(round(part * 2**DIGITS), power - DIGITS))
+
+
+def _plane(contact: Contact, thickness: fmpq) -> Polynomial | None:
+    """The plane inside a plane; None for other surfaces."""
+    f = contact.surface
+    if f.degree != 1:
+        return None
+    slope = _slope(f, ORIGIN)
+    return f + Polynomial(thickness * root(dot(slope, slope)))
 
 
 def _quadric(contact: Contact, thickness: fmpq) -> Polynomial | None:
@@ -181,7 +203,7 @@ def torus(center: Sequence[fmpq], axis: Vector, major2: fmpq, minor2: fmpq) -> P
     return Polynomial.from_raw(tube * tube - (square - along * along / dot(axis, axis)) * (4 * major2))
 
 
-KINDS: tuple[Callable[[Contact, fmpq], Polynomial | None], ...] = (_quadric, _torus)
+KINDS: tuple[Callable[[Contact, fmpq], Polynomial | None], ...] = (_plane, _quadric, _torus)
 """What surfaces are recognised, each with its inner surface."""
 
 

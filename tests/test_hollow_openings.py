@@ -1,0 +1,166 @@
+"""Hollow blends out of plates and other openings: both sides end on one cone."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import pas
+from pas.algebra.rational import rational, to_floats
+from pas.pipeline.cavity import Cavity
+from pas.surface.depth import Depth
+from pas.surface.nesting import nesting
+from pas.surface.parallels import inner_contact
+from pas.verdicts import Status
+
+X, Z = (1, 0, 0), (0, 0, 1)
+EIGHTH = rational("1/8", "thickness")
+CASES = {
+    "upright": [pas.Plate(Z, 2), pas.Pipe(Z, 1, "auto")],
+    "leaning": [pas.Plate(Z, 2), pas.Pipe((1, 0, 3), 1, "auto")],
+    "cone": [pas.Plate(Z, 2), pas.Cone(Z, 1, 2, "1/4")],
+    "nozzle": [pas.Opening("x^2 + y^2 - 4", X, "4/7"), pas.Pipe(X, "1/2", 3)],
+    "boss": [pas.Opening("x^2 + y^2 + z^2 - 4", X, "4/7"), pas.Pipe(X, "1/2", 3)],
+    "off centre": [
+        pas.Opening("x^2 + y^2 + z^2 - 4", X, "1/2", ("1/4", "1/4", 0)),
+        pas.Pipe(X, "1/3", 3, (0, "1/4", 0)),
+    ],
+    "pipe first": [pas.Pipe(X, "1/2", 3), pas.Opening("x^2 + y^2 - 4", X, "4/7")],
+}
+
+
+@cache
+def made(name, order=1):
+    return pas.blend(CASES[name], order).hollow(EIGHTH)
+
+
+def opening_of(blend):
+    """The number of the contact that the region is open at."""
+    (number,) = (i for i, join in enumerate(blend.surface.joins) if join.opening)
+    return number
+
+
+@pytest.mark.parametrize(
+    "name, order",
+    [
+        *((name, 1) for name in CASES),
+        ("upright", 2),
+        ("boss", 2),
+        pytest.param("nozzle", 2, marks=pytest.mark.slow),
+    ],
+)
+def test_hollow_openings_are_proved(name, order):
+    hollow = made(name, order)
+    assert hollow.certificate.proved
+    assert [v.claim for v in hollow.certificate.verdicts][-3:] == ["inside", "end 1", "end 2"]
+    assert not any(part.fairness.beyond(part.limits) for part in (hollow.outer, hollow.inner))
+    shares = Cavity(hollow.outer, hollow.inner.surface.contacts, hollow.thickness).evenness.shares
+    shares = shares(Depth(hollow.inner.surface).samples)
+    assert shares.min() > 0.5 and shares.max() < 2.1
+    number = opening_of(hollow.outer)
+    inner, outer = (part.surface.contacts[number] for part in (hollow.inner, hollow.outer))
+    assert inner.clip == outer.clip
+    center = np.array(to_floats(hollow.outer.surface.partition.center))
+    rays = hollow.outer.surface.joins[number].rays
+    near, far = (part.surface.intersect_rays(center, 0.9 * rays + 0.1 * rays.mean(axis=0)) for part in both(hollow))
+    assert (near < far).all()
+
+
+def both(hollow):
+    return hollow.inner, hollow.outer
+
+
+@pytest.mark.parametrize("name", ["upright", "nozzle", "pipe first"])
+def test_a_wall_ends_in_rings_on_the_cone(name):
+    hollow = made(name)
+    mesh, number = hollow.mesh(2e-2), opening_of(hollow.outer)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 0)
+    ring = mesh.names.index(f"end {number + 1}")
+    clip = hollow.outer.surface.contacts[number].clip
+    points = mesh.points[np.unique(mesh.triangles[mesh.faces == ring])]
+    assert np.abs(clip(points)).max() < 1e-9
+    corners = mesh.points[mesh.triangles[mesh.faces == ring]]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    slopes = clip.gradient(corners.mean(axis=1))
+    assert ((across * slopes).sum(axis=1) > 0).all()  # seen from outside
+    assert ((mesh.normals[mesh.faces == ring] * slopes[:, None]).sum(axis=2) > 0).all()
+    assert 0.1 < mesh.volume / hollow.outer.mesh(2e-2).area < 0.16
+
+
+@pytest.mark.parametrize("name", ["upright", "nozzle"])
+def test_the_solid_is_the_wall_and_its_neighbours_walls(name):
+    hollow = made(name)
+    wall = hollow.solid("1/2")
+    assert wall.proved
+    mesh = wall.mesh(2e-2)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 0)
+    assert not any("back" in title for title in mesh.names if title.startswith("inside"))
+    points = np.random.default_rng(1).uniform(*wall.box, (20000, 3))
+    inside = wall.contains(points)
+    number = opening_of(hollow.outer)
+    outer, inner = (part.surface.contacts[number] for part in (hollow.outer, hollow.inner))
+    ahead = points - np.array(to_floats(hollow.outer.surface.partition.center))
+    ahead = ahead @ hollow.outer.surface.joins[number].nappe[0]
+    beside = inside & (outer.clip(points) > 0) & (ahead > 0)
+    beside &= hollow.outer.surface.contacts[1 - number].clip(points) < 0
+    assert beside.sum() > 100
+    assert (outer.surface(points[beside]) <= 0).all() and (inner.surface(points[beside]) >= 0).all()
+    short = hollow.solid(0)
+    body, cavity = (part.surface.contains(points) for part in (hollow.outer, hollow.inner))
+    above = (ahead > np.median(ahead[body])) & (outer.clip(points) < 0)  # only there is the outer side in use
+    assert (body & ~cavity & above).sum() > 100
+    assert np.array_equal(short.contains(points)[above], (body & ~cavity)[above])
+
+
+def test_a_hollow_opening_is_kept_in_files(tmp_path):
+    again = pas.load(made("upright").save(tmp_path / "hollow.pas.json"))
+    assert again.certificate.proved and again.thickness == EIGHTH
+
+
+def test_walls_that_are_too_thick():
+    outer = made("upright").outer
+    with pytest.raises(
+        pas.GeometryError, match=r"contact 1 opens along a cone from \(0, 0, -1\), .*the thickness, 1, "
+    ):
+        outer.hollow(1)
+    with pytest.raises(pas.GeometryError, match="contact 2 has the radius 1; the thickness must be below that, not 2"):
+        pas.blend([pas.Plate(Z, 8), pas.Pipe(Z, 1, "auto")], 1).hollow(2)
+
+
+def of(hollow, surface, clip):
+    """The inner side with another contact at its opening, the rest as it is."""
+    inner = hollow.inner.surface
+    contacts = [pas.Contact(surface, clip), inner.contacts[1]]
+    return pas.PiecewiseSurface(inner.partition, contacts, 0, inner.patches, inner.degree)
+
+
+def test_ends_on_other_cones_and_contacts_that_cross():
+    hollow = made("upright")
+    outer, clip = hollow.outer.surface, hollow.outer.surface.contacts[0].clip
+    inside, end, _ = nesting(of(hollow, "z + 1/8", "x^2 + y^2 - 3*(z + 1)^2"), outer)
+    assert (inside.status, end.status) == (Status.UNDECIDED, Status.REFUTED)
+    assert "not along the same cone" in inside.reason and "one cone" in end.reason
+    crossing = nesting(of(hollow, "z + x/4", clip), outer)[1]
+    assert not crossing.proved
+    reverse = nesting(outer, hollow.inner.surface)
+    assert reverse[0].status is Status.REFUTED and not reverse[1].proved
+
+
+def test_the_other_nappe_of_the_cone_is_another_place():
+    outer = made("upright").outer.surface
+    below = pas.blend([pas.Plate((0, 0, -1), 2, point=(0, 0, -2)), pas.Pipe((0, 0, -1), 1, 3)], 1).surface
+    assert outer.partition.center == below.partition.center
+    assert outer.contacts[0].clip == below.contacts[0].clip
+    inside, end, _ = nesting(below, outer)
+    assert inside.status is Status.UNDECIDED
+    assert end.status is Status.REFUTED and "one nappe of one cone" in end.reason
+
+
+def test_an_inner_side_that_pokes_out_of_a_plate():
+    outer = made("upright").outer
+    clips = [contact.clip for contact in outer.surface.contacts]
+    moved = [("z + 1/8", clips[0]), ("(x - 1/4)^2 + y^2 - 49/64", clips[1])]
+    with pytest.raises(pas.NotProvedError, match="the wall is not proved"):
+        outer.hollow(inner=moved)
+    given = [inner_contact(contact, EIGHTH) for contact in outer.surface.contacts]
+    assert outer.hollow(inner=given).certificate.proved
