@@ -25,6 +25,8 @@ CASES = {
         pas.Opening("x^2 + y^2 + z^2 - 4", X, "1/2", ("1/4", "1/4", 0)),
         pas.Pipe(X, "1/3", 3, (0, "1/4", 0)),
     ],
+    "on a cone": [pas.Opening("x^2 + y^2 - (4 - z)^2/4", X, "1/2"), pas.Pipe(X, "1/4", 4)],
+    "on a paraboloid": [pas.Opening("z - 2 + x^2 + y^2", Z, "1/2"), pas.Pipe(Z, "1/4", 3)],
     "pipe first": [pas.Pipe(X, "1/2", 3), pas.Opening("x^2 + y^2 - 4", X, "4/7")],
 }
 
@@ -125,6 +127,14 @@ def test_walls_that_are_too_thick():
         outer.hollow(1)
     with pytest.raises(pas.GeometryError, match="contact 2 has the radius 1; the thickness must be below that, not 2"):
         pas.blend([pas.Plate(Z, 8), pas.Pipe(Z, 1, "auto")], 1).hollow(2)
+
+
+def test_walls_of_cones_are_as_thick_as_asked():
+    outer, inner = (part.surface.contacts[0] for part in both(made("on a cone"))[::-1])
+    across = np.array([2.0, 0, 1]) / 5**0.5  # at right angles to the cone above the x axis
+    foot = np.array([2.0, 0, 0])
+    assert outer.surface(foot) == 0
+    assert abs(inner.surface(foot - across / 8)) < 1e-9
 
 
 def of(hollow, surface, clip):

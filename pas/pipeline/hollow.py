@@ -4,10 +4,10 @@ Both are blends of the same order with the same clips, mostly around one centre;
 That the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
 between the ends is measured.
 
-`Solid.shell` makes walls of any solid, of one thickness everywhere, from exact distances on a lattice: in minutes, with
-inner faces that are no polynomials.  A hollow blend takes a second or two, both its sides are fair algebraic surfaces
-with GC^k at all contacts, and its wall is as thick as wished at its ends and about so between them: among the inner
-surfaces one is chosen that is fair and a thickness away (see `pas.pipeline.cavity`).
+`Solid.shell` makes walls of any solid, of one thickness everywhere, with inner faces that are no polynomials.  A hollow
+blend takes a second or two, both its sides are fair algebraic surfaces with GC^k at all contacts, and its wall is as
+thick as wished at its ends and about so between them: among the inner surfaces one is chosen that is fair and a
+thickness away (see `pas.pipeline.cavity`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import TypeAlias
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.rational import Exact, plain, rational
+from pas.algebra.rational import Exact, exact, plain, rational
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
@@ -37,7 +37,7 @@ from pas.solid.solid import Solid
 from pas.surface.contact import Contact, ContactLike, as_contact
 from pas.surface.nesting import nesting
 from pas.surface.parallels import inner_contact
-from pas.surface.piecewise import DEFAULT_TOLERANCE
+from pas.surface.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.verdicts import Findings, Status
 
 Rank: TypeAlias = "tuple[bool, float, float]"
@@ -208,8 +208,18 @@ def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike
     contacts = outer.surface.contacts
     if given is None:
         assert size is not None
-        return [inner_contact(contact, size, number) for number, contact in enumerate(contacts, start=1)]
+        there = [_with_place(outer.surface, number) for number in range(len(contacts))]
+        return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
     return found
+
+
+def _with_place(surface: PiecewiseSurface, number: int) -> Contact:
+    """A contact that says, where it is an opening, along which nappe of its cone."""
+    contact, join = surface.contacts[number], surface.joins[number]
+    if not join.opening:
+        return contact
+    x, y, z = map(exact, surface.partition.frame.global_points(join.curve()[0]).tolist())
+    return Contact(contact.surface, contact.clip, (x, y, z))

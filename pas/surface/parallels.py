@@ -21,15 +21,19 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import translation
 from pas.algebra.inputs import short
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact, plain, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, exact, minus, plain, to_float, to_floats
 from pas.errors import GeometryError
-from pas.surface.cones import apex
+from pas.surface.cones import apex, nappe, nappe_rays
 from pas.surface.contact import Contact
 
 LARGEST_DENOMINATOR = 10**6
 """Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
 rounded numbers, and then checked exactly."""
+
+ROUND = 64
+"""Points round a curve that is in no plane."""
 
 DIGITS = 32
 """Binary digits of numbers that are irrational: few enough for short polynomials, too fine for walls."""
@@ -153,8 +157,9 @@ def _moved_in(contact: Contact, thickness: fmpq, axes: Axes) -> Polynomial | Non
     cone does so everywhere.
     """
     axis = min(axes, key=lambda pair: pair[1])[0]
-    f, rim = contact.surface, contact.rim
-    slopes = f.gradient(rim.points())
+    f = contact.surface
+    middle, points = _curve(contact)
+    slopes = f.gradient(points)
     along = slopes @ (np.array(to_floats(axis)) / sqrt(to_float(dot(axis, axis))))
     if not (along.min() > 0 or along.max() < 0):
         return None
@@ -163,10 +168,30 @@ def _moved_in(contact: Contact, thickness: fmpq, axes: Axes) -> Polynomial | Non
     length = thickness * _rounded(share / sqrt(to_float(dot(axis, axis))) * way)
     x, y, z = (a * length for a in axis)
     moved = translation((x, y, z)).polynomial(f)
-    turned = dot(_slope(moved, rim.center), axis) * way >= 0  # the tip has passed the rim
-    if turned or moved.raw(*rim.center) >= 0:
-        raise _TooThickError(f"{rim.radii[0]:.6g}")
+    turned = dot(_slope(moved, middle), axis) * way >= 0  # the tip has passed the rim
+    if turned or moved.raw(*middle) >= 0:
+        radius = np.linalg.norm(points - np.array(to_floats(middle)), axis=1).min()
+        raise _TooThickError(f"{radius:.6g}")
     return moved
+
+
+def _curve(contact: Contact) -> tuple[Vector, Floats]:
+    """A point inside a quadric and points (N, 3) round its contact's curve.
+
+    Of an opening they are in the nappe of its cone in which the point `near` is, or in both.
+    """
+    f, point = contact.surface, apex(contact.clip)
+    if point is None or f.raw(*point) >= 0:
+        return contact.rim.center, contact.rim.points()
+    towards = np.ones(3) if contact.near is None else np.array(to_floats(minus(contact.near, point)))
+    rays = nappe_rays(nappe(contact.clip, towards), ROUND)
+    rays = np.concatenate([rays, -rays]) if contact.near is None else rays
+    form = np.array([[to_float(entry) for entry in row] for row in _matrix(f).tolist()])
+    value, linear = to_float(f.raw(*point)), rays @ to_floats(_slope(f, point))
+    square = ((rays @ form) * rays).sum(axis=1)
+    with np.errstate(all="ignore"):
+        met = -2 * value / (linear + np.sqrt(linear * linear - 4 * square * value))  # the first that is positive
+    return point, (np.array(to_floats(point)) + met[:, None] * rays)[met > 0]
 
 
 def _torus(contact: Contact, thickness: fmpq) -> Polynomial | None:
