@@ -16,7 +16,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, Wall
+from pas.solid.distance import followed_by
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
@@ -75,6 +76,22 @@ class SolidField:
                 ]
                 return [shell for found in fields for shell in found.shells()]
         return [self]
+
+    def wall(self) -> Wall | None:
+        """The solid that this is a shell of, and which inner face follows each of its faces; None if it is none."""
+        tree, box, seams, special = self._made_of
+        found = followed_by(tree)
+        if found is None:
+            return None
+        others, walls = found
+        solid = SolidField(others, box, seams, special)
+        columns, turned = self.program.number(solid.program, np.arange(solid.program.used))
+        outer = (2 * columns[:, None] + (np.arange(2) ^ turned[:, None])).ravel()
+        inner = np.full(len(outer), -1, dtype=np.intp)
+        for distance, follows in walls:
+            number = next(i for i, c in enumerate(self.program.columns) if c.function is distance)
+            inner[np.repeat([c.face in follows.faces for c in solid.program.columns[: len(columns)]], 2)] = 2 * number
+        return Wall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
     def touching(self) -> list[SolidField]:
         """The surfaces of the boundary that meet in points at most, at which both have a special point."""
