@@ -27,6 +27,7 @@ from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
+from pas.mesh.polish import polished
 from pas.mesh.quality import Quality
 from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
 from pas.mesh.remesh import flip, pair_normals, project, smooth
@@ -186,7 +187,9 @@ def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Qua
 
     Raises `MeshError` where the mesh itself is not sound.
     """
-    mesh, aim = known.mesh, AIM * tolerance
+    aim = AIM * tolerance
+    known = polished(known, field, tolerance, aim)
+    mesh = known.mesh
     longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
     further = None
     for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):
