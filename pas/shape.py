@@ -39,8 +39,11 @@ class Shape(ABC):
         """What is proved of it, worked out when first asked for, and kept."""
 
     @abstractmethod
-    def mesh(self, tolerance: float | None = None) -> Any:
-        """Its `pas.Mesh`, within `tolerance` (the model's units) of the surface; None: as fine as is usual."""
+    def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
+        """Its `pas.Mesh`, within `tolerance` (the model's units) of the surface; None: as fine as is usual.
+
+        The `quality` "angles" prefers triangles that are not long, "count" few (see `pas.mesh.quality`).
+        """
 
     @abstractmethod
     def __str__(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from dataclasses import replace
 from functools import cache
@@ -14,6 +15,7 @@ from pas import solid
 from pas.cli import main
 from pas.exchange import container
 from pas.exchange.schema import Table
+from pas.mesh.quality import Quality
 from pas.shape import KINDS, Kind, Shape, kind_of
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 
@@ -344,3 +346,21 @@ def test_one_reader_takes_every_problem(path):
     changed = problem.changed(tolerance=0.125)
     assert (changed.tolerance, changed.name, changed.view) == (0.125, problem.name, problem.view)
     assert changed != problem
+
+
+@every_kind
+def test_meshes_of_every_kind_take_a_quality(name):
+    shape = sample(name)
+    assert inspect.signature(shape.mesh).parameters["quality"].default in (Quality.BALANCED, "balanced")
+    tolerance = None if KINDS[name].meshed else TOLERANCE
+    angles, usual, count = (shape.mesh(tolerance, quality=q) for q in ("angles", "balanced", "count"))
+    assert usual.points.tobytes() == shape.mesh(tolerance, quality=Quality.BALANCED).points.tobytes()
+    assert len(count.triangles) <= len(usual.triangles)
+    if name not in ("hollow blend", "part", "assembly", "teapot"):  # flat faces have good angles with few triangles
+        assert angles.smallest_angles.min() >= usual.smallest_angles.min() - 1e-9
+    for mesh in (angles, count):
+        assert mesh.is_manifold
+        assert (mesh.deviation or 0.0) <= TOLERANCE
+        assert mesh.euler_characteristic == usual.euler_characteristic
+    with pytest.raises(ValueError, match="quality must be one of 'angles', 'balanced', 'count', not 'good'"):
+        shape.mesh(tolerance, quality="good")

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from pas import solid
+from pas.designs.teapot import teapot
 from pas.mesh.improve import flip_once
+from pas.mesh.quality import smallest_angles
 
 HOLES = 15
 
@@ -126,3 +128,35 @@ def test_prisms_with_sharp_edges_have_as_few_triangles_as_there_can_be(corners):
     assert mesh.is_closed and len(mesh.triangles) == 4 * len(corners) - 4
     area = sum(a * d - b * c for (a, b), (c, d) in zip(corners, [*corners[1:], corners[0]], strict=True)) / 2
     assert mesh.volume == pytest.approx(area / 2)
+
+
+def crossing(radius):
+    return solid.cylinder((-2, 0, 0), (2, 0, 0), 1, "a") | solid.cylinder((0, -2, 0), (0, 2, 0), radius, "b")
+
+
+ANGLED = {
+    "equal cylinders": (lambda: crossing(1), 4e-3),
+    "unequal cylinders": (lambda: crossing("3/4"), 1e-2),
+    "teapot": (lambda: teapot().solid, 4e-3),
+    "the paper's teapot": (lambda: teapot("paper").solid, 4e-3),
+    "the paper's teapot, finer": (lambda: teapot("paper").solid, 1e-3),
+    "lid": (lambda: teapot().lid, 4e-3),
+}
+
+
+@pytest.mark.parametrize("name", ANGLED)
+@pytest.mark.parametrize("quality", ["balanced", "angles"])
+def test_small_angles_are_at_curves_and_along_straight_lines(name, quality):
+    """Away from the curves where faces meet they are 15 degrees at least; along straight lines if these are wanted."""
+    make, tolerance = ANGLED[name]
+    shape = make()
+    found = shape.face_mesh(tolerance, quality=quality)
+    mesh, reached = found.mesh, found.deviation * shape.field.scale
+    inside = (mesh.topology.label_count == 1)[mesh.triangles].all(axis=1)
+    chosen = inside if quality == "angles" else inside & ~shape.field.lines(mesh.labels)
+    angles = np.degrees(smallest_angles(mesh.points[mesh.triangles]))
+    assert angles[chosen].min(initial=90.0) >= 15.0 - 1e-9
+    assert reached <= tolerance
+    if "cylinders" in name:
+        along = angles < 15
+        assert along.any() == (quality == "balanced") or along.mean() < 1e-3

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +16,7 @@ from conftest import EQUAL, solved
 
 import pas
 from pas import solid
-from pas.algebra.compiled import compiled
+from pas.algebra.compiled import compiled, is_made, library
 from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import count
 from pas.algebra.tables import PieceTables
@@ -130,6 +133,11 @@ SOLIDS = {
         solid.cylinder((-2, 0, 0), (2, 0, 0), "1/2", "a") | solid.cylinder((0, -2, 0), (0, 2, 0), "1/2", "b")
     ),
     "hollow ball in a corner": lambda: solid.ball((0, 0, 0), 1) - solid.box((0, 0, 0), (2, 2, 2)),
+    "thin bowl": lambda: (solid.ball((0, 0, 0), 1) & solid.patch("lid", "z")).shell(0.01, open=["lid"]),
+    "thin angle": lambda: (solid.box((0, 0, 0), (2, 2, 1)) - solid.box((1, 1, -1), (3, 3, 3), face="cut")).shell(
+        0.02, open=["box z+"]
+    ),
+    "two cones": lambda: solid.cone((0, 0, 0), (0, 0, 1), 1, 0, "a") | solid.cone((0, 0, 0), (0, 0, -1), 1, 0, "b"),
 }
 
 
@@ -195,3 +203,28 @@ def test_where_surfaces_are_no_manifolds(monkeypatch, how, number):
     assert len(found[0][0]) == number
     assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
     assert set(found[0][1].tolist()) <= set(np.flatnonzero(among).tolist())
+
+
+def test_a_library_is_made_anew_when_a_header_changes(monkeypatch, tmp_path):
+    if compiled() is None:
+        pytest.skip("there is no compiler")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    source, header = tmp_path / "twice.c", tmp_path / "factor.h"
+    source.write_text('#include "factor.h"\nint twice(int x) { return FACTOR * x; }\n')
+    found = []
+    for factor in (2, 3):
+        header.write_text(f"#define FACTOR {factor}\n")
+        assert not is_made(source)
+        made = library(source)
+        assert made is not None and is_made(source)
+        found.append(made[0].twice(5))
+    assert found == [10, 15]
+
+
+def test_what_the_sources_include_is_shipped():
+    folder = Path(pas.__file__).parent
+    shipped = tomllib.loads((folder.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["pas"]
+    for source in folder.rglob("*.[ch]"):
+        assert f"**/*{source.suffix}" in shipped
+        for name in re.findall(r'#include "(.*)"', source.read_text()):
+            assert (source.parent / name).exists()

@@ -32,6 +32,8 @@ CLOSED = {
 }
 """Surface, domain, Euler characteristic and number of boundary curves."""
 
+SECTIONS = {"quadric": "x^2 + y^2 - 1", "plane": "z - 3"}, {"quadric": "x^2 + z^2 - 1", "plane": "y - 3"}
+
 
 def boundary_curves(mesh: Mesh) -> int:
     from scipy.sparse import coo_array
@@ -188,3 +190,48 @@ def test_a_double_cone_has_normals_at_its_apex():
 def test_a_deadline_stops_it():
     with pytest.raises(pas.LimitError), pas.limit(seconds=0.2):
         pas.torus(2, 1, angle=True).mesh(1e-6)
+
+
+TRADED = {
+    "a cone over a parabola": pas.ParametricSurface(
+        "(1 - t^2)/(1 + t^2)*(h + 1)", "2*t/(1 + t^2)*(h + 1)", "3*h", domain=((-1, 1), (0, 1))
+    ),
+    "paraboloid": pas.ParametricSurface("t", "h", "t^2 + h^2", domain=((-1, 1), (-1, 1))),
+    "torus": pas.torus(2, 1, angle=True),
+    "saddle": pas.ParametricSurface("t", "h", "t^3 - 3*t*h^2", domain=((-1, 1), (-1, 1))),
+}
+
+
+@pytest.mark.parametrize("name", TRADED)
+def test_good_angles_or_few_triangles(name):
+    surface = TRADED[name]
+    angles, usual, count = (surface.mesh(2e-3, quality=q) for q in ("angles", "balanced", "count"))
+    assert len(count.triangles) < 0.96 * len(usual.triangles)
+    assert angles.smallest_angles.min() >= usual.smallest_angles.min()
+    for mesh in (angles, count):
+        assert mesh.is_manifold
+        assert mesh.euler_characteristic == usual.euler_characteristic
+        assert mesh.deviation <= 2e-3
+        assert mesh.certified is surface.is_exact
+    if name == "a cone over a parabola":  # cells along straight lines are long
+        assert usual.smallest_angles.min() < 6
+        assert angles.smallest_angles.min() > 30
+
+
+def test_the_bound_holds_where_thirds_are_cut_first():
+    surface = TRADED["paraboloid"]
+    mesh = surface.mesh(1e-2, quality="count")
+    assert mesh.proved
+    shares = np.random.default_rng(0).dirichlet([1, 1, 1], 20)
+    corners, parameters = mesh.points[mesh.triangles], mesh.parameters[mesh.triangles]
+    at, there = (np.einsum("kc,tcx->tkx", shares, values) for values in (corners, parameters))
+    assert np.linalg.norm(surface(there.reshape(-1, 2)) - at.reshape(-1, 3), axis=1).max() <= mesh.deviation
+    assert np.abs(surface(mesh.parameters) - mesh.points).max() < 1e-12
+
+
+def test_a_mesh_of_a_size_has_no_quality():
+    ends = [pas.boundary_from(table) for table in SECTIONS]
+    blend = pas.generatrix_blend(*ends)
+    with pytest.raises(ValueError, match="of a mesh with a given size no quality can be chosen"):
+        blend.mesh(size=(20, 20), quality="angles")
+    assert blend.mesh(quality="count").deviation is not None

@@ -9,12 +9,14 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 
+import pas
 from pas import solid
 from pas.errors import MeshError
 from pas.mesh.faces import Crossings
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import Octree
 from pas.mesh.topology import is_closed_manifold
+from pas.solid.hidden import PlanesInside, multiples
 
 AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
 RADIUS = 0.1
@@ -161,3 +163,62 @@ def test_walls_through_corners_of_a_gear_do_no_harm():
     mesh = (solid.union(wedges) & solid.half_space("-z") & solid.half_space(f"z - {height}")).mesh(1e-3)
     assert mesh.is_closed and len(mesh.triangles) <= 200  # 156 would do
     assert mesh.smallest_angles.min() > 10  # what is folded in few triangles is mended: no finer lattice is needed
+
+
+STACKED = {
+    "cones base on base": (
+        lambda: solid.cone((0, 0, 0), (0, 0, 1), 1, 0, "a") | solid.cone((0, 0, 0), (0, 0, -1), 1, 0, "b"),
+        2 * pi / 3,
+        {"a", "b"},
+    ),
+    "frusta": (
+        lambda: solid.cone((0, 0, 0), (0, 0, 1), 1, "1/2", "a") | solid.cone((0, 0, 0), (0, 0, -2), 1, "1/2", "b"),
+        7 * pi / 4,
+        {"a", "b", "a end", "b end"},
+    ),
+    "a cone on a cylinder": (
+        lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cone((0, 0, 1), (0, 0, 2), 1, 0, "b"),
+        4 * pi / 3,
+        {"a", "b", "a start"},
+    ),
+    "a narrower cylinder on one": (
+        lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cylinder((0, 0, 1), (0, 0, 2), "1/2", "b"),
+        5 * pi / 4,
+        {"a", "b", "a start", "a end + b start", "b end"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STACKED)
+def test_parts_that_stand_on_one_another(name):
+    make, volume, faces = STACKED[name]
+    mesh = make().mesh(1e-2)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2)
+    assert mesh.volume == pytest.approx(volume, rel=2e-2)
+    assert set(mesh.names) == faces
+    assert mesh.deviation <= 1e-2
+
+
+def test_functions_on_a_plane():
+    plane, first, second = (pas.Polynomial(f) for f in ("2*z - 2", "x^2 + y^2 - 4*z^2", "3*x^2 + 3*y^2 - 12"))
+    assert multiples(plane, first, second)
+    assert not multiples(plane, first, -second)
+    assert not multiples(plane, first, second + 1)
+    assert not multiples(plane, plane * first, second)
+
+
+def test_a_plane_on_which_a_part_ends_stays_a_face():
+    """Two halves of one curve on a plane, one inside it and one outside: the plane is a boundary everywhere."""
+    base, column = solid.cylinder((0, 0, -1), (0, 0, 0), 1, "a"), solid.cylinder((0, 0, 0), (0, 0, 1), 1, "b")
+    shape = base | (solid.box((-2, -2, 0), (2, 2, 1)) - column)
+    planes = PlanesInside(shape.field.program)
+    assert not planes.hidden(*_undecided(shape)).any()
+    cones = STACKED["cones base on base"][0]()
+    assert PlanesInside(cones.field.program).hidden(*_undecided(cones)).sum() == 1
+
+
+def _undecided(shape):
+    """What is known in a small cube about (1, 0, 0), and which columns matter there."""
+    program = shape.field.program
+    yes, no = program.taylor(program.local(np.array([[1.0, 0.0, 0.0]])), np.full((1, 3), 1e-3))
+    return yes, no, *program.relevant(yes, no)

@@ -161,8 +161,14 @@ def _compilers() -> list[str]:
 def _place(compiler: str, sources: tuple[Path, ...]) -> Path:
     """Where a library is kept.  Raises `OSError` or `RuntimeError` where there is no folder for it."""
     told = "\n".join((compiler, *OPTIONS, platform.machine(), platform.platform())).encode()
-    key = hashlib.sha256(b"".join(source.read_bytes() for source in sources) + told).hexdigest()[:16]
+    read = (*sources, *_headers(sources))
+    key = hashlib.sha256(b"".join(source.read_bytes() for source in read) + told).hexdigest()[:16]
     return cache_folder() / f"{sources[0].stem}-{key}.so"
+
+
+def _headers(sources: tuple[Path, ...]) -> list[Path]:
+    """The headers that stand beside some sources, which may include them."""
+    return [header for folder in dict.fromkeys(s.parent for s in sources) for header in sorted(folder.glob("*.h"))]
 
 
 def _make(place: Path, compiler: str, sources: tuple[Path, ...]) -> None:

@@ -37,6 +37,7 @@ from pas.generatrix.space import NAMES, CurveLike, space_curve, value_at
 from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
 
@@ -133,20 +134,22 @@ class GeneratrixBlend(Shape):
         tolerance: float | None = None,
         *,
         size: tuple[int, int] | None = None,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
         """Triangles within `tolerance` (the model's units) of the blend, or on a grid of `size` points in s and t.
 
-        With a tolerance it is the mesh of `surface`, see `ParametricSurface.mesh`; without one the grid has
+        With a tolerance, or a `quality`, it is the mesh of `surface`, see `ParametricSurface.mesh`; else the grid has
         `size`, by default 100 x 100, and no deviation is known: connectivity and all that does not depend on the
         shape values are kept, so that a blend of changed shape costs milliseconds.  The seam of closed curves is
         welded.  Where the first boundary knows its surface's normal, the mesh's agree with it.
         Raises `ValueError` for both and for grids of fewer than 3 x 2 points.
         """
-        if tolerance is not None:
+        how = Quality.of(quality)
+        if tolerance is not None or how is not Quality.BALANCED:
             refuse_both(tolerance, size)
-            mesh = self.surface.mesh(tolerance)
+            mesh = self.surface.mesh(tolerance, quality=how)
             return mesh.flipped if self.frames.inward else mesh
         n, m = size or GRID
         if n < 3 or m < 2:

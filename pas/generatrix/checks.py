@@ -31,7 +31,12 @@ with nine digits pass, a wrong formula does not."""
 
 
 def refuse_both(tolerance: Any, size: Any) -> None:
-    """Raise `ValueError` where a mesh is asked for both by its tolerance and by its size, or `TypeError` for a size."""
+    """Raise `ValueError` where a mesh is asked for by its size and by its tolerance, or its quality where that is None.
+
+    Raises `TypeError` for a size as tolerance.
+    """
+    if size is not None and tolerance is None:
+        raise ValueError("of a mesh with a given size no quality can be chosen; give a tolerance, or nothing, instead")
     if size is not None:
         raise ValueError("tolerance and size are two ways to say how fine the mesh is; give one of them")
     if isinstance(tolerance, tuple):

@@ -27,6 +27,7 @@ from pas.generatrix.shape import GeneratrixShape
 from pas.generatrix.sphere_mesh import grid_deviation, sphere_deviation, sphere_mesh
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -38,6 +39,13 @@ GRID = 96, 48
 SIZES = tuple((round(24 * 2 ** (k / 2)), round(12 * 2 ** (k / 2))) for k in range(13))
 """Grids that are tried for a tolerance, each with twice the points of the last; the finest has 3 million triangles
 on three blends."""
+
+SHARES = {
+    Quality.BALANCED: (1.0,),
+    Quality.COUNT: (1.0, 0.7, 0.5, 0.35, 1.4),
+    Quality.ANGLES: (1.0, 0.7, 0.5, 0.35, 1.4),
+}
+"""Of these grids' points in t, of which the best is taken."""
 
 ROOM = 0.8
 """Share of half the angle between neighbouring directions that a circle on the middle sphere takes at most."""
@@ -99,6 +107,7 @@ class SphereBlend(Shape):
         tolerance: float | None = None,
         *,
         size: tuple[int, int] | None = None,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
@@ -106,22 +115,41 @@ class SphereBlend(Shape):
 
         Each blend is on a grid of `size` points in s and t, by default 96 x 48; with a tolerance on the coarsest of
         a sequence of grids that meets it.  The faces are `blend 1`, ... and `sphere`; normals point out of the
-        sphere.  Raises `ValueError` for both, `MeshError` for a tolerance that needs too many triangles.
+        sphere.  Of grids with more or fewer points in t the `quality` "angles" takes that with the largest smallest
+        angle, "count" that with fewest triangles, within the tolerance, or as near as by default.  Raises `ValueError`
+        for a size with one of the others, `MeshError` for a tolerance that needs too many triangles.
         """
-        if tolerance is None:
+        how = Quality.of(quality)
+        if tolerance is None and how is Quality.BALANCED:
             return self._gridded(size or GRID)
         refuse_both(tolerance, size)
-        wanted = check_tolerance(tolerance, self.radius)
-        for grid in SIZES:
-            checkpoint(f"meshing on {grid[0]} x {grid[1]} points")
-            mesh = self._gridded(grid)
-            on_blends = (grid_deviation(partial(_points, blend), grid, blend.closed) for blend in self.blends)
-            reached = max(*on_blends, sphere_deviation(mesh, self.center, self.radius))
-            if reached <= wanted:
-                return replace(mesh, deviation=reached)
+        wanted = self._measured(GRID).deviation if tolerance is None else check_tolerance(tolerance, self.radius)
+        found: list[Mesh] = []
+        for share in SHARES[how]:
+            try:
+                found.append(self._near(wanted or 0.0, share))
+            except MeshError:  # there is a mesh already
+                if not found:
+                    raise
+        return how.best(found)
+
+    def _near(self, wanted: float, share: float) -> Mesh:
+        """The mesh on the coarsest grid that is as near as wanted, with a share of the usual points in t."""
+        for n, m in SIZES:
+            checkpoint(f"meshing on {n} x {m} points")
+            mesh = self._measured((n, max(3, round(share * m))))
+            if mesh.deviation is not None and mesh.deviation <= wanted:
+                return mesh
         raise MeshError(
-            f"the tolerance {wanted:.3g} needs more than {len(mesh.triangles)} triangles; {reached:.2g} is reached"
+            f"the tolerance {wanted:.3g} needs more than {len(mesh.triangles)} triangles; "
+            f"{mesh.deviation:.2g} is reached"
         )
+
+    def _measured(self, grid: tuple[int, int]) -> Mesh:
+        """The mesh on a grid, and how near it is."""
+        mesh = self._gridded(grid)
+        on_blends = (grid_deviation(partial(_points, blend), grid, blend.closed) for blend in self.blends)
+        return replace(mesh, deviation=max(*on_blends, sphere_deviation(mesh, self.center, self.radius)))
 
     def _gridded(self, size: tuple[int, int]) -> Mesh:
         return sphere_mesh(self.center, self.radius, [blend.mesh(size=size) for blend in self.blends], size)

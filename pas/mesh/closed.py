@@ -20,12 +20,14 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.collapse import RINGS, untangle
 from pas.mesh.deviation import Deviation, edge_distances
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField, Floats, Integers, Wall
 from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
+from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
+from pas.mesh.polish import polished
 from pas.mesh.quality import Quality
 from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
 from pas.mesh.remesh import flip, pair_normals, project, smooth
@@ -78,11 +80,36 @@ def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Qua
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
+    wall = field.wall()
+    make = _apart_or_whole if wall is None else partial(_hollowed, wall)
+    mesh, reached = make(field, tolerance, quality)
+    return FaceMesh(mesh, pair_normals(mesh, field), reached)
+
+
+def _hollowed(wall: Wall, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
+    """The mesh of a shell and its measured distance: both sides by one mesh, or from a lattice that shows the wall."""
+
+    def of_solid(solid: FaceField, aim: float) -> Labelled:
+        return triangulate_faces(solid, aim, quality).mesh
+
+    found = mesh_hollowed(field, wall, tolerance, of_solid, partial(_refined, quality=quality))
+    if found is not None:
+        return found
+    try:
+        return _apart_or_whole(field, tolerance, quality)
+    except MeshError:
+        reason = too_thick(of_solid(wall.solid, tolerance), wall)
+        if reason:
+            raise MeshError(reason) from None
+        raise
+
+
+def _apart_or_whole(field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
+    """The mesh of a boundary and its measured distance, surface by surface if most of it is not one sheet."""
     octree = first_lattice(field)
     shells = field.shells() if octree.open_share > THIN else []
     found = mesh_apart(field, shells, tolerance, partial(_triangulated, quality=quality)) if len(shells) > 1 else None
-    mesh, reached = _whole(field, tolerance, octree, quality) if found is None else found
-    return FaceMesh(mesh, pair_normals(mesh, field), reached)
+    return _whole(field, tolerance, octree, quality) if found is None else found
 
 
 def _whole(field: FaceField, tolerance: float, octree: Octree, quality: Quality) -> tuple[Labelled, float]:
@@ -160,7 +187,9 @@ def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Qua
 
     Raises `MeshError` where the mesh itself is not sound.
     """
-    mesh, aim = known.mesh, AIM * tolerance
+    aim = AIM * tolerance
+    known = polished(known, field, tolerance, aim)
+    mesh = known.mesh
     longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
     further = None
     for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):

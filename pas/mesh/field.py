@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -170,6 +171,20 @@ class CellField(SheetField, Protocol):
         """Values (N,) at points (N, 3)."""
 
 
+@dataclass(frozen=True)
+class Wall:
+    """What a shell is the wall of: a `solid`, hollowed out up to a thickness.
+
+    For each label of the solid, its label in the shell, `outer` (L,), and that of the inner face which follows it,
+    `inner` (L,), -1 where the face is open.
+    """
+
+    solid: FaceField
+    thickness: float
+    outer: Integers
+    inner: Integers
+
+
 class FaceField(Field, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 
@@ -208,6 +223,9 @@ class FaceField(Field, Protocol):
 
     def shells(self) -> Sequence[FaceField]:
         """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
+
+    def wall(self) -> Wall | None:
+        """What this is the wall of; None if it is no shell."""
 
     def touching(self) -> Sequence[FaceField]:
         """The surfaces that have points in common at most, each as the boundary of a set; itself if one.

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vectors.h"
+
 typedef ptrdiff_t whole;
 
 /* Half edges by their lower and then their higher vertex: number 3 t + k leads from corner k of triangle t to the next.
@@ -119,23 +121,6 @@ int pas_labelled_pairs(whole count, const whole *triangles, const whole *labels,
     }
     *number = found;
     return 0;
-}
-
-static inline double dot(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-static inline void minus(const double *u, const double *v, double *w)
-{
-    for (int i = 0; i < 3; i++) w[i] = u[i] - v[i];
-}
-
-static inline void cross(const double *u, const double *v, double *w)
-{
-    w[0] = u[1] * v[2] - u[2] * v[1];
-    w[1] = u[2] * v[0] - u[0] * v[2];
-    w[2] = u[0] * v[1] - u[1] * v[0];
 }
 
 static inline void summed(const double *normals, const whole *rows, double *sum)

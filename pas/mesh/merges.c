@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vectors.h"
+
 typedef ptrdiff_t whole;
 
 /* `corners` are the rows of `normals` for each corner of the triangles; `first` (size + 1) says where the corners of
@@ -24,23 +26,6 @@ typedef struct {
     whole span;
     double kept, held, turned;
 } Limits;
-
-static inline double dot(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-static inline void minus(const double *u, const double *v, double *w)
-{
-    for (int i = 0; i < 3; i++) w[i] = u[i] - v[i];
-}
-
-static inline void cross(const double *u, const double *v, double *w)
-{
-    w[0] = u[1] * v[2] - u[2] * v[1];
-    w[1] = u[2] * v[0] - u[0] * v[2];
-    w[2] = u[0] * v[1] - u[1] * v[0];
-}
 
 static int look_around(Mesh *m)
 {

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.field import Floats, Integers
+from pas.mesh.quality import Quality
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, is_closed_manifold, is_manifold, piece_count, seams
@@ -106,8 +107,9 @@ class Mesh(Shape):
             proved=all(m.proved for _, m in items),
         )
 
-    def mesh(self, tolerance: float | None = None) -> Mesh:
-        """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer."""
+    def mesh(self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED) -> Mesh:
+        """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer or better."""
+        Quality.of(quality)
         return self
 
     @property

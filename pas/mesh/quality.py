@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.mesh.mesh import Mesh
+
+if TYPE_CHECKING:
+    from pas.mesh.mesh import Mesh
 
 
 class Quality(Enum):
@@ -18,7 +21,8 @@ class Quality(Enum):
 
     `BALANCED`, which is usual, has long triangles along straight lines, with at least 1/40 of their length in height,
     1/10 on planes if vertices inside help; between short edges of a face and others far away there are worse ones.
-    Surfaces without faces are meshed with edges of several lengths, and the best of these meshes is kept.
+    Surfaces without faces are meshed with edges of several lengths, those with parameters in several ways, and the
+    best of these meshes is kept.  Where there is one mesh only, as of a mesh, all are the same.
     """
 
     ANGLES = "angles"

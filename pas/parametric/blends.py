@@ -25,6 +25,7 @@ from pas.algebra.rational_function import RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.domain import DomainLike
@@ -106,11 +107,12 @@ class ParametricBlend(Shape):
         tolerance: float | None = None,
         domain: DomainLike = None,
         *,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
-        return mesh_surface(self.surface, tolerance, domain)
+        return mesh_surface(self.surface, tolerance, domain, quality)
 
     def __str__(self) -> str:
         kind = "Hermite" if self.weights is None else "weighted"

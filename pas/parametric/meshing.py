@@ -17,17 +17,23 @@ guaranteed: that the surface does not pass through itself.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpq
+from numpy.typing import NDArray
 
 from pas.algebra.inputs import check_tolerance
+from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
 from pas.parametric.domain import Domain, DomainLike
 from pas.parametric.framed import Framed
@@ -39,6 +45,9 @@ if TYPE_CHECKING:
 
 RELATIVE = 1e-3
 """The tolerance over the surface's extent where none is given."""
+
+WHOLE = np.array([[0, GRID, 0, GRID]])
+"""The cell of all of the rectangle."""
 
 FIRST = 3
 """Halvings each way before anything measured is believed."""
@@ -67,8 +76,31 @@ ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
 
 
-def mesh_surface(surface: ParametricSurface, tolerance: float | None = None, domain: DomainLike = None) -> Mesh:
+PARTS = ((1, 1), (3, 1), (1, 3), (3, 3))
+"""Into how many parts each way the rectangle is cut first, before parts are halved; usually there is one."""
+
+WAYS = {
+    Quality.BALANCED: ((PARTS[0], False),),
+    Quality.COUNT: tuple((parts, False) for parts in PARTS),
+    Quality.ANGLES: ((PARTS[0], False), *((parts, True) for parts in PARTS)),
+}
+"""Such parts, and whether long cells are halved as well: the best of these meshes is kept."""
+
+LONG = 1.5
+"""Length over width of a cell above which it is halved for good angles."""
+
+FINE = 1 << 13
+"""Steps of the grid of which first cuts are multiples, so that parts can be halved that often."""
+
+
+def mesh_surface(
+    surface: ParametricSurface,
+    tolerance: float | None = None,
+    domain: DomainLike = None,
+    quality: Quality | str = Quality.BALANCED,
+) -> Mesh:
     """The mesh of a surface over its domain, or another; see `ParametricSurface.mesh`."""
+    how = Quality.of(quality)
     rectangle = exact_rectangle(surface, domain)
     framed = Framed.of(surface.with_domain(rectangle))
     wanted = (
@@ -78,14 +110,27 @@ def mesh_surface(surface: ParametricSurface, tolerance: float | None = None, dom
     )
     welding = min(SEAM * framed.size, wanted / 16)
     aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
-    nets = _nets(framed, rectangle)
+    nets = _nets(framed, rectangle, WHOLE)
     look: Looking
     place: Placing
     if nets is None:
         look, place = measured(framed.surface), surface_points(framed.surface)
     else:
         look, place = bounded, NetPoints(framed, nets.table[0], welding)
-    leaves, worst = _leaves(nets, look, aim, framed)
+    found: list[Mesh] = []
+    for parts, even in WAYS[how]:
+        starts = [(_nets(framed, rectangle, cell), cell) for cell in _first_cells(parts)]
+        try:
+            leaves, worst = _leaves(starts, look, aim, framed, even)
+            found.append(_assembled(framed, leaves, worst, place, wanted, nets is not None))
+        except MeshError:  # too many triangles, or cells too fine for the grid: there is a mesh already
+            if not found:
+                raise
+    return how.best(found)
+
+
+def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:
+    """The mesh of cells whose greatest bound is given."""
     tiles = assemble(framed.surface, leaves, place, framed.size)
     if not len(tiles.triangles):
         raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
@@ -98,17 +143,26 @@ def mesh_surface(surface: ParametricSurface, tolerance: float | None = None, dom
         tiles.normals,
         parameters=framed.parameters_outside(tiles.shares),
         deviation=deviation,
-        proved=nets is not None,
+        proved=proved,
     )
 
 
-def _nets(framed: Framed, rectangle: Rectangle) -> Nets | None:
-    """The net of an exact surface that is not too large to work with."""
+def _first_cells(parts: tuple[int, int]) -> Integers:
+    """The cells (n m, 1, 4) into which the rectangle is cut first."""
+    first, second = ([round(GRID / FINE * k / n) * FINE for k in range(n + 1)] for n in parts)
+    return np.array([[[*a, *b]] for a in pairwise(first) for b in pairwise(second)])
+
+
+def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
+    """The net of an exact surface on a cell (1, 4), unless it is too large to work with."""
     if not framed.bounded.is_exact:
         return None
-    exact = exact_net(framed.bounded, rectangle)
-    sides = len(exact.below), len(exact.below[0])
-    return exact.rounded(framed.unit) if sides[0] * sides[1] <= HIGHEST and max(sides) <= LONGEST else None
+    places = cell[0].tolist()
+    sides = zip(rectangle, (places[:2], places[2:]), strict=True)
+    part = [(low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides]
+    exact = exact_net(framed.bounded, (part[0], part[1]))
+    size = len(exact.below), len(exact.below[0])
+    return exact.rounded(framed.unit) if size[0] * size[1] <= HIGHEST and max(size) <= LONGEST else None
 
 
 def finite_domain(surface: ParametricSurface, domain: DomainLike = None) -> Domain:
@@ -150,9 +204,14 @@ def _example(surface: ParametricSurface) -> str:
     return f"({', '.join(sides)})"
 
 
-def _leaves(nets: Nets | None, look: Looking, aim: float, framed: Framed) -> tuple[Integers, float]:
-    """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound."""
-    pending = [(nets, np.array([[0, GRID, 0, GRID]]), 0)]
+def _leaves(
+    starts: Sequence[tuple[Nets | None, Integers]], look: Looking, aim: float, framed: Framed, even: bool
+) -> tuple[Integers, float]:
+    """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
+
+    Where they are to be `even` none is long that has four sides.
+    """
+    pending = [(nets, cells, 0) for nets, cells in starts]
     leaves: list[Integers] = []
     worst, count = 0.0, 0
     while pending:
@@ -165,13 +224,16 @@ def _leaves(nets: Nets | None, look: Looking, aim: float, framed: Framed) -> tup
             bounds[:] = math.inf
         axes[~np.isfinite(bounds)] = depth % 2
         good = bounds <= aim
+        if even:
+            good &= ~_long(seen.corners, axes, good)
         leaves.append(cells[good])
         worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
         if good.all():
             continue
-        if 2 * float(seen.least[~good].max(initial=0.0)) > aim:
+        far = bounds > aim
+        if 2 * float(seen.least[far].max(initial=0.0)) > aim:
             raise MeshError(too_fine(framed.outside(aim)))
-        _require_hope(bounds[~good], cells[~good], depth, count + len(cells), framed, aim)
+        _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
         for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile
             rest = np.flatnonzero(~good & (axes == axis) & (np.isfinite(bounds) == finite))
             step = max(1, BATCH // ((4 if nets is None else nets.table[0].size) * 8))
@@ -182,7 +244,20 @@ def _leaves(nets: Nets | None, look: Looking, aim: float, framed: Framed) -> tup
     return np.concatenate(leaves), worst
 
 
+def _long(corners: Floats, axes: Integers, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are long, and halved across: written to `axes`."""
+    sides = [lengths(np.diff(corners, axis=axis)).reshape(-1, 2) for axis in (1, 2)]
+    whole = np.min([side.min(axis=1) for side in sides], axis=0) > SEAM
+    first, second = (side.sum(axis=1) for side in sides)
+    result = chosen & whole & ((first > LONG * second) | (second > LONG * first))
+    axes[result] = np.where(first > second, 0, 1)[result]
+    return np.asarray(result)
+
+
 def _halves(cells: Integers, axis: int) -> Integers:
+    width = cells[:, 2 * axis + 1] - cells[:, 2 * axis]
+    if ((width % 2 == 1) & (width > 1)).any():
+        raise MeshError("a third of the rectangle cannot be halved that often")
     middles = (cells[:, 2 * axis] + cells[:, 2 * axis + 1]) // 2
     left, right = cells.copy(), cells.copy()
     left[:, 2 * axis + 1] = right[:, 2 * axis] = middles

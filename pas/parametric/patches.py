@@ -29,6 +29,7 @@ from pas.algebra.rational import rational
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
 from pas.parametric.components import Components
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
@@ -85,10 +86,15 @@ class RationalPatch(Shape):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
+        self,
+        tolerance: float | None = None,
+        *,
+        quality: Quality | str = Quality.BALANCED,
+        seconds: float | None = None,
+        progress: Report | None = None,
     ) -> Mesh:
         """The patch's mesh; see `ParametricSurface.mesh`."""
-        return self.surface().mesh(tolerance)
+        return self.surface().mesh(tolerance, quality=quality)
 
     @property
     def degrees(self) -> tuple[int, int]:

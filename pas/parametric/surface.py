@@ -32,6 +32,7 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, to_float, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import Report, checkpoint, limited
+from pas.mesh.quality import Quality
 from pas.parametric.components import Components, bundle_values, moved_text, text_of
 from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
 from pas.parametric.series import composed
@@ -237,6 +238,7 @@ class ParametricSurface(Shape):
         tolerance: float | None = None,
         domain: DomainLike = None,
         *,
+        quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
@@ -244,12 +246,13 @@ class ParametricSurface(Shape):
 
         The tolerance is by default a thousandth of the surface's extent.  `domain` is that of the mesh, None for a
         parameter or an end that the surface's own bounds.  The bound is proved for exact surfaces, measured for
-        others; the mesh says which.  Raises `ValueError` for an infinite domain, `GeometryError` near poles,
-        `MeshError` for a tolerance that needs too many triangles.
+        others; the mesh says which.  Of some meshes the `quality` "angles" takes that with the largest smallest angle,
+        "count" that with fewest triangles; for "angles" long cells are halved as well.  Raises `ValueError` for an
+        infinite domain, `GeometryError` near poles, `MeshError` for a tolerance that needs too many triangles.
         """
         from pas.parametric.meshing import mesh_surface
 
-        return mesh_surface(self, tolerance, domain)
+        return mesh_surface(self, tolerance, domain, quality)
 
     def moved(
         self, matrix: Sequence[Sequence[Exact]] | np.ndarray | None = None, offset: VectorLike = (0, 0, 0)

@@ -188,9 +188,12 @@ class Layout(Shape):
         reason = "every arc has a piece on either side, and one direction lies in one piece: exact"
         return Findings((Verdict(Status.PROVED, "the pieces cover all directions once", reason),))
 
-    def mesh(self, tolerance: float | None = None) -> Any:
-        """The sphere of directions as a closed `pas.Mesh` with a face for each piece; see `Shape.mesh`."""
-        return loaded(SPHERE)(self, tolerance)
+    def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
+        """The sphere of directions as a closed `pas.Mesh` with a face for each piece; see `Shape.mesh`.
+
+        It has one mesh of each number of triangles, so that all of `quality` are the same.
+        """
+        return loaded(SPHERE)(self, tolerance).mesh(quality=quality)
 
     def picture(self, path: str | Path | None = None, contacts: Sequence[Any] = (), **options: Any) -> Path | None:
         """Draw the sphere of directions with its pieces, their arcs and the curves of contacts (`.png`).

@@ -16,6 +16,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
 from pas.limits import checkpoint
+from pas.solid.distance import followed_by
 from pas.solid.program import Program
 from pas.solid.tree import Bools, Node, Tree, is_contradiction
 
@@ -47,8 +48,11 @@ ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 def bounding_box(tree: Tree) -> Floats:
     """A box (2, 3) that holds the set.
 
-    Raises `GeometryError` where the set is empty or extends too far to be bounded.
+    That of a shell is its solid's.  Raises `GeometryError` where the set is empty or extends too far to be bounded.
     """
+    shell = followed_by(tree)
+    if shell is not None:
+        return bounding_box(shell[0])
     boxes, seen = [], NOTHING
     for part in _branches(tree):
         found = _branch_box(part, seen)

@@ -10,7 +10,7 @@ import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.solid.tree import Atom, Bools, Tree, image, mapped
+from pas.solid.tree import Atom, Bools, Node, Tree, combined, image, mapped
 
 CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 """Of a cube about the origin."""
@@ -18,19 +18,20 @@ CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 @dataclass(frozen=True)
 class Followed:
-    """Faces, by name, of a set from which something is a distance, and the names of all of its faces."""
+    """Faces, by name, of a set from which something is a distance, less a thickness; the names of all of its faces."""
 
     tree: Tree
     faces: frozenset[str]
     all: frozenset[str]
+    thickness: float
 
     def moved(self, map_: Affine) -> Followed:
-        """The image under an affine map."""
+        """The image under a similarity."""
 
         def move(atom: Atom) -> Atom:
             return replace(atom, function=image(atom.function, map_))
 
-        return replace(self, tree=mapped(self.tree, move))
+        return replace(self, tree=mapped(self.tree, move), thickness=self.thickness * map_.similarity())
 
 
 class Distance(ABC):
@@ -89,3 +90,18 @@ class Moved(Distance):
     def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
         """What the inner one says of the balls before they were moved."""
         return self.inner.decided_within(self.map.inverse.points(centers), radii / self.factor)
+
+
+def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
+    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
+    parts = tree.parts if isinstance(tree, Node) and not tree.union else ()
+    for part in parts:
+        others = [other for other in parts if other is not part]
+        walls = part.parts if isinstance(part, Node) and part.union else (part,)
+        functions = [w.function for w in walls if isinstance(w, Atom) and not w.outside]
+        found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
+        if others and len(found) == len(walls):
+            rest = combined(False, *others)
+            if all(follows.tree == rest for _, follows in found):
+                return rest, found
+    return None

@@ -16,7 +16,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, Wall
+from pas.solid.distance import followed_by
+from pas.solid.hidden import PlanesInside
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
@@ -76,6 +78,22 @@ class SolidField:
                 return [shell for found in fields for shell in found.shells()]
         return [self]
 
+    def wall(self) -> Wall | None:
+        """The solid that this is a shell of, and which inner face follows each of its faces; None if it is none."""
+        tree, box, seams, special = self._made_of
+        found = followed_by(tree)
+        if found is None:
+            return None
+        others, walls = found
+        solid = SolidField(others, box, seams, special)
+        columns, turned = self.program.number(solid.program, np.arange(solid.program.used))
+        outer = (2 * columns[:, None] + (np.arange(2) ^ turned[:, None])).ravel()
+        inner = np.full(len(outer), -1, dtype=np.intp)
+        for distance, follows in walls:
+            number = next(i for i, c in enumerate(self.program.columns) if c.function is distance)
+            inner[np.repeat([c.face in follows.faces for c in solid.program.columns[: len(columns)]], 2)] = 2 * number
+        return Wall(solid, walls[0][1].thickness / self.scale, outer, inner)
+
     def touching(self) -> list[SolidField]:
         """The surfaces of the boundary that meet in points at most, at which both have a special point."""
         tree, box, seams, special = self._made_of
@@ -120,24 +138,30 @@ class SolidField:
 
     def _turning(self, centers: Floats, halves: Floats) -> Floats:
         """The same for few cubes, all functions of each together."""
-        below, above = self.program.relevant(*self.program.taylor(centers, halves))
-        switches = below & above & self._walls[:, None]
+        yes, no = self.program.taylor(centers, halves)
+        below, above = self.program.relevant(yes, no)
+        both = below & above
+        switches = both & (self._walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
         below, above = below & ~switches, above & ~switches
         faces = below | above
         faces[:, (below & above).any(axis=0)] = False
-        both = np.zeros((2, *faces.shape, 3))  # gradients, positive outside, and how much they change
+        risen = np.zeros((2, *faces.shape, 3))  # gradients, positive outside, and how much they change
         for column in np.flatnonzero(faces.any(axis=1)):
             rows = np.flatnonzero(faces[column])
             gradients, changes = self.program.slopes(np.array([column]), centers[rows], halves)
-            both[:, column, rows] = gradients[0] * np.where(below[column, rows], 1.0, -1.0)[:, None], changes[0]
+            risen[:, column, rows] = gradients[0] * np.where(below[column, rows], 1.0, -1.0)[:, None], changes[0]
         result, times = np.full(len(centers), np.inf), faces.sum(axis=0)
         for number in np.unique(times[times > 0]):
             rows = np.flatnonzero(times == number)
             columns = np.nonzero(faces[:, rows].T)[1].reshape(-1, number).T
-            gradients, changes = both[:, columns, rows]
+            gradients, changes = risen[:, columns, rows]
             turn = np.sqrt((changes**2).sum(axis=2) / np.maximum((gradients**2).sum(axis=2), 1e-300)).max(axis=0)
             result[rows] = np.where(_rise(gradients, changes), turn, np.inf)
         return result
+
+    @cached_property
+    def _planes_inside(self) -> PlanesInside:
+        return PlanesInside(self.program)
 
     @cached_property
     def _walls(self) -> NDArray[np.bool_]:

@@ -83,7 +83,7 @@ class Near(Distance):
         self._field, self._scale = field, field.scale
         names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
         labels = [label for label, name in names.items() if name in self.faces]
-        self.follows = Followed(solid.tree, frozenset(self.faces), frozenset(names.values()))
+        self.follows = Followed(solid.tree, frozenset(self.faces), frozenset(names.values()), thickness)
         triangles = mesh.triangles[np.isin(mesh.labels, labels)]
         self._targets = [_target(mesh, field, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
         edges = Edges.of(mesh, field)
@@ -91,6 +91,7 @@ class Near(Distance):
             if a in labels and b in labels:
                 chosen = edges.grooves & (np.sort(edges.labels, axis=1) == (a, b)).all(axis=1)
                 self._targets.append(_target(mesh, field, (a, b), edges.ends[chosen]))
+        self._targets += _corners(mesh, field, set(labels))
         self._all = _target(mesh, field, tuple(labels), triangles)
         sides = mesh.points[triangles] - mesh.points[np.roll(triangles, 1, axis=1)]
         self._longest = float(np.sqrt((sides * sides).sum(axis=2).max()))
@@ -148,6 +149,8 @@ class Near(Distance):
             better = square < best[rows]
             if len(target.labels) == 1:
                 better[better] = ~self._buried(found[better], target.labels[0])
+            elif len(target.labels) == 2:
+                better[better] = ~self._covered(found[better], outward[better])
             chosen = rows[better]
             result[chosen], turned[chosen], best[chosen] = found[better], outward[better], square[better]
         return result, turned
@@ -155,8 +158,8 @@ class Near(Distance):
     def _foot(self, target: _Target, points: Floats) -> tuple[Floats, Floats]:
         """Where each point's nearest vertex goes when it follows the point inside its face or groove; the normal."""
         feet = target.vertices[target.tree.query(points)[1]]
-        active = np.arange(len(points))
-        for _ in range(STEPS):
+        active = np.arange(len(points) if len(target.labels) < 3 else 0)  # corners stay
+        for _ in range(STEPS if len(active) else 0):
             checkpoint()
             p = feet[active]
             move = points[active] - p
@@ -180,6 +183,23 @@ class Near(Distance):
         step = BESIDE * _normals(self._field, points, label)
         signs = [self._field.signs(points + side * step) for side in (-1, 1)]
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
+
+    def _covered(self, points: Floats, normals: Floats) -> Bools:
+        """Whether the solid is above points of the curve on which a groove lies: the groove does not go there."""
+        above = points + BESIDE * normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        return np.asarray(self._field.inside(self._field.signs(above)))
+
+
+def _corners(mesh: Labelled, field: SolidField, labels: set[int]) -> list[_Target]:
+    """The vertices at which three or more of some labels meet."""
+    around = mesh.topology.vertex_labels[mesh.topology.label_count > 2]
+    result = []
+    for row in np.unique(around, axis=0):
+        own = tuple(int(label) for label in row if label in labels)
+        if len(own) > 2:
+            at = np.flatnonzero(mesh.topology.label_count > 2)[(around == row).all(axis=1)]
+            result.append(_target(mesh, field, own, at))
+    return result
 
 
 def _normals(field: SolidField, points: Floats, label: int) -> Floats:

@@ -1,0 +1,254 @@
+"""Meshes of shells: that of the solid, another one of the same triangles a thickness inside, and bands between them.
+
+Vertices move along their faces' normals, which is exact where a face does not bend, and from there by Newton's method
+onto the inner faces, their curves and corners; where a face is open both meshes end, and a band on it joins them.
+Where faces meet in a groove, whose inner face is round there, the vertex has several images, and strips between these.
+No lattice has to show the wall, so that it may be as thin as it likes: both sides are nearer to their faces than
+a share of the thickness, and these faces are a thickness apart.
+
+Guarantees, each checked on the result: all that the mesh of a solid has (see `closed`), and that the set changes across
+each triangle.  None is made where the inner faces are no images of the outer ones, as where the thickness is
+larger than a radius of curvature.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from pas.errors import MeshError
+from pas.limits import checkpoint
+from pas.mesh.field import FaceField, Floats, Integers, Wall, place_of
+from pas.mesh.first import unsound
+from pas.mesh.labelled import Labelled
+from pas.mesh.remesh import newton, pair_normals, project
+from pas.mesh.shading import unit_rows
+from pas.mesh.topology import is_closed_manifold
+
+SHARE = 1 / 3
+"""Of the thickness, how near each side is at least: less than 1/2, so that they do not meet."""
+
+STEEP = 0.05
+"""Ratio of singular values below which normals count as parallel, where a vertex is moved along several."""
+
+SMOOTH = 0.97
+"""Cosine between normals of faces with one inner face above which their common vertex has one image."""
+
+BESIDE = 0.1
+"""Share of the thickness by which a point is off a triangle, on both sides, where the set must change."""
+
+SLOPE_STEP = 1e-5
+"""Of the differences that give second derivatives, over the extent of the box."""
+
+Mesher = Callable[[FaceField, float], Labelled]
+Refiner = Callable[[Labelled, FaceField, float], tuple[Labelled, float]]
+
+
+def mesh_hollowed(
+    field: FaceField, wall: Wall, tolerance: float, mesh: Mesher, refined: Refiner
+) -> tuple[Labelled, float] | None:
+    """The mesh of a shell and how near it is, from that of the solid by `mesh(solid, tolerance)`, `refined`.
+
+    None where it does not come out.
+    """
+    checkpoint("meshing both sides of a wall")
+    aim = min(tolerance, SHARE * wall.thickness)
+    try:
+        first = Doubled(mesh(wall.solid, aim), wall).projected(field)
+        if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
+            return None
+        found, reached = refined(first, field, aim)
+    except MeshError:
+        return None
+    return (found, reached) if _changes(found, field, wall.thickness) else None
+
+
+class Doubled:
+    """The mesh of both sides of a wall, and of the bands between them, from the mesh of the solid.
+
+    Rows of points are those of the vertices, those of their images where they have one label, then the other images:
+    one of a vertex for each set of labels that places it.
+    """
+
+    def __init__(self, mesh: Labelled, wall: Wall) -> None:
+        self.mesh, self.wall = mesh, wall
+        vertices, labels = mesh.topology.pairs.T
+        self._around: dict[int, list[int]] = defaultdict(list)
+        self._normals: dict[tuple[int, int], Floats] = {}
+        several = np.flatnonzero(mesh.topology.label_count[vertices] > 1)
+        normals = unit_rows(pair_normals(mesh, wall.solid))
+        for row in several.tolist():
+            self._around[int(vertices[row])].append(int(labels[row]))
+            self._normals[int(vertices[row]), int(labels[row])] = normals[row]
+        moved = mesh.points.copy()
+        moved[vertices] -= wall.thickness * normals  # those with one label
+        self._points = [mesh.points, moved]
+        self._extra: list[Floats] = []
+        self._found: dict[int, list[tuple[int, frozenset[int], Floats]]] = {}
+        self._placed: dict[int, frozenset[int]] = {}
+        self.triangles: list[tuple[int, int, int]] = []
+        self.labels: list[int] = []
+
+    def projected(self, field: FaceField) -> Labelled:
+        """The mesh, its inner side on the inner faces."""
+        mesh, wall, size = self.mesh, self.wall, len(self.mesh.points)
+        kept = wall.inner[mesh.labels] >= 0
+        sides, own = mesh.triangles[kept], mesh.labels[kept]
+        within = sides + size
+        towards = mesh.points[sides].mean(axis=1)
+        for row, column in np.argwhere(mesh.topology.label_count[sides] > 1).tolist():
+            within[row, column] = self._image(int(sides[row, column]), int(own[row]), towards[row])
+        self._bridge(kept, within)
+        triangles = np.concatenate([sides, within[:, ::-1], np.array(self.triangles, dtype=np.intp).reshape(-1, 3)])
+        labels = np.concatenate([wall.outer[own], wall.inner[own], np.array(self.labels, dtype=np.intp)])
+        points = np.concatenate([*self._points, np.array(self._extra).reshape(-1, 3)])
+        pinned = np.concatenate([mesh.topology.pinned, list(self._split())]).astype(np.intp)
+        used, numbers = np.unique(triangles, return_inverse=True)
+        result = Labelled.of(points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, pinned)))
+        inner = np.flatnonzero(used >= size)
+        return project(result, field, np.full(len(used), wall.thickness), inner)
+
+    def _split(self) -> set[int]:
+        """The images of vertices that have several, and of pinned ones: curves may turn sharply there."""
+        pinned = set(self.mesh.topology.pinned.tolist())
+        return {row for vertex, own in self._found.items() if len(own) > 1 or vertex in pinned for row, *_ in own}
+
+    def _placing(self, vertex: int, label: int) -> frozenset[int]:
+        """The labels around a vertex that place its image for one of them.
+
+        Of those with one inner face: its own, or of others the first; and all that continue that one smoothly.
+        """
+        groups: dict[int, list[int]] = defaultdict(list)
+        for other in self._around[vertex]:
+            inner = int(self.wall.inner[other])
+            groups[inner if inner >= 0 else -1 - other].append(other)
+        chosen: set[int] = set()
+        for labels in groups.values():
+            first = label if label in labels else labels[0]
+            normal = self._normals[vertex, first]
+            chosen.update(o for o in labels if o == first or self._normals[vertex, o] @ normal > SMOOTH)
+        return frozenset(chosen)
+
+    def _image(self, vertex: int, label: int, towards: Floats) -> int:
+        """The row of the image of a vertex for a triangle of some label, in some direction from it: of several that
+        are on its inner face the one that is there."""
+        if vertex not in self._found:
+            self._found[vertex] = self._images(vertex)
+        here = [(row, move) for row, placing, move in self._found[vertex] if label in placing]
+        return max(here, key=lambda pair: float(pair[1] @ (towards - self.mesh.points[vertex])))[0]
+
+    def _images(self, vertex: int) -> list[tuple[int, frozenset[int], Floats]]:
+        """The rows of a vertex's images, the labels that place each, and how they are moved."""
+        result = []
+        for placing in dict.fromkeys(self._placing(vertex, label) for label in self._around[vertex]):
+            rows = sorted(placing)
+            if (self.wall.inner[rows] < 0).all():
+                continue
+            matrix = np.array([self._normals[vertex, other] for other in rows])
+            right = np.where(self.wall.inner[rows] >= 0, -self.wall.thickness, 0.0)
+            move = np.linalg.pinv(matrix, rcond=STEEP) @ right
+            row = 2 * len(self.mesh.points) + len(self._extra)
+            self._extra.append(self.mesh.points[vertex] + move)
+            self._placed[row] = placing
+            result.append((row, placing, move))
+        return result
+
+    def _bridge(self, kept: np.ndarray, within: np.ndarray) -> None:
+        """Add the bands on open faces, and what is between images of one vertex."""
+        t, labels = self.mesh.triangles, self.mesh.labels
+        image = np.full(t.shape, -1, dtype=np.intp)
+        image[kept] = within
+        start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
+        order = np.argsort(np.minimum(start, end) * len(self.mesh.points) + np.maximum(start, end), kind="stable")
+        other = np.empty(len(start), dtype=np.intp)
+        other[order[::2]], other[order[1::2]] = order[1::2], order[::2]
+        after = np.arange(len(start)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+        flat, triangle = image.ravel(), np.arange(len(start)) // 3
+        several = np.zeros(len(self.mesh.points), dtype=bool)
+        several[[vertex for vertex, own in self._found.items() if len(own) > 1]] = True
+        chosen = kept[triangle] & ((labels[triangle] != labels[other // 3]) | several[start] | several[end])
+        for edge in np.flatnonzero(chosen).tolist():
+            a, b, p, q = (int(v) for v in (start[edge], end[edge], flat[edge], flat[after[edge]]))
+            here, there = int(labels[triangle[edge]]), int(labels[other[edge] // 3])
+            if not kept[other[edge] // 3]:
+                self._add(int(self.wall.outer[there]), (b, a, p), (b, p, q))
+            elif edge < other[edge]:
+                r, s = int(flat[after[other[edge]]]), int(flat[other[edge]])  # the images of a and b across
+                self._add(self._between(here, there, {p, q, r, s}), (p, q, s), (p, s, r))
+        self._close(start, flat, other)
+
+    def _add(self, label: int, *triangles: tuple[int, int, int]) -> None:
+        for triangle in triangles:
+            if len(set(triangle)) == 3:
+                self.triangles.append(triangle)
+                self.labels.append(label)
+
+    def _between(self, here: int, there: int, images: set[int]) -> int:
+        """The inner label of a strip between images on both sides of an edge between two labels."""
+        common = [label for label in (here, there) if all(label in self._placed.get(row, ()) for row in images)]
+        return int(self.wall.inner[common[0] if common else here])
+
+    def _close(self, start: Integers, flat: Integers, other: Integers) -> None:
+        """Add the polygons between the images of each vertex that has several."""
+        many = [vertex for vertex, own in self._found.items() if len(own) > 1]
+        corners: dict[int, list[int]] = defaultdict(list)
+        for corner in np.flatnonzero(np.isin(start, many)).tolist():
+            corners[int(start[corner])].append(corner)
+        for vertex, own in sorted(corners.items()):
+            # counterclockwise around the vertex: across the edge that ends there
+            before = {c: int(other[c // 3 * 3 + (c + 2) % 3]) for c in own}
+            opened = [c for c in own if flat[c] < 0]
+            begin = next((before[c] for c in opened if flat[before[c]] >= 0), own[0])
+            ring, corner = [], begin
+            for _ in own:
+                if flat[corner] < 0:
+                    break
+                ring.append(int(flat[corner]))
+                corner = before[corner]
+            ring = [a for a, b in zip(ring, [*ring[1:], None if opened else ring[0]], strict=True) if a != b]
+            label = int(self.wall.inner[self.mesh.labels[begin // 3]])
+            for p, q in pairwise(ring[1:]):
+                self._add(label, (ring[0], q, p))
+            if opened and len(ring) > 1:
+                self._add(int(self.wall.outer[self.mesh.labels[corner // 3]]), (vertex, ring[-1], ring[0]))
+
+
+def _changes(mesh: Labelled, field: FaceField, thickness: float) -> bool:
+    """Whether points beside the middle of each triangle are in the set and out of it."""
+    middles = mesh.points[mesh.triangles].mean(axis=1)
+    at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), thickness / 2))
+    size = np.minimum(thickness, mesh.sizes[mesh.triangles].min(axis=1))
+    step = BESIDE * size[:, None] * unit_rows(field.jets(at, mesh.labels)[:, 1:])
+    return bool((field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))).all())
+
+
+def too_thick(mesh: Labelled, wall: Wall) -> str:
+    """That a wall is thicker than a radius of curvature of a face that is kept, and where; "" if it is not.
+
+    `mesh` is that of the solid, at whose vertices curvatures are looked at.
+    """
+    solid = wall.solid
+    vertices, labels = mesh.topology.pairs[wall.inner[mesh.topology.pairs[:, 1]] >= 0].T
+    points, apart = mesh.points[vertices], SLOPE_STEP * float(np.ptp(solid.box, axis=0).max())
+    gradients = solid.jets(points, labels)[:, 1:]
+    slopes = [
+        solid.jets(points + apart * axis, labels) - solid.jets(points - apart * axis, labels) for axis in np.eye(3)
+    ]
+    bend = np.stack(slopes, axis=1)[:, :, 1:] / (2 * apart)
+    size = np.maximum(np.linalg.norm(gradients, axis=1), 1e-300)[:, None, None]
+    normals = gradients[:, :, None] / size
+    across = np.eye(3) - normals @ normals.transpose(0, 2, 1)
+    bend = across @ (bend + bend.transpose(0, 2, 1)) @ across / (2 * size)
+    curvatures = np.linalg.eigvalsh(np.where(np.isfinite(bend), bend, 0.0))[:, 2]
+    most = int(curvatures.argmax())
+    if curvatures[most] * wall.thickness < 1:
+        return ""
+    radius, name = solid.scale / curvatures[most], solid.face(int(labels[most]))
+    return (
+        f"the shell is {wall.thickness * solid.scale:.3g} thick, but near {place_of(solid, points[most])} the face "
+        f"{name!r} has a radius of curvature of {radius:.3g}, within which its inner face folds over; "
+        f"a thickness below {radius:.2g} works"
+    )
