@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
+from pas.bernstein.polar import Means
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans")
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice")
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -161,6 +162,26 @@ class CompiledTriangles:
         result = np.empty((found[0], 4), dtype=np.intp)
         self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
+
+    def eighths(
+        self, corners: Integers, parts: Means, rounding: float, keys: Integers, points: Floats, forms: Floats
+    ) -> tuple[Integers, Floats, Floats]:
+        """The `parts`, of given corners (8, 4, 4), that may hold zeros, of tetrahedra with numbers (T, 4) and places
+        (T, 4, 3) of corners, and forms (T, m); see `pas.mesh.lattice.Subdivision`."""
+        count, m, number = 8 * len(forms), forms.shape[1], np.empty(1, dtype=np.intp)
+        new_keys, new_points = np.empty((count, 4), dtype=np.intp), np.empty((count, 4, 3))
+        new_forms = np.empty((count, m))
+        tables = (len(parts.halves), parts.halves, parts.taken, corners, rounding, keys, points, forms)
+        self._call("pas_eighths", len(forms), m, *tables, new_keys, new_points, new_forms, number)
+        found = int(number[0])
+        return new_keys[:found], new_points[:found], new_forms[:found]
+
+    def risings(self, up: Integers, forms: Floats, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """See `pas.mesh.lattice.risings`; `up` (k, 4) says where coefficients stand that gradients are made of."""
+        means, least, sizes = np.empty((len(forms), 3)), np.empty(len(forms)), np.empty(len(forms))
+        given = (len(forms), forms.shape[1], len(up), up, forms, points)
+        self._call("pas_risings", *given, means, least, sizes)
+        return means, least, sizes
 
     def pinched(self, triangles: Integers, size: int, among: NDArray[np.bool_] | None) -> Integers:
         """See `pas.mesh.topology.pinched`; there are so many vertices."""

@@ -1,6 +1,6 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms` and `radial_field`, which do the same with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests` and `radial_field`, which do the same with numpy.
 """
 
 from __future__ import annotations
@@ -10,19 +10,24 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.compiled import SOURCE, Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 
-SOURCES = (Path(__file__).with_name("forms.c"), Path(__file__).with_name("rays.c"), SOURCE)
+SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests")), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
 
 HIGHEST = 15
 """Degree of the polynomials with which rays are shot by compiled code."""
+
+
+RISES, SURE, OPEN = range(3)
+"""What is known of a polynomial on a simplex: that it rises along a direction, that it has one sign, or neither."""
 
 
 class CompiledForms:
@@ -62,6 +67,24 @@ class CompiledForms:
         multiples, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
         self._call("pas_leaving", len(weights), weights, len(points), points, multiples, faces)
         return multiples, faces
+
+    def states(self, up: Integers, forms: Floats, corners: Floats, bound: float, roundings: float) -> NDArray[np.int8]:
+        """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of."""
+        states = np.empty(len(forms), dtype=np.bool_)
+        sizes = len(forms), forms.shape[1], corners.shape[1] - 1, len(up)
+        self._call("pas_states", *sizes, up, forms, corners, bound, roundings, states)
+        return states.view(np.int8)
+
+    def halved(
+        self, pairs: Integers, halves: Integers, taken: Integers, forms: Floats, corners: Floats
+    ) -> tuple[Floats, Floats]:
+        """See `pas.surface.rests.leaves`: both halves of simplices, cut at their longest of the edges `pairs` (E, 2),
+        for each of which (E, M, 2) says the means, and (E, 2, m) the coefficients, that are to be taken."""
+        count, vertices = len(forms), corners.shape[1]
+        new_forms, new_corners = np.empty((2 * count, forms.shape[1])), np.empty((2 * count, vertices, 3))
+        tables = (len(pairs), pairs, halves.shape[1], halves, taken, forms, corners)
+        self._call("pas_halved", count, forms.shape[1], vertices - 1, *tables, new_forms, new_corners)
+        return new_forms, new_corners
 
     def rays(
         self, scene: Scene, origins: Floats, directions: Floats, first: bool
