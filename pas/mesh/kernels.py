@@ -190,6 +190,18 @@ class CompiledTriangles:
         found = kinds.view(np.int8)
         return np.flatnonzero(found == (1 if (found == 1).any() else 2))
 
+    def is_manifold(self, triangles: Integers, size: int) -> bool:
+        """See `pas.mesh.topology.is_manifold`; there are so many vertices."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_is_manifold", len(triangles), triangles, size, number)
+        return bool(number[0])
+
+    def pieces(self, triangles: Integers, size: int) -> int:
+        """See `pas.mesh.topology.piece_count`; there are so many vertices."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_pieces", len(triangles), triangles, size, _room(size), number)
+        return int(number[0])
+
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
         """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
         distinct, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)

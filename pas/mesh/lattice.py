@@ -21,7 +21,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 from pas.mesh.kernels import compiled
 from pas.mesh.rows import all_of, any_of
-from pas.mesh.topology import numbered
+from pas.mesh.topology import MOST, first_with
 
 TINY = 1e-300
 """What stands for a value of 0 at a node."""
@@ -29,9 +29,6 @@ TINY = 1e-300
 ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
 
-
-POSITIVE = (1 << 62) - 1
-"""Bits of keys by which places are told apart."""
 
 LOOKS, LOOKED_AT = 5, 2000
 """Halvings of tetrahedra that may hide a component, and how many are looked at together."""
@@ -114,23 +111,14 @@ class Subdivision:
     @property
     def lattice(self) -> Lattice:
         """The tetrahedra across which the sign changes, with shared nodes."""
-        first, joined = _distinct(self.keys.ravel(), self.points.reshape(-1, 3))
-        points = self.points.reshape(-1, 3)[first]
+        corners = self.points.reshape(-1, 3)
+        first, joined = first_with(self.keys.ravel() & MOST, corners)
+        points = corners[first]
         values = self.field.values(points)
         values = np.where(values == 0, TINY, values)
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
         return Lattice(points, values, joined[any_of(negative) & ~all_of(negative)])
-
-
-def _distinct(keys: Integers, points: Floats) -> tuple[Integers, Integers]:
-    """Where the distinct ones of points (N, 3) with keys (N,) stand, and which of these each is."""
-    found, inverse = numbered(keys & POSITIVE)
-    first = np.empty(len(found), dtype=np.intp)
-    first[inverse[::-1]] = np.arange(len(inverse))[::-1]  # the last to be written is the first there is
-    if not np.array_equal(points[first][inverse], points):  # two with one key
-        _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
-    return first, inverse.ravel()
 
 
 def _kept(forms: Floats) -> NDArray[np.bool_]:

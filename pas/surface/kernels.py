@@ -1,6 +1,7 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms`, `rests` and `radial_field`, which do the same with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings` and `radial_field`, which do the same
+with numpy.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 
-SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests")), SOURCE)
+SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests", "windings")), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
@@ -85,6 +86,21 @@ class CompiledForms:
         tables = (len(pairs), pairs, halves.shape[1], halves, taken, forms, corners)
         self._call("pas_halved", count, forms.shape[1], vertices - 1, *tables, new_forms, new_corners)
         return new_forms, new_corners
+
+    def crossed(
+        self,
+        points: Floats,
+        triangles: Integers,
+        origin: Floats,
+        ways: Floats,
+        towards: Floats,
+        limits: tuple[float, float],
+    ) -> tuple[Integers, NDArray[np.bool_]]:
+        """See `pas.surface.windings.crossed`: the ends are `ways` (E, 3) away from `origin`, `towards` unit vectors."""
+        times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
+        given = (len(triangles), triangles, points, origin, len(ways), ways, towards)
+        self._call("pas_crossed", *given, *limits, times, known)
+        return times, known
 
     def rays(
         self, scene: Scene, origins: Floats, directions: Floats, first: bool

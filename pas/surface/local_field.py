@@ -90,6 +90,8 @@ class LocalField(PatchField):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
+        if not len(points):
+            return points
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)

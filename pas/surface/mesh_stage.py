@@ -72,6 +72,13 @@ class Stage:
         """The user's coordinates of points (..., 3)."""
         return self.frame.global_points(points)
 
+    def jets(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values (N,) and gradients (3, N) at points (N, 3); NaN outside of a region of several pieces."""
+        if len(self.patches) == 1:
+            return self.makers[0].jets(points)
+        jets = self.surface.evaluator.jets(self.world(points))
+        return jets[:, 0], jets[:, 1:].T * self.scale
+
     @cached_property
     def exact(self) -> list[tuple[Vector, ...]]:
         """The corners of the cells, exact."""

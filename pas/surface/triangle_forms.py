@@ -87,6 +87,17 @@ class TriangleForms:
                 )
         return least, np.sqrt(sizes)
 
+    def jets(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values (N,) and gradients (3, N) at points (N, 3)."""
+        places, values, gradients = (
+            np.ascontiguousarray(points.T),
+            np.empty((1, len(points))),
+            np.empty((3, len(points))),
+        )
+        horner(self._value, self.degree, places, values)
+        horner(self._gradient, self.degree - 1, places, gradients)
+        return values[0], gradients
+
     def values(self, corners: Floats) -> Floats:
         """The B-coefficients (m, T) of f on triangles (T, 3, 3)."""
         return np.asarray(_forms(self._value, self.degree, corners)[0])
