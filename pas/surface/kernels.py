@@ -1,7 +1,7 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings` and `radial_field`, which do the same
-with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `rings` and
+`radial_field`, which do the same with numpy.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pas.algebra.compiled import SOURCE, Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
+from pas.algebra.tables import Rows
 from pas.mesh.field import Integers
 
-SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests", "windings")), SOURCE)
+SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests", "windings", "drawn")), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
@@ -26,6 +27,9 @@ ROOM = 4
 HIGHEST = 15
 """Degree of the polynomials with which rays are shot by compiled code."""
 
+
+Faces = tuple[int, Floats, Integers]
+"""How many faces rays leave a region through, their weights (F, 3, 3), and pieces (F,); 0 where there is one piece."""
 
 RISES, SURE, OPEN = range(3)
 """What is known of a polynomial on a simplex: that it rises along a direction, that it has one sign, or neither."""
@@ -101,6 +105,42 @@ class CompiledForms:
         given = (len(triangles), triangles, points, origin, len(ways), ways, towards)
         self._call("pas_crossed", *given, *limits, times, known)
         return times, known
+
+    def bent(self, faces: Faces, rows: Rows, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points (N, 3)."""
+        values, bends = np.empty((2, len(points)))
+        gradients = np.empty_like(points)
+        given = (*faces, len(rows.starts), rows.degrees, rows.starts, rows.coefficients, len(points), points)
+        self._call("pas_bent", *given, values, gradients, bends)
+        return values, gradients, bends
+
+    def drawn(
+        self, faces: Faces, rows: tuple[Rows, Rows], points: Floats, limits: tuple[float, float]
+    ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """Points (N, 3) moved by a step along the gradient, gradients and curvatures there, and which were not near.
+
+        See `pas.surface.patch_field.PatchField.drawn`.  The first of `rows` are those of values and gradients alone.
+        """
+        moved, gradients = np.empty((2, *points.shape))
+        bends, lost = np.empty(len(points)), np.empty(len(points), dtype=np.bool_)
+        tables = [table for some in rows for table in (some.degrees, some.starts, some.coefficients)]
+        given = (*faces, len(rows[0].starts), *tables, len(points), points, *limits)
+        self._call("pas_drawn", *given, moved, gradients, bends, lost)
+        return moved, gradients, bends, lost
+
+    def on_rings(
+        self,
+        rows: Rows,
+        places: tuple[Floats, Floats],
+        points: Floats,
+        numbers: Integers,
+        limits: tuple[int, float],
+    ) -> Floats:
+        """See `pas.surface.rings.Rings.at`; `places` are the curves' middles and normals (P, 3)."""
+        result, tables = np.empty((len(points), 3)), (rows.degrees, rows.starts, rows.coefficients)
+        given = (len(rows.starts), *tables, *places, len(points), points, numbers, *limits)
+        self._call("pas_on_rings", *given, result)
+        return result
 
     def rays(
         self, scene: Scene, origins: Floats, directions: Floats, first: bool

@@ -40,6 +40,8 @@ class LocalField(PatchField):
     def __init__(self, surface: PiecewiseSurface) -> None:
         super().__init__(surface)
         self.surface = surface
+        if len(surface.patches) == 1:
+            self.outer = 0, np.empty(0), np.empty(0, dtype=np.intp)
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
@@ -13,6 +14,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
 from pas.surface.geometry import JETS, derived
+from pas.surface.kernels import Faces, compiled
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -22,6 +24,9 @@ CLOSING, CLOSE = 6, 1e-11
 
 LEFT = 0.1
 """Share of a step along the gradient that the next one would have, above which points are not near the surface."""
+
+EACH = 4
+"""Polynomials like f that are evaluated for jets up to second derivatives, about."""
 
 BENDS = sum(1 for e in JETS if sum(e) <= 2)
 """Entries of a jet up to second derivatives."""
@@ -39,6 +44,9 @@ class PatchField(ABC):
         jets = np.array([derived(column, self.degree)[:BENDS] for column in self._columns])
         self._bends = PieceTables(jets, tuple(max(self.degree - sum(e), 0) for e in JETS[:BENDS]))
         self._jets, self._value = self._bends.first(4), self._bends.first(1)
+
+    outer: Faces | None = None
+    """By which pieces are found, where there are such."""
 
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
@@ -70,17 +78,27 @@ class PatchField(ABC):
 
         By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
         """
+        kernel = None if self.outer is None else compiled(EACH * self._columns.size * len(points))
+        if kernel is not None:
+            assert self.outer is not None
+            rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
+            moved, gradients, bends, lost = kernel.drawn(self.outer, rows, points, limits)
+        else:
+            moved, gradients, bends, lost = self._stepped(points)
+        if lost.any():
+            moved[lost] = self.near(points[lost])
+            gradients[lost], bends[lost] = self.bending(moved[lost])
+        return moved, gradients, bends
+
+    def _stepped(self, points: Floats) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """The same by a step alone, and which points are not near."""
         jets = self._jets_at(points)
         g = jets[1:]
         way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
         moved = points + way.T
         value, gradients, bends = self._bent(moved)
         square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2]
-        lost = ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
-        if lost.any():
-            moved[lost] = self.near(points[lost])
-            gradients[lost], bends[lost] = self.bending(moved[lost])
-        return moved, gradients, bends
+        return moved, gradients, bends, ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
@@ -88,6 +106,10 @@ class PatchField(ABC):
 
     def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,)."""
+        kernel = None if self.outer is None else compiled(EACH * self._columns.size * len(points))
+        if kernel is not None:
+            assert self.outer is not None
+            return kernel.bent(self.outer, self._bends.ordered, points)
         f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points))
         length = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-300)
         nx, ny, nz = gx / length, gy / length, gz / length
