@@ -18,7 +18,7 @@ from pas.algebra.kernels import compiling
 from pas.bernstein.polar import Means
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice")
+NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice", "splits")
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -162,6 +162,26 @@ class CompiledTriangles:
         result = np.empty((found[0], 4), dtype=np.intp)
         self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
+
+    def longest(
+        self, triangles: Integers, edges: Integers, ratio: Floats, size: int, limit: float
+    ) -> NDArray[np.bool_]:
+        """Which edges (E,) are the longest of a triangle and longer than `limit`; see `pas.mesh.refine.longest_of`."""
+        marks = np.empty(len(edges), dtype=np.bool_)
+        self._call("pas_longest", len(triangles), triangles, size, len(edges), edges, ratio, limit, marks)
+        return marks
+
+    def split(self, triangles: Integers, ends: NDArray[np.bool_], keys: Integers) -> tuple[Integers, Integers]:
+        """The triangles cut at edges with sorted keys, whose `ends` (N,) are marked, and those that they are parts of.
+
+        See `pas.mesh.refine.split`.
+        """
+        count, marks, numbers = len(triangles), np.empty((len(triangles), 3), dtype=np.intp), np.empty(4, dtype=np.intp)
+        self._call("pas_marked", count, triangles, len(ends), ends, len(keys), keys, marks, numbers)
+        total = int(numbers @ np.arange(1, 5))
+        parts, parents = np.empty((total, 3), dtype=np.intp), np.empty(total, dtype=np.intp)
+        self._call("pas_split", count, triangles, len(ends), marks, numbers, parts, parents)
+        return parts, parents
 
     def eighths(
         self, corners: Integers, parts: Means, rounding: float, keys: Integers, points: Floats, forms: Floats

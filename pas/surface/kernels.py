@@ -109,7 +109,7 @@ class CompiledForms:
     def bent(self, faces: Faces, rows: Rows, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points (N, 3)."""
         values, bends = np.empty((2, len(points)))
-        gradients = np.empty_like(points)
+        gradients = np.empty((len(points), 3))
         given = (*faces, len(rows.starts), rows.degrees, rows.starts, rows.coefficients, len(points), points)
         self._call("pas_bent", *given, values, gradients, bends)
         return values, gradients, bends
@@ -121,7 +121,7 @@ class CompiledForms:
 
         See `pas.surface.patch_field.PatchField.drawn`.  The first of `rows` are those of values and gradients alone.
         """
-        moved, gradients = np.empty((2, *points.shape))
+        moved, gradients = np.empty((2, len(points), 3))
         bends, lost = np.empty(len(points)), np.empty(len(points), dtype=np.bool_)
         tables = [table for some in rows for table in (some.degrees, some.starts, some.coefficients)]
         given = (*faces, len(rows[0].starts), *tables, len(points), points, *limits)
