@@ -20,7 +20,7 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.kernels import compiled
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, settled, upright
+from pas.mesh.radial import Edges, centred, flipped, flipped_edges, settled, upright
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
@@ -254,21 +254,31 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
 
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """Flipped and smoothed once."""
-    triangles = flipped(graph.points, graph.triangles, graph.normals)
-    graph = replace(graph, triangles=triangles)
-    sizes = _sizes(field, graph, tolerance)
-    move = centred(graph.points, triangles, sizes)
-    move -= dots(move, graph.normals)[:, None] * graph.normals
-    v, before, after = graph.edges.neighbours
-    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
-    move[_fixed(field, graph.rim)] = 0.0
-    new = _drawn(field, graph.points + move, triangles, graph.rim)
+    edges = flipped_edges(graph.points, graph.triangles, graph.normals)
+    graph, triangles = replace(graph, triangles=edges.triangles), edges.triangles
+    vars(graph)["edges"] = edges
+    new = _drawn(field, _moved(field, graph, tolerance), triangles, graph.rim)
     points = settled(graph.points, new.points, triangles, graph.normals)
     back = (points != new.points).any(axis=1)
     normals = np.where(back[:, None], graph.normals, new.normals)
     relaxed = Graph(points, triangles, graph.rim, normals, np.where(back, graph.bends, new.bends))
-    vars(relaxed)["edges"] = graph.edges
+    vars(relaxed)["edges"] = edges
     return relaxed
+
+
+def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
+    """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
+    edges, fixed, kernel = graph.edges, _fixed(field, graph.rim), compiled(len(graph.triangles))
+    if kernel is not None:
+        longest, every = LONGEST * field.reach, (edges.every, len(edges.inner))
+        limits = 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
+        return kernel.moved(graph.points, graph.triangles, every, graph.normals, graph.bends, fixed, limits)
+    move = centred(graph.points, graph.triangles, _sizes(field, graph, tolerance))
+    move -= dots(move, graph.normals)[:, None] * graph.normals
+    v, before, after = edges.neighbours
+    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
+    move[fixed] = 0.0
+    return graph.points + move
 
 
 def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:

@@ -18,7 +18,19 @@ from pas.algebra.kernels import compiling
 from pas.bernstein.polar import Means
 from pas.mesh.field import Floats, Integers
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice", "splits")
+NAMES = (
+    "triangles",
+    "collapses",
+    "labelled",
+    "merges",
+    "keys",
+    "contour",
+    "octree",
+    "fans",
+    "lattice",
+    "splits",
+    "moves",
+)
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
@@ -39,8 +51,13 @@ class CompiledTriangles:
 
     def edges(self, triangles: Integers, size: int) -> tuple[Integers, Integers, bool]:
         """All edges (E, 2), the inner ones first, whose owners (I, 2), and whether it is a manifold."""
-        room, sizes = _room(6 * len(triangles) + size + 2), np.empty(3, dtype=np.intp)
-        self._call("pas_edges", len(triangles), triangles, size, room, sizes)
+        return self._edges(triangles, size, _room(6 * len(triangles) + size + 2), sorted_=False)
+
+    def _edges(
+        self, triangles: Integers, size: int, room: Integers, *, sorted_: bool
+    ) -> tuple[Integers, Integers, bool]:
+        sizes = np.empty(3, dtype=np.intp)
+        self._call("pas_edges", len(triangles), triangles, size, room, sorted_, sizes)
         inner, rim, manifold = sizes.tolist()
         every, owners = np.empty((inner + rim, 2), dtype=np.intp), np.empty((inner, 2), dtype=np.intp)
         self._call("pas_listed", len(triangles), triangles, size, room, inner, every, owners)
@@ -50,8 +67,37 @@ class CompiledTriangles:
         self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
     ) -> Integers:
         """See `pas.mesh.radial.flipped`."""
+        return self._flipped(points, triangles, normals, (passes, gain, turned))[0]
+
+    def flipped_edges(
+        self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
+    ) -> tuple[Integers, tuple[Integers, Integers, bool]]:
+        """The same, and what `edges` says of it."""
+        found, room, sorted_ = self._flipped(points, triangles, normals, (passes, gain, turned))
+        return found, self._edges(found, len(points), room, sorted_=sorted_)
+
+    def _flipped(
+        self, points: Floats, triangles: Integers, normals: Floats, limits: tuple[int, float, float]
+    ) -> tuple[Integers, Integers, bool]:
         result, room = triangles.copy(), _room(6 * len(triangles) + len(points) + 2)
-        self._call("pas_flipped", len(result), result, len(points), room, points, normals, passes, gain, turned)
+        last = np.empty(1, dtype=np.intp)
+        self._call("pas_flipped", len(result), result, len(points), room, points, normals, *limits, last)
+        return result, room, bool(last[0])
+
+    def moved(
+        self,
+        points: Floats,
+        triangles: Integers,
+        edges: tuple[Integers, int],
+        normals: Floats,
+        bends: Floats,
+        fixed: NDArray[np.bool_],
+        limits: tuple[float, float, float, float, float],
+    ) -> Floats:
+        """See `pas.mesh.graded`: where points (N, 3) are moved to make triangles better, the rim's edges being last."""
+        result, (every, inner) = np.empty((len(points), 3)), edges
+        given = (len(triangles), triangles, len(every), every, inner, len(points), points, normals, bends, fixed)
+        self._call("pas_moved", *given, *limits, result)
         return result
 
     def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:

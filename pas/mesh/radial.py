@@ -37,10 +37,12 @@ class Edges:
     Directed as in their first triangle: `inner` (I, 2) vertices, `owners` (I, 2) triangles; `rim` (R, 2).
     """
 
-    def __init__(self, triangles: Integers, size: int) -> None:
+    def __init__(self, triangles: Integers, size: int, listed: tuple[Integers, Integers, bool] | None = None) -> None:
         self.triangles, self._size = triangles, size
         kernel = compiled(len(triangles))
-        if kernel is None:
+        if listed is not None:
+            self.every, self.owners, self.manifold = listed
+        elif kernel is None:
             self._list()
         else:
             self.every, self.owners, self.manifold = kernel.edges(triangles, size)
@@ -149,6 +151,15 @@ def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = 
         triangles[edges.owners[rows, 0]] = np.stack([c[rows], a[rows], d[rows]], axis=1)
         triangles[edges.owners[rows, 1]] = np.stack([c[rows], d[rows], b[rows]], axis=1)
     return triangles
+
+
+def flipped_edges(points: Floats, triangles: Integers, normals: Floats) -> Edges:
+    """The edges of the same, whose `triangles` it are."""
+    kernel = compiled(FLIPS * len(triangles))
+    if kernel is None:
+        return Edges(flipped(points, triangles, normals), len(points))
+    found, listed = kernel.flipped_edges(points, triangles, normals, FLIPS, GAIN, TURNED)
+    return Edges(found, len(points), listed)
 
 
 def _beyond(points: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> Floats:
