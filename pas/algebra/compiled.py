@@ -86,18 +86,20 @@ class Functions:
         Arrays to be written must be contiguous.  Raises `MemoryError` where there was no room.
         """
         held = [_held(value) if isinstance(value, np.ndarray) else value for value in arguments]
-        function = self._declared.get(name)
-        if function is None:
-            made = getattr(self._library, name)
-            made.argtypes = [_kind(value) for value in held]
-            function = self._declared[name] = made
+        function = self._declared.get(name) or self._declare(name, held)
         if function(*[address_of(value) if isinstance(value, np.ndarray) else value for value in held]):
             raise MemoryError(f"there is no memory for {name}")
+
+    def _declare(self, name: str, held: list[NDArray[Any] | float]) -> Callable[..., int]:
+        function = getattr(self._library, name)
+        function.argtypes = [_kind(value) for value in held]
+        self._declared[name] = function
+        return function
 
 
 def _held(array: NDArray[Any]) -> NDArray[Any]:
     """An array as the functions take it; those that they write to already are."""
-    if array.flags.c_contiguous and array.dtype.char in _TAKEN:
+    if array.dtype.char in _TAKEN and array.flags.c_contiguous:
         return array
     return np.ascontiguousarray(array, dtype=np.intp if array.dtype.kind == "i" else None)
 

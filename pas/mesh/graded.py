@@ -153,12 +153,9 @@ def _put(field: SheetField, points: Floats, rim: Integers) -> None:
 
 def _drawn(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
     """With points near the surface drawn towards it, those of rims onto these."""
-    points, inner = points.copy(), rim < 0
-    gradients, bends = np.empty_like(points), np.empty(len(points))
-    points[inner], gradients[inner], bends[inner] = field.drawn(points[inner])
-    if not inner.all():
-        _to_rims(field, points, rim)
-        gradients[~inner], bends[~inner] = field.bending(points[~inner])
+    points = points.copy()
+    _to_rims(field, points, rim)
+    points, gradients, bends = field.drawn(points, rim >= 0)
     return Graph(points, triangles, rim, unit_rows(gradients), bends)
 
 

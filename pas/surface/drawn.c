@@ -87,11 +87,12 @@ int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pi
 }
 
 /* Points moved by a step along the gradient (count, 3), gradients and curvatures there, and which were not near: of
-   what is left of the way more than a share, whose square is `left`, and than a distance, whose square is `close`. */
+   what is left of the way more than a share, whose square is `left`, and than a distance, whose square is `close`.  Points
+   that are `still` stay. */
 int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
               const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
-              const double *all_tables, whole count, const double *points, double left, double close, double *moved,
-              double *gradients, double *bends, char *lost)
+              const double *all_tables, whole count, const double *points, const char *still, double left, double close,
+              double *moved, double *gradients, double *bends, char *lost)
 {
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *values = malloc((count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
@@ -103,8 +104,9 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
     if (state == 0) {
         for (whole p = 0; p < count; p++) {
             const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
-            const double share = -jets[p] / at_least(x * x + y * y + z * z, 1e-300), way[3] = {share * x, share * y, share * z};
-            for (int i = 0; i < 3; i++) moved[3 * p + i] = points[3 * p + i] + way[i];
+            const double share = -jets[p] / at_least(x * x + y * y + z * z, 1e-300);
+            const double way[3] = {share * x, share * y, share * z};
+            for (int i = 0; i < 3; i++) moved[3 * p + i] = still[p] ? points[3 * p + i] : points[3 * p + i] + way[i];
             jets[p] = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
         }
         state = pas_bent(faces, weights, piece_of, pieces, all_degrees, all_starts, all_tables, count, moved, values,
@@ -112,7 +114,7 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
     }
     for (whole p = 0; state == 0 && p < count; p++) {
         const double *g = gradients + 3 * p, square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        lost[p] = !(values[p] * values[p] <= (left * jets[p] + close) * square);
+        lost[p] = !still[p] && !(values[p] * values[p] <= (left * jets[p] + close) * square);
     }
     free(jets);
     free(values);

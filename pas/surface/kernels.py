@@ -115,16 +115,22 @@ class CompiledForms:
         return values, gradients, bends
 
     def drawn(
-        self, faces: Faces, rows: tuple[Rows, Rows], points: Floats, limits: tuple[float, float]
+        self,
+        faces: Faces,
+        rows: tuple[Rows, Rows],
+        points: Floats,
+        still: NDArray[np.bool_],
+        limits: tuple[float, float],
     ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-        """Points (N, 3) moved by a step along the gradient, gradients and curvatures there, and which were not near.
+        """Points (N, 3) moved by a step along the gradient but for those that are still, gradients and curvatures,
+        and which were not near.
 
         See `pas.surface.patch_field.PatchField.drawn`.  The first of `rows` are those of values and gradients alone.
         """
         moved, gradients = np.empty((2, len(points), 3))
         bends, lost = np.empty(len(points)), np.empty(len(points), dtype=np.bool_)
         tables = [table for some in rows for table in (some.degrees, some.starts, some.coefficients)]
-        given = (*faces, len(rows[0].starts), *tables, len(points), points, *limits)
+        given = (*faces, len(rows[0].starts), *tables, len(points), points, still, *limits)
         self._call("pas_drawn", *given, moved, gradients, bends, lost)
         return moved, gradients, bends, lost
 

@@ -73,8 +73,9 @@ class PatchField(ABC):
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 
-    def drawn(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (N, 3) near the surface drawn towards it, and gradients and curvatures there.
+    def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
+        """Points (N, 3) near the surface drawn towards it, but for those that are `still` (N,), and gradients and
+        curvatures there.
 
         By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
         """
@@ -82,23 +83,24 @@ class PatchField(ABC):
         if kernel is not None:
             assert self.outer is not None
             rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
-            moved, gradients, bends, lost = kernel.drawn(self.outer, rows, points, limits)
+            moved, gradients, bends, lost = kernel.drawn(self.outer, rows, points, still, limits)
         else:
-            moved, gradients, bends, lost = self._stepped(points)
+            moved, gradients, bends, lost = self._stepped(points, still)
         if lost.any():
             moved[lost] = self.near(points[lost])
             gradients[lost], bends[lost] = self.bending(moved[lost])
         return moved, gradients, bends
 
-    def _stepped(self, points: Floats) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+    def _stepped(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
         """The same by a step alone, and which points are not near."""
         jets = self._jets_at(points)
         g = jets[1:]
         way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
-        moved = points + way.T
+        moved = np.where(still[:, None], points, points + way.T)
         value, gradients, bends = self._bent(moved)
         square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2]
-        return moved, gradients, bends, ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
+        lost = ~still & ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
+        return moved, gradients, bends, lost
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
