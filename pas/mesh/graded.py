@@ -40,7 +40,7 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-ROUNDS, LAST, MENDINGS, FLIPPED = 24, 4, 12, 3
+ROUNDS, LAST, MENDINGS, FLIPPED = 24, 2, 12, 3
 
 STALLED = 2
 """Mendings after which edges are no longer flipped, and, twice as many, there must be fewer to mend than there were."""

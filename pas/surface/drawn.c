@@ -122,6 +122,63 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
     return state;
 }
 
+/* The distances (count) of points from the surface, to first order. */
+int pas_distances(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+                  const whole *starts, const double *tables, whole count, const double *points, double *distances)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double));
+    whole *piece = malloc((count + 1) * sizeof(whole));
+    int state = jets && piece ? 0 : -1;
+    if (state == 0) {
+        find(faces, weights, piece_of, count, points, jets, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, count, points, piece, jets);
+    }
+    for (whole p = 0; state == 0 && p < count; p++) {
+        const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
+        distances[p] = fabs(jets[p]) / at_least(sqrt(x * x + y * y + z * z), 1e-300);
+    }
+    free(jets);
+    free(piece);
+    return state;
+}
+
+/* Points moved onto the surface along gradients in at most so many steps, the last one shorter than `close`, and the
+   gradients there (count, 3). */
+int pas_closed(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+               const whole *starts, const double *tables, whole count, whole steps, double close, double *points,
+               double *gradients)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
+    whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
+    int state = jets && places && piece ? 0 : -1;
+    for (whole p = 0; state == 0 && p < count; p++) rows[p] = p;
+    for (whole step = 0; state == 0 && left && step < steps; step++) {
+        for (whole k = 0; k < left; k++)
+            for (int i = 0; i < 3; i++) places[3 * k + i] = points[3 * rows[k] + i];
+        find(faces, weights, piece_of, left, places, jets, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, left, places, piece, jets);
+        whole moving = 0;
+        for (whole k = 0; state == 0 && k < left; k++) {
+            const double g[3] = {jets[left + k], jets[2 * left + k], jets[3 * left + k]};
+            const double square = at_least(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300);
+            const whole p = rows[k];
+            double largest = 0;
+            for (int i = 0; i < 3; i++) {
+                const double way = -jets[k] * g[i] / square;
+                points[3 * p + i] += way;
+                gradients[3 * p + i] = g[i];
+                if (fabs(way) > largest) largest = fabs(way);
+            }
+            if (largest > close) rows[moving++] = p;
+        }
+        left = moving;
+    }
+    free(jets);
+    free(places);
+    free(piece);
+    return state;
+}
+
 /* Where rays from the middles of curves of given numbers (count), in their planes, through points meet the curves. */
 int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const double *tables, const double *middles,
                  const double *normals, whole count, const double *points, const whole *numbers, whole steps,

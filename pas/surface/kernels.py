@@ -134,6 +134,19 @@ class CompiledForms:
         self._call("pas_drawn", *given, moved, gradients, bends, lost)
         return moved, gradients, bends, lost
 
+    def distances(self, faces: Faces, rows: Rows, points: Floats) -> Floats:
+        """See `pas.surface.patch_field.PatchField.distances`; `rows` are those of values and gradients."""
+        result, tables = np.empty(len(points)), (rows.degrees, rows.starts, rows.coefficients)
+        self._call("pas_distances", *faces, len(rows.starts), *tables, len(points), points, result)
+        return result
+
+    def closed(self, faces: Faces, rows: Rows, points: Floats, limits: tuple[int, float]) -> tuple[Floats, Floats]:
+        """See `pas.surface.patch_field.PatchField.closed`; `rows` are those of values and gradients."""
+        result, gradients = np.array(points, order="C"), np.empty((len(points), 3))
+        tables = (rows.degrees, rows.starts, rows.coefficients)
+        self._call("pas_closed", *faces, len(rows.starts), *tables, len(points), *limits, result, gradients)
+        return result, gradients
+
     def on_rings(
         self,
         rows: Rows,

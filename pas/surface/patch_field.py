@@ -14,7 +14,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
 from pas.surface.geometry import JETS, derived
-from pas.surface.kernels import Faces, compiled
+from pas.surface.kernels import CompiledForms, Faces, compiled
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -48,6 +48,11 @@ class PatchField(ABC):
     outer: Faces | None = None
     """By which pieces are found, where there are such."""
 
+    def _kernel(self, count: int) -> tuple[CompiledForms, Faces] | None:
+        """Compiled code for so many points, and how it finds their pieces; None where numpy is to do it."""
+        kernel = None if self.outer is None else compiled(EACH * self._columns.size * count)
+        return None if kernel is None or self.outer is None else (kernel, self.outer)
+
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""
@@ -62,6 +67,9 @@ class PatchField(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,) of points (N, 3), to first order."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].distances(kernel[1], self._jets.ordered, points)
         jets = self._jets_at(points)
         return np.asarray(np.abs(jets[0]) / np.maximum(np.sqrt((jets[1:] * jets[1:]).sum(axis=0)), 1e-300))
 
@@ -79,11 +87,10 @@ class PatchField(ABC):
 
         By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
         """
-        kernel = None if self.outer is None else compiled(EACH * self._columns.size * len(points))
+        kernel = self._kernel(len(points))
         if kernel is not None:
-            assert self.outer is not None
             rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
-            moved, gradients, bends, lost = kernel.drawn(self.outer, rows, points, still, limits)
+            moved, gradients, bends, lost = kernel[0].drawn(kernel[1], rows, points, still, limits)
         else:
             moved, gradients, bends, lost = self._stepped(points, still)
         if lost.any():
@@ -108,10 +115,9 @@ class PatchField(ABC):
 
     def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,)."""
-        kernel = None if self.outer is None else compiled(EACH * self._columns.size * len(points))
+        kernel = self._kernel(len(points))
         if kernel is not None:
-            assert self.outer is not None
-            return kernel.bent(self.outer, self._bends.ordered, points)
+            return kernel[0].bent(kernel[1], self._bends.ordered, points)
         f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points))
         length = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-300)
         nx, ny, nz = gx / length, gy / length, gz / length
@@ -126,6 +132,9 @@ class PatchField(ABC):
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].closed(kernel[1], self._jets.ordered, points, (CLOSING, CLOSE))
         points = points.copy()
         gradients = np.empty_like(points)
         rows = np.arange(len(points))
