@@ -27,7 +27,7 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
         ((q - p) * normals[v][:, None]).sum(axis=2, keepdims=True) * normals[v][:, None] for v in (low, high)
     )
     on_edges = (1 - s) * p + s * q - s * (1 - s) ** 2 * first + s**2 * (1 - s) * last
-    inner = _inside(points, triangles, normals, weights)
+    inner = _inside(points, triangles, normals, weights) if len(weights) else np.empty((0, 3))
     grid = np.empty((count, len(border)), dtype=np.intp)
     inside = border < 0
     grid[:, inside] = size + on_edges.shape[0] * (m - 1) + np.arange(count * inside.sum()).reshape(count, -1)

@@ -20,7 +20,7 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.kernels import compiled
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, flipped_edges, settled, upright
+from pas.mesh.radial import Edges, centred, flipped, flipped_edges, middles, settled, slender, upright
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
@@ -40,7 +40,10 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-ROUNDS, LAST, MENDINGS, FLIPPED = 24, 2, 12, 3
+ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
+
+LAST, ENOUGH, SLENDER = 4, 2, 0.004
+"""Smoothings at the end, and how many do where no larger share of triangles has an angle below 30 degrees."""
 
 STALLED = 2
 """Mendings after which edges are no longer flipped, and, twice as many, there must be fewer to mend than there were."""
@@ -219,7 +222,9 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
         if not len(long):
             break
         graph = _relaxed(field, _split(field, graph, long, drawn=True)[0], tolerance)
-    for _ in range(LAST):
+    for step in range(LAST):
+        if step >= ENOUGH and slender(graph.points, graph.triangles) <= SLENDER * len(graph.triangles):
+            break
         graph = _relaxed(field, graph, tolerance)
     return graph
 
@@ -328,9 +333,7 @@ def distances(
     """
     triangles = np.arange(len(graph.triangles)) if changed is None else np.flatnonzero(changed)
     inner = np.arange(len(edges.inner)) if changed is None else np.flatnonzero(changed[edges.owners].any(axis=1))
-    a, b, c = (graph.points[graph.triangles[triangles, i]] for i in range(3))
-    p, q = (graph.points[edges.inner[inner, i]] for i in range(2))
-    found = field.distances(np.concatenate([(a + b + c) / 3, (p + q) / 2]))
+    found = field.distances(middles(graph.points, (graph.triangles, triangles), (edges.inner, inner)))
     inside, along = np.zeros(len(graph.triangles)), np.zeros(len(edges.every))
     inside[triangles], along[inner] = found[: len(triangles)], found[len(triangles) :]
     rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)

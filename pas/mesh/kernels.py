@@ -100,6 +100,18 @@ class CompiledTriangles:
         self._call("pas_moved", *given, *limits, result)
         return result
 
+    def slender(self, points: Floats, triangles: Integers) -> int:
+        """See `pas.mesh.radial.slender`."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_slender", len(triangles), triangles, points, number)
+        return int(number[0])
+
+    def middles(self, points: Floats, triangles: tuple[Integers, Integers], edges: tuple[Integers, Integers]) -> Floats:
+        """The centres of triangles and the middles of edges, both (N, 3), each given with which are chosen."""
+        result, (every, inside), (ends, along) = np.empty((len(triangles[1]) + len(edges[1]), 3)), triangles, edges
+        self._call("pas_middles", len(inside), inside, every, len(along), along, ends, points, result)
+        return result
+
     def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:
         """See `pas.mesh.graded.grown`."""
         result = sizes.copy()

@@ -47,3 +47,45 @@ int pas_moved(whole count, const whole *triangles, whole edges, const whole *eve
     free(before);
     return state;
 }
+
+/* The centres of chosen triangles (count), then the middles of chosen edges (edges), (count + edges, 3). */
+int pas_middles(whole count, const whole *chosen, const whole *triangles, whole edges, const whole *marked,
+                const whole *ends, const double *points, double *middles)
+{
+    for (whole k = 0; k < count; k++) {
+        const whole *v = triangles + 3 * chosen[k];
+        const double *a = points + 3 * v[0], *b = points + 3 * v[1], *c = points + 3 * v[2];
+        for (int i = 0; i < 3; i++) middles[3 * k + i] = (a[i] + b[i] + c[i]) / 3;
+    }
+    for (whole k = 0; k < edges; k++) {
+        const double *p = points + 3 * ends[2 * marked[k]], *q = points + 3 * ends[2 * marked[k] + 1];
+        for (int i = 0; i < 3; i++) middles[3 * (count + k) + i] = (p[i] + q[i]) / 2;
+    }
+    return 0;
+}
+
+static inline double square_of(const double *p, const double *q)
+{
+    const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+    return x * x + y * y + z * z;
+}
+
+/* How many triangles have an angle below 30 degrees: by the cosine opposite to the shortest side, squared. */
+int pas_slender(whole count, const whole *triangles, const double *points, whole *number)
+{
+    *number = 0;
+    for (whole t = 0; t < count; t++) {
+        const double *a = points + 3 * triangles[3 * t], *b = points + 3 * triangles[3 * t + 1];
+        const double *c = points + 3 * triangles[3 * t + 2];
+        double s[3] = {square_of(a, b), square_of(b, c), square_of(c, a)};
+        for (int k = 0; k < 3; k++) { /* in order */
+            const int i = k == 1 ? 1 : 0;
+            const double low = s[i] < s[i + 1] ? s[i] : s[i + 1], high = s[i] < s[i + 1] ? s[i + 1] : s[i];
+            s[i] = low;
+            s[i + 1] = high;
+        }
+        const double across = s[1] + s[2] - s[0];
+        *number += across * across > 3 * s[1] * s[2];
+    }
+    return 0;
+}

@@ -193,6 +193,16 @@ def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
     return np.flatnonzero((first[owners] == rank[:, None]).all(axis=1))
 
 
+def middles(points: Floats, triangles: tuple[Integers, Integers], edges: tuple[Integers, Integers]) -> Floats:
+    """The centres of triangles (T, 3) and the middles of edges (E, 2), each given with which are chosen, (N, 3)."""
+    kernel = compiled(len(triangles[1]) + len(edges[1]))
+    if kernel is not None:
+        return kernel.middles(points, triangles, edges)
+    a, b, c = (points[triangles[0][triangles[1], i]] for i in range(3))
+    p, q = (points[edges[0][edges[1], i]] for i in range(2))
+    return np.concatenate([(a + b + c) / 3, (p + q) / 2])
+
+
 def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
     """The way (N, 3) from each vertex to the mean of its triangles' centres, by their area over their size squared."""
     kernel = compiled(len(triangles))
@@ -220,6 +230,17 @@ def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats)
         if not len(corners) or (after[corners] == before[corners]).all():
             return after
         after[corners] = before[corners]
+
+
+def slender(points: Floats, triangles: Integers) -> int:
+    """How many triangles have an angle below 30 degrees: by the cosine opposite to the shortest side, squared."""
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.slender(points, triangles)
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    squares = np.sort([dots(b - a, b - a), dots(c - b, c - b), dots(a - c, a - c)], axis=0)
+    across = squares[1] + squares[2] - squares[0]
+    return int((across * across > 3 * squares[1] * squares[2]).sum())
 
 
 def smallest_angles(points: Floats, triangles: Integers) -> Floats:
