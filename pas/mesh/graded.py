@@ -148,12 +148,6 @@ def _placed(field: SheetField, points: Floats, triangles: Integers, rim: Integer
     return Graph(points, triangles, rim, unit_rows(gradients), np.zeros(len(points)))
 
 
-def _put(field: SheetField, points: Floats, rim: Integers) -> None:
-    inner = np.flatnonzero(rim < 0)
-    points[inner] = field.near(points[inner])
-    _to_rims(field, points, rim)
-
-
 def _drawn(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
     """With points near the surface drawn towards it, those of rims onto these."""
     points = points.copy()
@@ -244,11 +238,7 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
         there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
         rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
     fresh = points[size:].copy()
-    if drawn:
-        new = _drawn(field, fresh, triangles, rim[size:])
-    else:
-        _put(field, fresh, rim[size:])
-        new = looked_at(field, fresh, triangles, rim[size:])
+    new = (_drawn if drawn else _placed)(field, fresh, triangles, rim[size:])
     points[size:] = new.points
     normals, bends = np.concatenate([graph.normals, new.normals]), np.concatenate([graph.bends, new.bends])
     return Graph(points, triangles, rim, normals, bends), parents
