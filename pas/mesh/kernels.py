@@ -6,7 +6,6 @@ the same with numpy.
 
 from __future__ import annotations
 
-import threading
 from functools import cache
 from pathlib import Path
 
@@ -17,19 +16,11 @@ from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.bernstein.polar import Means
 from pas.mesh.field import Floats, Integers
+from pas.mesh.labelled_calls import LabelledCalls, room_for
 
 NAMES = (
-    "triangles",
-    "collapses",
-    "labelled",
-    "merges",
-    "keys",
-    "contour",
-    "octree",
-    "fans",
-    "lattice",
-    "splits",
-    "moves",
+    *("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice"),
+    *("splits", "moves", "finer"),
 )
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
@@ -37,11 +28,8 @@ EACH = 100
 """Products for a triangle in one of the functions, about."""
 
 
-class CompiledTriangles:
+class CompiledTriangles(LabelledCalls):
     """The functions of the compiled library; arrays are contiguous, numbers as large as pointers."""
-
-    def __init__(self, functions: Functions) -> None:
-        self._call = functions.call
 
     def upright(self, points: Floats, triangles: Integers, normals: Floats) -> Floats:
         """See `pas.mesh.radial.upright`."""
@@ -51,7 +39,7 @@ class CompiledTriangles:
 
     def edges(self, triangles: Integers, size: int) -> tuple[Integers, Integers, bool]:
         """All edges (E, 2), the inner ones first, whose owners (I, 2), and whether it is a manifold."""
-        return self._edges(triangles, size, _room(6 * len(triangles) + size + 2), sorted_=False)
+        return self._edges(triangles, size, room_for(6 * len(triangles) + size + 2), sorted_=False)
 
     def _edges(
         self, triangles: Integers, size: int, room: Integers, *, sorted_: bool
@@ -79,7 +67,7 @@ class CompiledTriangles:
     def _flipped(
         self, points: Floats, triangles: Integers, normals: Floats, limits: tuple[int, float, float]
     ) -> tuple[Integers, Integers, bool]:
-        result, room = triangles.copy(), _room(6 * len(triangles) + len(points) + 2)
+        result, room = triangles.copy(), room_for(6 * len(triangles) + len(points) + 2)
         last = np.empty(1, dtype=np.intp)
         self._call("pas_flipped", len(result), result, len(points), room, points, normals, *limits, last)
         return result, room, bool(last[0])
@@ -99,6 +87,26 @@ class CompiledTriangles:
         given = (len(triangles), triangles, len(every), every, inner, len(points), points, normals, bends, fixed)
         self._call("pas_moved", *given, *limits, result)
         return result
+
+    def finer(
+        self,
+        points: Floats,
+        triangles: Integers,
+        normals: Floats,
+        edges: tuple[Integers, Integers],
+        m: int,
+        shares: Floats,
+        weights: Floats,
+        places: tuple[Integers, Integers, Integers],
+        cut: Integers,
+    ) -> tuple[Floats, Integers]:
+        """See `pas.mesh.fine.finer`; `edges` are all (E, 2), and which of them each side is (3 T,)."""
+        (ends, side), size, count = edges, len(points), len(triangles)
+        result = np.empty((size + len(ends) * (m - 1) + count * len(weights), 3))
+        result[:size], smaller = points, np.empty((count * len(cut), 3), dtype=np.intp)
+        given = (count, triangles, size, points, normals, len(ends), ends, side, m, shares, len(weights), weights)
+        self._call("pas_finer", *given, *places, len(cut), cut, room_for((m + 1) * (m + 2)), result[size:], smaller)
+        return result, smaller
 
     def slender(self, points: Floats, triangles: Integers) -> int:
         """See `pas.mesh.radial.slender`."""
@@ -146,55 +154,6 @@ class CompiledTriangles:
         every, inner = edges
         arguments = (len(triangles), triangles, len(points), points, normals, sizes, len(every), inner, every, rim)
         self._call("pas_collapsed", *arguments, fixed, *limits, result)
-        return result
-
-    def labelled_edges(self, triangles: Integers, labels: Integers, size: int) -> tuple[Integers, Integers]:
-        """See `pas.mesh.labelled.Topology.edge_table`."""
-        count = len(triangles)
-        edges, both = np.empty((2, 3 * count // 2, 2), dtype=np.intp)
-        self._call("pas_labelled_edges", count, triangles, labels, size, _room(6 * count + size + 1), edges, both)
-        return edges, both
-
-    def labelled_pairs(self, triangles: Integers, labels: Integers, size: int, span: int) -> tuple[Integers, Integers]:
-        """The distinct `vertex * span + label`, sorted, and which of them each corner has (3 T,)."""
-        count, number = len(triangles), np.empty(1, dtype=np.intp)
-        keys, rows = np.empty((2, 3 * count), dtype=np.intp)
-        room = _room(3 * count + size + 1)
-        self._call("pas_labelled_pairs", count, triangles, labels, size, span, room, keys, rows, number)
-        return keys[: number[0]].copy(), rows
-
-    def flipped_faces(
-        self,
-        points: Floats,
-        triangles: tuple[Integers, Integers, Integers],
-        normals: Floats,
-        lines: tuple[NDArray[np.bool_], float] | None,
-        near: NDArray[np.bool_] | None,
-        passes: int,
-    ) -> Integers | None:
-        """The triangles, given with the rows of normals at their corners and their labels, after flips; None as before.
-
-        See `pas.mesh.remesh.flip`.
-        """
-        result, rows, labels = (t.copy() for t in triangles)
-        straight, limit = (labels, 0.0) if lines is None else lines
-        marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
-        number = np.empty(1, dtype=np.intp)
-        mesh = (len(result), result, rows, labels, len(points), _room(6 * len(result) + len(points) + 1), points)
-        limits = (straight, lines is not None, limit, marked, near is not None, passes)
-        self._call("pas_flipped_faces", *mesh, normals, np.empty((len(result), 3)), *limits, number)
-        return result if number[0] else None
-
-    def cosines(self, points: Floats, triangles: Integers, rows: Integers, normals: Floats, chosen: Integers) -> Floats:
-        """Those of chosen triangles, with the rows of normals at their corners; see `pas.mesh.remesh.cosines`."""
-        result = np.empty(len(chosen))
-        self._call("pas_cosines", len(chosen), chosen, triangles, rows, points, normals, result)
-        return result
-
-    def sizes(self, edges: Integers, lengths: Floats, seams: NDArray[np.bool_], size: int) -> Floats:
-        """See `pas.mesh.labelled.Labelled.sizes`."""
-        result, total = np.empty((2, size))
-        self._call("pas_sizes", len(edges), edges, lengths, seams, size, _room(size), total, result)
         return result
 
     def crossings(self, tetrahedra: Integers, negative: NDArray[np.bool_]) -> Integers:
@@ -277,7 +236,7 @@ class CompiledTriangles:
     def pieces(self, triangles: Integers, size: int) -> int:
         """See `pas.mesh.topology.piece_count`; there are so many vertices."""
         number = np.empty(1, dtype=np.intp)
-        self._call("pas_pieces", len(triangles), triangles, size, _room(size), number)
+        self._call("pas_pieces", len(triangles), triangles, size, room_for(size), number)
         return int(number[0])
 
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
@@ -286,45 +245,6 @@ class CompiledTriangles:
         inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
         self._call("pas_numbered", len(keys), keys, placed, distinct, inverse, number)
         return distinct[: number[0]].copy(), inverse
-
-    def merged_faces(
-        self,
-        points: Floats,
-        triangles: tuple[Integers, Integers, Integers],
-        normals: Floats,
-        edges: tuple[Integers, Integers],
-        collapses: tuple[Integers, Integers],
-        limits: tuple[Floats | None, Floats | None],
-        least: tuple[float, float, float, int],
-    ) -> NDArray[np.bool_]:
-        """Which collapses, of vertices removed (K,) into those kept (K,), are done together (K,).
-
-        The `triangles` are given with the rows of normals at their corners and their labels, the `edges` with the
-        number of labels of each vertex.  See `pas.mesh.collapse`.
-        """
-        (most, slenderest), (every, labels), (removed, kept) = limits, edges, collapses
-        mesh = (len(triangles[0]), *triangles, len(points), points, normals, len(every), every, labels)
-        off = points if most is None else most
-        heights, span = (points, 0) if slenderest is None else (slenderest, slenderest.shape[1])
-        chosen = np.empty(len(removed), dtype=bool)
-        given = (len(removed), removed, kept, off, most is not None, heights, span)
-        self._call("pas_merged_faces", *mesh, *given, *least, chosen)
-        return chosen
-
-
-class _Workspace(threading.local):
-    """Room for numbers that is used again: fresh memory takes longer than what is done with it."""
-
-    numbers: Integers = np.empty(0, dtype=np.intp)
-
-
-_WORKSPACE = _Workspace()
-
-
-def _room(count: int) -> Integers:
-    if len(_WORKSPACE.numbers) < count:
-        _WORKSPACE.numbers = np.empty(count, dtype=np.intp)
-    return _WORKSPACE.numbers
 
 
 def compiled(work: int) -> CompiledTriangles | None:
