@@ -40,6 +40,9 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
+TURN = 1.3
+"""How far the normals at the ends of edges are from one another at most; those of longer edges are split."""
+
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
 LAST, ENOUGH, SLENDER = 4, 2, 0.004
@@ -212,6 +215,8 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
         checkpoint(f"making the first triangles ({len(graph.triangles)})")
         sizes, every = _sizes(field, graph, tolerance), graph.edges.every
         ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
+        turn = graph.normals[every[:, 1]] - graph.normals[every[:, 0]]
+        ratio = np.maximum(ratio, LONG / TURN * np.sqrt(dots(turn, turn)))
         long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
         if not len(long):
             break
