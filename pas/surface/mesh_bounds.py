@@ -174,13 +174,13 @@ def _on_sides(
     least, touched = np.full(len(corners), np.inf), stage.touched(corners)
     code = marks @ np.array([1, 2, 4])
     for maker, near in zip(stage.makers, touched, strict=True):
+        gradients = maker.gradients(corners[near])
+        slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
         for pattern in np.unique(code[near]).tolist():
-            rows = near[code[near] == pattern]
-            gradients = maker.gradients(corners[rows])
-            chosen = gradients[:, on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))]
-            size = np.sqrt((gradients**2).sum(axis=0).max(axis=0))
-            slope = np.einsum("tx,xkt->kt", along[rows], chosen).min(axis=0)
-            least[rows] = np.minimum(least[rows], slope - _slack(size, maker.gradient_error, loose[rows]))
+            here = np.flatnonzero(code[near] == pattern)
+            marked = on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))
+            slope = np.einsum("tx,xkt->kt", along[near[here]], gradients[:, marked][..., here]).min(axis=0)
+            least[near[here]] = np.minimum(least[near[here]], slope - slack[here])
     return least, _times(touched, len(corners)) > 1
 
 
