@@ -40,8 +40,9 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-TURN = 1.3
-"""How far the normals at the ends of edges are from one another at most; those of longer edges are split."""
+TURN, TURNS = 1.3, 3
+"""How far the normals at the ends of edges may be from one another, else these are split, in so many rounds: where a
+surface nearly meets itself they stay so."""
 
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
@@ -211,12 +212,12 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """The mesh with edges of the lengths that the curvature lets them have."""
-    for _ in range(ROUNDS):
+    for step in range(ROUNDS):
         checkpoint(f"making the first triangles ({len(graph.triangles)})")
         sizes, every = _sizes(field, graph, tolerance), graph.edges.every
         ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
-        turn = graph.normals[every[:, 1]] - graph.normals[every[:, 0]]
-        ratio = np.maximum(ratio, LONG / TURN * np.sqrt(dots(turn, turn)))
+        if step < TURNS:
+            ratio = np.maximum(ratio, LONG / TURN * _lengths(graph.normals, every))
         long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
         if not len(long):
             break
