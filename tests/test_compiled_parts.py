@@ -15,6 +15,7 @@ from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving
+from pas.mesh.fine import finer
 from pas.mesh.graded import _moved, looked_at
 from pas.mesh.lattice import Subdivision, eighths
 from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
@@ -217,6 +218,30 @@ def test_points_are_moved_alike(both):
     assert same(found)
     assert np.array_equal(found[0][0], found[0][4])
     assert found[0][7] == (smallest_angles(points, mesh.triangles) < 30).sum() > 0
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 5])
+def test_triangles_are_cut_into_small_ones_alike(both, m):
+    rng = np.random.default_rng(m)
+    mesh = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface((-2,) * 3, (2,) * 3).mesh(1e-1)
+    units = mesh.points / np.linalg.norm(mesh.points, axis=1)[:, None]
+    found = both(lambda: finer(units, mesh.triangles, units, m))
+    assert same(found)
+    others = units + rng.normal(scale=0.1, size=units.shape)
+    assert same(both(lambda: finer(units, mesh.triangles, others, m)))
+    points, triangles = found[0]
+    assert len(triangles) == m * m * len(mesh.triangles)
+    assert Edges(triangles, len(points)).manifold
+    assert euler_characteristic(triangles) == 2
+    assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=2e-2)
+
+
+def test_triangles_cut_from_coarse_ones_are_good_where_the_surface_is_bent():
+    text = "32*(x^6 + y^6 + z^6) - 48*(x^4 + y^4 + z^4) + 18*(x^2 + y^2 + z^2) - 3 + 1/4"
+    mesh = pas.Polynomial(text).surface(["-6/5"] * 3, ["6/5"] * 3).mesh(2.4e-4)
+    angles = mesh.smallest_angles
+    assert angles.min() > 15
+    assert np.percentile(angles, 1) > 28
 
 
 @pytest.mark.parametrize("name", ["corner", "torus"])
