@@ -6,7 +6,7 @@ Coefficients of several parts have many such values in common, and each is worke
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -20,8 +20,8 @@ from pas.bernstein.subdivision import edges
 Node = tuple[int, ...]
 """A corner of a simplex or the middle of an edge, by barycentric coordinates in halves."""
 
-Arguments = tuple[Node, ...]
-"""Of a polar form, in order."""
+Times = tuple[int, ...]
+"""How often each of some nodes is an argument of a polar form; the corners come first."""
 
 
 @dataclass(frozen=True)
@@ -50,26 +50,32 @@ class Means:
 def means(degree: int, parts: Sequence[Sequence[Node]]) -> Means:
     """Those of parts whose corners, as many as the simplex has, are given."""
     vertices = len(parts[0])
+    ends = [_end(k, vertices) for k in range(vertices)]
+    nodes = [*ends, *sorted({node for part in parts for node in part if node not in ends})]
+    edge_of = [[k for k, share in enumerate(node) if share] for node in nodes]
     indices = homogeneous_exponents(degree, vertices)
-    found: dict[Arguments, tuple[Arguments, ...]] = {}
+    found: dict[Times, tuple[Times, ...]] = {}
 
-    def find(arguments: Arguments) -> None:
-        if arguments not in found:
-            found[arguments] = _replaced(arguments)
-            for one in found[arguments]:
-                find(one)
+    def find(times: Times) -> Times:
+        """Look for the values with the last middle replaced by each end of its edge, if there is a middle."""
+        if times not in found:
+            last = max((k for k, number in enumerate(times) if number), default=0)
+            halves = [_replaced(times, last, end) for end in edge_of[last]] if last >= vertices else []
+            found[times] = tuple(find(half) for half in halves)
+        return times
 
-    own = [_arguments([_end(k, vertices) for k in range(vertices)], index) for index in indices]
-    wanted = [[_arguments(part, index) for index in indices] for part in parts]
-    for arguments in own + [one for part in wanted for one in part]:
-        find(arguments)
-    known = set(own)
-    order = sorted((sum(map(_is_middle, one)), one) for one in found if one not in known)
-    place = {one: number for number, one in enumerate(own + [one for _, one in order])}
-    halves = [[0, 0]] * len(own) + [[place[half] for half in found[one]] for _, one in order]
-    times = [0] * len(own) + [number for number, _ in order]
-    levels = tuple(int(np.searchsorted(times, number)) for number in range(1, degree + 2))
-    taken = np.array([[place[one] for one in part] for part in wanted], dtype=np.intp)
+    own = [(*index, *[0] * (len(nodes) - vertices)) for index in indices]
+    wanted = [
+        [find(_times([nodes.index(node) for node in part], index, len(nodes))) for index in indices] for part in parts
+    ]
+    for times in own:
+        find(times)
+    order = sorted((degree - sum(times[:vertices]), times) for times in found if found[times])
+    place = {times: number for number, times in enumerate(own + [times for _, times in order])}
+    halves = [[0, 0]] * len(own) + [[place[half] for half in found[times]] for _, times in order]
+    number = [0] * len(own) + [middles for middles, _ in order]
+    levels = tuple(int(np.searchsorted(number, middles)) for middles in range(1, degree + 2))
+    taken = np.array([[place[times] for times in part] for part in wanted], dtype=np.intp)
     return Means(np.array(halves, dtype=np.intp), levels, taken)
 
 
@@ -91,19 +97,17 @@ def _end(number: int, vertices: int) -> Node:
     return tuple(2 * (i == number) for i in range(vertices))
 
 
-def _arguments(corners: Sequence[Node], times: Iterable[int]) -> Arguments:
-    return tuple(sorted(node for node, number in zip(corners, times, strict=True) for _ in range(number)))
+def _times(places: Sequence[int], index: Sequence[int], size: int) -> Times:
+    """How often each of so many nodes is an argument, where those at some places are as often as an index says."""
+    times = [0] * size
+    for place, number in zip(places, index, strict=True):
+        times[place] += number
+    return tuple(times)
 
 
-def _is_middle(node: Node) -> bool:
-    return max(node) == 1
-
-
-def _replaced(arguments: Arguments) -> tuple[Arguments, ...]:
-    """The arguments with the last that is a middle replaced by each end of its edge; none without one."""
-    middles = [node for node in arguments if _is_middle(node)]
-    if not middles:
-        return ()
-    rest, ends = list(arguments), [k for k, share in enumerate(middles[-1]) if share]
-    rest.remove(middles[-1])
-    return tuple(tuple(sorted([*rest, _end(k, len(middles[-1]))])) for k in ends)
+def _replaced(times: Times, node: int, end: int) -> Times:
+    """The same with one node less and an end more."""
+    result = list(times)
+    result[node] -= 1
+    result[end] += 1
+    return tuple(result)
