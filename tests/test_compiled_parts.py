@@ -236,14 +236,6 @@ def test_triangles_are_cut_into_small_ones_alike(both, m):
     assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=2e-2)
 
 
-def test_triangles_cut_from_coarse_ones_are_good_where_the_surface_is_bent():
-    text = "32*(x^6 + y^6 + z^6) - 48*(x^4 + y^4 + z^4) + 18*(x^2 + y^2 + z^2) - 3 + 1/4"
-    mesh = pas.Polynomial(text).surface(["-6/5"] * 3, ["6/5"] * 3).mesh(2.4e-4)
-    angles = mesh.smallest_angles
-    assert angles.min() > 15
-    assert np.percentile(angles, 1) > 28
-
-
 @pytest.mark.parametrize("name", ["corner", "torus"])
 def test_fields_of_surfaces_are_the_same_bits(both, name):
     if name == "corner":

@@ -40,10 +40,6 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-TURN, TURNS = 1.3, 3
-"""How far the normals at the ends of edges may be from one another, else these are split, in so many rounds: where a
-surface nearly meets itself they stay so."""
-
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
 LAST, ENOUGH, SLENDER = 4, 2, 0.004
@@ -152,6 +148,12 @@ def _placed(field: SheetField, points: Floats, triangles: Integers, rim: Integer
     return Graph(points, triangles, rim, unit_rows(gradients), np.zeros(len(points)))
 
 
+def _put(field: SheetField, points: Floats, rim: Integers) -> None:
+    inner = np.flatnonzero(rim < 0)
+    points[inner] = field.near(points[inner])
+    _to_rims(field, points, rim)
+
+
 def _drawn(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
     """With points near the surface drawn towards it, those of rims onto these."""
     points = points.copy()
@@ -212,12 +214,10 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """The mesh with edges of the lengths that the curvature lets them have."""
-    for step in range(ROUNDS):
+    for _ in range(ROUNDS):
         checkpoint(f"making the first triangles ({len(graph.triangles)})")
         sizes, every = _sizes(field, graph, tolerance), graph.edges.every
         ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
-        if step < TURNS:
-            ratio = np.maximum(ratio, LONG / TURN * _lengths(graph.normals, every))
         long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
         if not len(long):
             break
@@ -244,7 +244,11 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
         there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
         rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
     fresh = points[size:].copy()
-    new = (_drawn if drawn else _placed)(field, fresh, triangles, rim[size:])
+    if drawn:
+        new = _drawn(field, fresh, triangles, rim[size:])
+    else:
+        _put(field, fresh, rim[size:])
+        new = looked_at(field, fresh, triangles, rim[size:])
     points[size:] = new.points
     normals, bends = np.concatenate([graph.normals, new.normals]), np.concatenate([graph.bends, new.bends])
     return Graph(points, triangles, rim, normals, bends), parents
