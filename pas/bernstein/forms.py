@@ -157,8 +157,8 @@ def nearby_forms(
     table = np.stack([tables[id(p)] for p in polynomials], axis=1)
     places = np.array([[(1.0, *to_floats(corner)) for corner in s] for s in simplices]).transpose(1, 2, 0)
     with np.errstate(all="ignore"):  # what is not finite is rounded
-        both = np.concatenate([table, np.abs(table)], axis=1), np.concatenate([places, np.abs(places)], axis=2)
-        forms, sizes = np.split(np.stack(list(_blossom(both[0], degree, both[1])), axis=1), 2)
+        forms = np.stack(list(_blossom(table, degree, places)), axis=1)
+        sizes = np.stack(list(_blossom(np.abs(table), degree, np.abs(places))), axis=1)
         largest = np.abs(forms).max(axis=1)
         errors = 2 * (5 * degree + 3) * UNIT_ROUNDOFF * sizes.max(axis=1) / largest + UNIT_ROUNDOFF
         forms /= largest[:, None]

@@ -152,7 +152,8 @@ class Partition:
     def _check_faces(self) -> None:
         """That a face belongs to one cell, or to two on either side of it."""
         for triangle, owners in self._owners.items():
-            if len(owners) > 2 or (len(owners) == 2 and len({self._side(triangle, owner) for owner in owners}) == 1):
+            sides = [self._side(triangle, owner) for owner in owners] if len(owners) == 2 else []
+            if len(owners) > 2 or (len(owners) == 2 and sides[0] == sides[1]):
                 cells = " and ".join(str(owner + 1) for owner in owners)
                 raise GeometryError(f"cells {cells} of the partition overlap at a common face")
 
