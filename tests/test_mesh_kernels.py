@@ -87,7 +87,9 @@ def test_rough_meshes_are_changed_alike(monkeypatch):
     for kernel in ("numpy", "compiled"):
         monkeypatch.setenv(VARIABLE, kernel)
         triangles = flipped(points, mesh.triangles, mesh.point_normals)
-        left, smaller = collapsed(points, triangles, mesh.point_normals, rim, fixed, np.full(len(points), 0.6))
+        left, smaller = collapsed(
+            points, Edges(triangles, len(points)), mesh.point_normals, rim, fixed, np.full(len(points), 0.6)
+        )
         edges = Edges(triangles[10:], len(points))
         found.append([triangles, left, smaller, edges.every, edges.owners])
     assert not np.array_equal(found[0][0], mesh.triangles)

@@ -15,6 +15,7 @@ import platform
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -77,36 +78,48 @@ class Functions:
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = library
+        self._declared: dict[str, Callable[..., int]] = {}
 
     def call(self, name: str, *arguments: NDArray[Any] | float) -> None:
-        """Arrays by their addresses, whole numbers as large as pointers, and doubles.
+        """Arrays by their addresses, whole numbers as large as pointers, and doubles: of the same kinds in all calls.
 
         Arrays to be written must be contiguous.  Raises `MemoryError` where there was no room.
         """
         held = [_held(value) if isinstance(value, np.ndarray) else value for value in arguments]
-        if getattr(self._library, name)(*map(_argument, held)):
+        function = self._declared.get(name) or self._declare(name, held)
+        if function(*[address_of(value) if isinstance(value, np.ndarray) else value for value in held]):
             raise MemoryError(f"there is no memory for {name}")
+
+    def _declare(self, name: str, held: list[NDArray[Any] | float]) -> Callable[..., int]:
+        function = getattr(self._library, name)
+        function.argtypes = [_kind(value) for value in held]
+        self._declared[name] = function
+        return function
 
 
 def _held(array: NDArray[Any]) -> NDArray[Any]:
     """An array as the functions take it; those that they write to already are."""
-    if array.flags.c_contiguous and array.dtype in _TAKEN:
+    if array.dtype.char in _TAKEN and array.flags.c_contiguous:
         return array
     return np.ascontiguousarray(array, dtype=np.intp if array.dtype.kind == "i" else None)
 
 
-_TAKEN = (np.dtype(np.float64), np.dtype(np.intp), np.dtype(np.bool_))
+_TAKEN = {np.dtype(kind).char for kind in (np.float64, np.intp, np.bool_)}
 
 
-def _argument(value: Any) -> Any:
+def _kind(value: NDArray[Any] | float) -> Any:
     if isinstance(value, np.ndarray):
-        return ctypes.c_void_p(address_of(value))
-    return ctypes.c_double(value) if isinstance(value, float) else ctypes.c_ssize_t(value)
+        return ctypes.c_void_p
+    return ctypes.c_double if isinstance(value, float) else ctypes.c_ssize_t
 
 
 def address_of(array: NDArray[Any]) -> int:
     """Where the numbers of a contiguous array stand."""
-    return int(array.__array_interface__["data"][0])
+    try:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]  # faster than the other
+    except (TypeError, ValueError):  # not to be written to, or empty
+        address: int = array.__array_interface__["data"][0]
+        return address
 
 
 @cache

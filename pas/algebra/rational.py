@@ -163,7 +163,10 @@ def binary_exponent(value: fmpq) -> int:
 
 def dot(left: Sequence[fmpq], right: Sequence[fmpq]) -> fmpq:
     """Exact scalar product."""
-    return sum((a * b for a, b in zip(left, right, strict=True)), fmpq(0))
+    total = fmpq(0)
+    for a, b in zip(left, right, strict=True):
+        total += a * b
+    return total
 
 
 def minus(left: Vector, right: Vector) -> Vector:

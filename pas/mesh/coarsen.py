@@ -26,14 +26,14 @@ ROUNDS = 4
 
 
 def collapsed(
-    points: Floats, triangles: Integers, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats
+    points: Floats, edges: Edges, normals: Floats, rim: Integers, fixed: np.ndarray, sizes: Floats
 ) -> tuple[Integers, Integers]:
     """The vertices (M,) that are left, and the triangles of them, after one pass.
 
     Edges should be as long as `sizes` (N,) say.  Vertices of the boundary (`rim` >= 0) go only along it, the `fixed`
     (N,) stay.
     """
-    edges = Edges(triangles, len(points))
+    triangles = edges.triangles
     kernel = compiled(ROUNDS * len(triangles))
     if kernel is None:
         target = _target(points, edges, normals, rim, fixed, sizes)

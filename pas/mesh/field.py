@@ -84,8 +84,11 @@ class SheetField(Field, Protocol):
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 
-    def drawn(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them."""
+    def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
+        """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them.
+
+        Those that are `still` (N,) stay.
+        """
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""

@@ -7,6 +7,8 @@ from functools import cache
 import numpy as np
 
 from pas.mesh.field import Floats, Integers
+from pas.mesh.kernels import compiled
+from pas.mesh.rows import dots
 from pas.mesh.topology import distinct, numbered
 
 
@@ -16,17 +18,23 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
     Edges are cubics tangent to the surface at both ends (Hermite); inside, their offsets are blended.
     """
     size, count = len(points), len(triangles)
+    if m == 1:
+        return points, triangles
     weights, cut, border = _template(m)
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     keys = np.minimum(start, end) * size + np.maximum(start, end)
     edges, place = numbered(keys)
     low, high = edges // size, edges % size
-    s = (np.arange(1, m) / m)[None, :, None]
-    p, q = points[low][:, None], points[high][:, None]
-    first, last = (
-        ((q - p) * normals[v][:, None]).sum(axis=2, keepdims=True) * normals[v][:, None] for v in (low, high)
-    )
-    on_edges = (1 - s) * p + s * q - s * (1 - s) ** 2 * first + s**2 * (1 - s) * last
+    s = np.arange(1, m) / m
+    shares = np.stack([1 - s, s, s * (1 - s) ** 2, s**2 * (1 - s)], axis=1)
+    kernel = compiled(m * m * count)
+    if kernel is not None:
+        places = _corners(m), _sides(m), np.flatnonzero(border < 0)
+        ends = np.stack([low, high], axis=1), place
+        return kernel.finer(points, triangles, normals, ends, m, shares, weights, places, cut)
+    p, q, n, k = points[low], points[high], normals[low], normals[high]
+    first, last = dots(q - p, n)[:, None] * n, dots(q - p, k)[:, None] * k
+    on_edges = np.stack([u * p + v * q - x * first + y * last for u, v, x, y in shares], axis=1)
     inner = _inside(points, triangles, normals, weights)
     grid = np.empty((count, len(border)), dtype=np.intp)
     inside = border < 0
@@ -48,15 +56,14 @@ def points_on_edges(triangles: Integers, size: int, m: int, chosen: Integers) ->
 
 def _inside(points: Floats, triangles: Integers, normals: Floats, weights: Floats) -> Floats:
     """The points (T, K, 3) inside triangles at barycentric coordinates (K, 3)."""
-    corners = points[triangles]
-    result = np.asarray(np.einsum("kc,tcx->tkx", weights, corners))
-    for e in range(3):
-        a, b = e, (e + 1) % 3
-        way = corners[:, b] - corners[:, a]
-        n, k = normals[triangles[:, a]], normals[triangles[:, b]]
-        bow = (way * k).sum(axis=1)[:, None] * k - (way * n).sum(axis=1)[:, None] * n
-        result += 0.5 * (weights[:, a] * weights[:, b])[None, :, None] * bow[:, None]
-    return result
+    p, n = points[triangles].transpose(1, 0, 2), normals[triangles].transpose(1, 0, 2)
+    w = weights.T[:, None, :, None]
+    result = w[0] * p[0][:, None] + w[1] * p[1][:, None] + w[2] * p[2][:, None]
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        way = p[b] - p[a]
+        bow = dots(way, n[b])[:, None] * n[b] - dots(way, n[a])[:, None] * n[a]
+        result += 0.5 * (w[a] * w[b]) * bow[:, None]
+    return np.asarray(result)
 
 
 @cache

@@ -9,6 +9,7 @@ topology.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,8 +20,8 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.kernels import compiled
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, settled, upright
-from pas.mesh.refine import require_room, split, too_many, with_longest
+from pas.mesh.radial import Edges, centred, flipped, flipped_edges, middles, settled, slender, upright
+from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
 
@@ -39,7 +40,10 @@ FOLDED = 0.3
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
-ROUNDS, LAST, MENDINGS, FLIPPED = 24, 4, 12, 3
+ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
+
+LAST, ENOUGH, SLENDER = 4, 2, 0.004
+"""Smoothings at the end, and how many do where no larger share of triangles has an angle below 30 degrees."""
 
 STALLED = 2
 """Mendings after which edges are no longer flipped, and, twice as many, there must be fewer to mend than there were."""
@@ -64,6 +68,11 @@ class Graph:
     normals: Floats
     bends: Floats
 
+    @cached_property
+    def edges(self) -> Edges:
+        """All edges."""
+        return Edges(self.triangles, len(self.points))
+
 
 def fineness(field: SheetField, tolerance: float) -> int:
     """Into how many parts the edges of the first triangles are cut."""
@@ -81,7 +90,7 @@ def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None
     fits = max(1, int(np.sqrt(most / len(graph.triangles))))
     if fits < m or len(graph.triangles) > most:
         measured = _cut(field, graph, fits)
-        reached = _farthest(*distances(field, measured, Edges(measured.triangles, len(measured.points))))
+        reached = _farthest(*distances(field, measured, measured.edges))
         raise too_many(field, len(measured.triangles), most, tolerance, reached)
     return _mended(field, _cut(field, graph, m), tolerance, most)
 
@@ -112,7 +121,7 @@ def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
     """Each triangle cut into m^2, the points on the surface."""
     points, triangles = finer(graph.points, graph.triangles, graph.normals, m)
     rim = np.concatenate([graph.rim, np.full(len(points) - len(graph.points), -1)])
-    border = Edges(graph.triangles, len(graph.points)).rim
+    border = graph.edges.rim
     if len(border) and m > 1:
         rows = points_on_edges(graph.triangles, len(graph.points), m, border)
         rim[rows] = rims_of_edges(field, graph.points, graph.rim, border)[:, None]
@@ -147,12 +156,9 @@ def _put(field: SheetField, points: Floats, rim: Integers) -> None:
 
 def _drawn(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
     """With points near the surface drawn towards it, those of rims onto these."""
-    points, inner = points.copy(), rim < 0
-    gradients, bends = np.empty_like(points), np.empty(len(points))
-    points[inner], gradients[inner], bends[inner] = field.drawn(points[inner])
-    if not inner.all():
-        _to_rims(field, points, rim)
-        gradients[~inner], bends[~inner] = field.bending(points[~inner])
+    points = points.copy()
+    _to_rims(field, points, rim)
+    points, gradients, bends = field.drawn(points, rim >= 0)
     return Graph(points, triangles, rim, unit_rows(gradients), bends)
 
 
@@ -162,12 +168,12 @@ def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
         points[here] = field.on_rims(points[here], rim[here])
 
 
-def _sizes(field: SheetField, graph: Graph, tolerance: float, edges: Edges) -> Floats:
+def _sizes(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """How long edges should be at points (N,)."""
     longest = LONGEST * field.reach
     size = np.sqrt(8 * tolerance / np.maximum(graph.bends, 8 * tolerance / longest**2))
     size = np.minimum(size, BENT / np.maximum(graph.bends, BENT / longest))
-    return grown(graph.points, edges.every, size)
+    return grown(graph.points, graph.edges.every, size)
 
 
 def grown(points: Floats, edges: Integers, sizes: Floats) -> Floats:
@@ -194,10 +200,9 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """The mesh without the edges that are shorter than the curvature lets them be."""
     for step in range(THINNINGS):
         checkpoint(f"coarsening the first triangles ({len(graph.triangles)})")
-        edges = Edges(graph.triangles, len(graph.points))
-        sizes = _sizes(field, graph, tolerance, edges)
+        sizes = _sizes(field, graph, tolerance)
         fixed = _fixed(field, graph.rim)
-        left, triangles = collapsed(graph.points, graph.triangles, graph.normals, graph.rim, fixed, sizes)
+        left, triangles = collapsed(graph.points, graph.edges, graph.normals, graph.rim, fixed, sizes)
         few = len(graph.points) - len(left) <= FEW * len(graph.points)
         graph = Graph(graph.points[left], triangles, graph.rim[left], graph.normals[left], graph.bends[left])
         if few or step % SMOOTHED == SMOOTHED - 1:
@@ -211,27 +216,17 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """The mesh with edges of the lengths that the curvature lets them have."""
     for _ in range(ROUNDS):
         checkpoint(f"making the first triangles ({len(graph.triangles)})")
-        edges = Edges(graph.triangles, len(graph.points))
-        sizes = _sizes(field, graph, tolerance, edges)
-        every = edges.every
+        sizes, every = _sizes(field, graph, tolerance), graph.edges.every
         ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
-        long = _longest(graph.triangles, every, ratio, len(graph.points))
+        long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
         if not len(long):
             break
         graph = _relaxed(field, _split(field, graph, long, drawn=True)[0], tolerance)
-    for _ in range(LAST):
+    for step in range(LAST):
+        if step >= ENOUGH and slender(graph.points, graph.triangles) <= SLENDER * len(graph.triangles):
+            break
         graph = _relaxed(field, graph, tolerance)
     return graph
-
-
-def _longest(triangles: Integers, edges: Integers, ratio: Floats, size: int) -> Integers:
-    """The edges that are too long, and the longest of one of their triangles, each over what it should be."""
-    keys = edges.min(axis=1) * size + edges.max(axis=1)
-    order = np.argsort(keys)
-    start, end = triangles, triangles[:, [1, 2, 0]]
-    place = order[np.searchsorted(keys[order], np.minimum(start, end) * size + np.maximum(start, end))]
-    worst = place[np.arange(len(place)), ratio[place].argmax(axis=1)]
-    return edges[np.unique(worst[ratio[worst] > LONG])]
 
 
 def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tuple[Graph, Integers]:
@@ -243,7 +238,7 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
     pairs = chosen[np.argsort(chosen.min(axis=1) * size + chosen.max(axis=1))]  # in the order of the new points
     on_rim = np.flatnonzero((graph.rim[pairs] >= 0).all(axis=1))
     if len(on_rim):
-        border = Edges(graph.triangles, size).rim
+        border = graph.edges.rim
         keys = np.sort(border.min(axis=1) * size + border.max(axis=1))
         ends = pairs[on_rim].min(axis=1) * size + pairs[on_rim].max(axis=1)
         there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
@@ -261,25 +256,36 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
 
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """Flipped and smoothed once."""
-    triangles = flipped(graph.points, graph.triangles, graph.normals)
-    graph = replace(graph, triangles=triangles)
-    edges = Edges(triangles, len(graph.points))
-    sizes = _sizes(field, graph, tolerance, edges)
-    move = centred(graph.points, triangles, sizes)
-    move -= dots(move, graph.normals)[:, None] * graph.normals
-    v, before, after = edges.neighbours
-    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
-    move[_fixed(field, graph.rim)] = 0.0
-    new = _drawn(field, graph.points + move, triangles, graph.rim)
+    edges = flipped_edges(graph.points, graph.triangles, graph.normals)
+    graph, triangles = replace(graph, triangles=edges.triangles), edges.triangles
+    vars(graph)["edges"] = edges
+    new = _drawn(field, _moved(field, graph, tolerance), triangles, graph.rim)
     points = settled(graph.points, new.points, triangles, graph.normals)
     back = (points != new.points).any(axis=1)
     normals = np.where(back[:, None], graph.normals, new.normals)
-    return Graph(points, triangles, graph.rim, normals, np.where(back, graph.bends, new.bends))
+    relaxed = Graph(points, triangles, graph.rim, normals, np.where(back, graph.bends, new.bends))
+    vars(relaxed)["edges"] = edges
+    return relaxed
+
+
+def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
+    """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
+    edges, fixed, kernel = graph.edges, _fixed(field, graph.rim), compiled(len(graph.triangles))
+    if kernel is not None:
+        longest, every = LONGEST * field.reach, (edges.every, len(edges.inner))
+        limits = 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
+        return kernel.moved(graph.points, graph.triangles, every, graph.normals, graph.bends, fixed, limits)
+    move = centred(graph.points, graph.triangles, _sizes(field, graph, tolerance))
+    move -= dots(move, graph.normals)[:, None] * graph.normals
+    v, before, after = edges.neighbours
+    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
+    move[fixed] = 0.0
+    return graph.points + move
 
 
 def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
     counts: list[int] = []
-    edges = Edges(graph.triangles, len(graph.points))
+    edges = graph.edges
     inside, along = distances(field, graph, edges)
     nearest = _farthest(inside[inside <= tolerance], along[along <= tolerance])
     while True:
@@ -296,7 +302,7 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
         far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
         require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
         graph, changed = _halved(field, graph, far, FLIPPED if len(counts) <= STALLED else 0)
-        edges = Edges(graph.triangles, len(graph.points))
+        edges = graph.edges
         inside, along = distances(field, graph, edges, changed)
         nearest = max(nearest, _farthest(inside[inside <= tolerance], along[along <= tolerance]))
 
@@ -327,9 +333,7 @@ def distances(
     """
     triangles = np.arange(len(graph.triangles)) if changed is None else np.flatnonzero(changed)
     inner = np.arange(len(edges.inner)) if changed is None else np.flatnonzero(changed[edges.owners].any(axis=1))
-    a, b, c = (graph.points[graph.triangles[triangles, i]] for i in range(3))
-    p, q = (graph.points[edges.inner[inner, i]] for i in range(2))
-    found = field.distances(np.concatenate([(a + b + c) / 3, (p + q) / 2]))
+    found = field.distances(middles(graph.points, (graph.triangles, triangles), (edges.inner, inner)))
     inside, along = np.zeros(len(graph.triangles)), np.zeros(len(edges.every))
     inside[triangles], along[inner] = found[: len(triangles)], found[len(triangles) :]
     rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)

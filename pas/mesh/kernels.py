@@ -6,7 +6,6 @@ the same with numpy.
 
 from __future__ import annotations
 
-import threading
 from functools import cache
 from pathlib import Path
 
@@ -15,20 +14,22 @@ from numpy.typing import NDArray
 
 from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
+from pas.bernstein.polar import Means
 from pas.mesh.field import Floats, Integers
+from pas.mesh.labelled_calls import LabelledCalls, room_for
 
-NAMES = ("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans")
+NAMES = (
+    *("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice"),
+    *("splits", "moves", "finer"),
+)
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
 EACH = 100
 """Products for a triangle in one of the functions, about."""
 
 
-class CompiledTriangles:
+class CompiledTriangles(LabelledCalls):
     """The functions of the compiled library; arrays are contiguous, numbers as large as pointers."""
-
-    def __init__(self, functions: Functions) -> None:
-        self._call = functions.call
 
     def upright(self, points: Floats, triangles: Integers, normals: Floats) -> Floats:
         """See `pas.mesh.radial.upright`."""
@@ -38,8 +39,13 @@ class CompiledTriangles:
 
     def edges(self, triangles: Integers, size: int) -> tuple[Integers, Integers, bool]:
         """All edges (E, 2), the inner ones first, whose owners (I, 2), and whether it is a manifold."""
-        room, sizes = _room(6 * len(triangles) + size + 2), np.empty(3, dtype=np.intp)
-        self._call("pas_edges", len(triangles), triangles, size, room, sizes)
+        return self._edges(triangles, size, room_for(6 * len(triangles) + size + 2), sorted_=False)
+
+    def _edges(
+        self, triangles: Integers, size: int, room: Integers, *, sorted_: bool
+    ) -> tuple[Integers, Integers, bool]:
+        sizes = np.empty(3, dtype=np.intp)
+        self._call("pas_edges", len(triangles), triangles, size, room, sorted_, sizes)
         inner, rim, manifold = sizes.tolist()
         every, owners = np.empty((inner + rim, 2), dtype=np.intp), np.empty((inner, 2), dtype=np.intp)
         self._call("pas_listed", len(triangles), triangles, size, room, inner, every, owners)
@@ -49,8 +55,69 @@ class CompiledTriangles:
         self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
     ) -> Integers:
         """See `pas.mesh.radial.flipped`."""
-        result, room = triangles.copy(), _room(6 * len(triangles) + len(points) + 2)
-        self._call("pas_flipped", len(result), result, len(points), room, points, normals, passes, gain, turned)
+        return self._flipped(points, triangles, normals, (passes, gain, turned))[0]
+
+    def flipped_edges(
+        self, points: Floats, triangles: Integers, normals: Floats, passes: int, gain: float, turned: float
+    ) -> tuple[Integers, tuple[Integers, Integers, bool]]:
+        """The same, and what `edges` says of it."""
+        found, room, sorted_ = self._flipped(points, triangles, normals, (passes, gain, turned))
+        return found, self._edges(found, len(points), room, sorted_=sorted_)
+
+    def _flipped(
+        self, points: Floats, triangles: Integers, normals: Floats, limits: tuple[int, float, float]
+    ) -> tuple[Integers, Integers, bool]:
+        result, room = triangles.copy(), room_for(6 * len(triangles) + len(points) + 2)
+        last = np.empty(1, dtype=np.intp)
+        self._call("pas_flipped", len(result), result, len(points), room, points, normals, *limits, last)
+        return result, room, bool(last[0])
+
+    def moved(
+        self,
+        points: Floats,
+        triangles: Integers,
+        edges: tuple[Integers, int],
+        normals: Floats,
+        bends: Floats,
+        fixed: NDArray[np.bool_],
+        limits: tuple[float, float, float, float, float],
+    ) -> Floats:
+        """See `pas.mesh.graded`: where points (N, 3) are moved to make triangles better, the rim's edges being last."""
+        result, (every, inner) = np.empty((len(points), 3)), edges
+        given = (len(triangles), triangles, len(every), every, inner, len(points), points, normals, bends, fixed)
+        self._call("pas_moved", *given, *limits, result)
+        return result
+
+    def finer(
+        self,
+        points: Floats,
+        triangles: Integers,
+        normals: Floats,
+        edges: tuple[Integers, Integers],
+        m: int,
+        shares: Floats,
+        weights: Floats,
+        places: tuple[Integers, Integers, Integers],
+        cut: Integers,
+    ) -> tuple[Floats, Integers]:
+        """See `pas.mesh.fine.finer`; `edges` are all (E, 2), and which of them each side is (3 T,)."""
+        (ends, side), size, count = edges, len(points), len(triangles)
+        result = np.empty((size + len(ends) * (m - 1) + count * len(weights), 3))
+        result[:size], smaller = points, np.empty((count * len(cut), 3), dtype=np.intp)
+        given = (count, triangles, size, points, normals, len(ends), ends, side, m, shares, len(weights), weights)
+        self._call("pas_finer", *given, *places, len(cut), cut, room_for((m + 1) * (m + 2)), result[size:], smaller)
+        return result, smaller
+
+    def slender(self, points: Floats, triangles: Integers) -> int:
+        """See `pas.mesh.radial.slender`."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_slender", len(triangles), triangles, points, number)
+        return int(number[0])
+
+    def middles(self, points: Floats, triangles: tuple[Integers, Integers], edges: tuple[Integers, Integers]) -> Floats:
+        """The centres of triangles and the middles of edges, both (N, 3), each given with which are chosen."""
+        result, (every, inside), (ends, along) = np.empty((len(triangles[1]) + len(edges[1]), 3)), triangles, edges
+        self._call("pas_middles", len(inside), inside, every, len(along), along, ends, points, result)
         return result
 
     def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:
@@ -89,55 +156,6 @@ class CompiledTriangles:
         self._call("pas_collapsed", *arguments, fixed, *limits, result)
         return result
 
-    def labelled_edges(self, triangles: Integers, labels: Integers, size: int) -> tuple[Integers, Integers]:
-        """See `pas.mesh.labelled.Topology.edge_table`."""
-        count = len(triangles)
-        edges, both = np.empty((2, 3 * count // 2, 2), dtype=np.intp)
-        self._call("pas_labelled_edges", count, triangles, labels, size, _room(6 * count + size + 1), edges, both)
-        return edges, both
-
-    def labelled_pairs(self, triangles: Integers, labels: Integers, size: int, span: int) -> tuple[Integers, Integers]:
-        """The distinct `vertex * span + label`, sorted, and which of them each corner has (3 T,)."""
-        count, number = len(triangles), np.empty(1, dtype=np.intp)
-        keys, rows = np.empty((2, 3 * count), dtype=np.intp)
-        room = _room(3 * count + size + 1)
-        self._call("pas_labelled_pairs", count, triangles, labels, size, span, room, keys, rows, number)
-        return keys[: number[0]].copy(), rows
-
-    def flipped_faces(
-        self,
-        points: Floats,
-        triangles: tuple[Integers, Integers, Integers],
-        normals: Floats,
-        lines: tuple[NDArray[np.bool_], float] | None,
-        near: NDArray[np.bool_] | None,
-        passes: int,
-    ) -> Integers | None:
-        """The triangles, given with the rows of normals at their corners and their labels, after flips; None as before.
-
-        See `pas.mesh.remesh.flip`.
-        """
-        result, rows, labels = (t.copy() for t in triangles)
-        straight, limit = (labels, 0.0) if lines is None else lines
-        marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
-        number = np.empty(1, dtype=np.intp)
-        mesh = (len(result), result, rows, labels, len(points), _room(6 * len(result) + len(points) + 1), points)
-        limits = (straight, lines is not None, limit, marked, near is not None, passes)
-        self._call("pas_flipped_faces", *mesh, normals, np.empty((len(result), 3)), *limits, number)
-        return result if number[0] else None
-
-    def cosines(self, points: Floats, triangles: Integers, rows: Integers, normals: Floats, chosen: Integers) -> Floats:
-        """Those of chosen triangles, with the rows of normals at their corners; see `pas.mesh.remesh.cosines`."""
-        result = np.empty(len(chosen))
-        self._call("pas_cosines", len(chosen), chosen, triangles, rows, points, normals, result)
-        return result
-
-    def sizes(self, edges: Integers, lengths: Floats, seams: NDArray[np.bool_], size: int) -> Floats:
-        """See `pas.mesh.labelled.Labelled.sizes`."""
-        result, total = np.empty((2, size))
-        self._call("pas_sizes", len(edges), edges, lengths, seams, size, _room(size), total, result)
-        return result
-
     def crossings(self, tetrahedra: Integers, negative: NDArray[np.bool_]) -> Integers:
         """The keys of crossed edges at the corners of triangles (3 T,); see `pas.mesh.contour.crossings`."""
         keys, number = np.empty(6 * len(tetrahedra), dtype=np.intp), np.empty(1, dtype=np.intp)
@@ -162,6 +180,46 @@ class CompiledTriangles:
         self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
 
+    def longest(
+        self, triangles: Integers, edges: Integers, ratio: Floats, size: int, limit: float
+    ) -> NDArray[np.bool_]:
+        """Which edges (E,) are the longest of a triangle and longer than `limit`; see `pas.mesh.refine.longest_of`."""
+        marks = np.empty(len(edges), dtype=np.bool_)
+        self._call("pas_longest", len(triangles), triangles, size, len(edges), edges, ratio, limit, marks)
+        return marks
+
+    def split(self, triangles: Integers, ends: NDArray[np.bool_], keys: Integers) -> tuple[Integers, Integers]:
+        """The triangles cut at edges with sorted keys, whose `ends` (N,) are marked, and those that they are parts of.
+
+        See `pas.mesh.refine.split`.
+        """
+        count, marks, numbers = len(triangles), np.empty((len(triangles), 3), dtype=np.intp), np.empty(4, dtype=np.intp)
+        self._call("pas_marked", count, triangles, len(ends), ends, len(keys), keys, marks, numbers)
+        total = int(numbers @ np.arange(1, 5))
+        parts, parents = np.empty((total, 3), dtype=np.intp), np.empty(total, dtype=np.intp)
+        self._call("pas_split", count, triangles, len(ends), marks, numbers, parts, parents)
+        return parts, parents
+
+    def eighths(
+        self, corners: Integers, parts: Means, rounding: float, keys: Integers, points: Floats, forms: Floats
+    ) -> tuple[Integers, Floats, Floats]:
+        """The `parts`, of given corners (8, 4, 4), that may hold zeros, of tetrahedra with numbers (T, 4) and places
+        (T, 4, 3) of corners, and forms (T, m); see `pas.mesh.lattice.Subdivision`."""
+        count, m, number = 8 * len(forms), forms.shape[1], np.empty(1, dtype=np.intp)
+        new_keys, new_points = np.empty((count, 4), dtype=np.intp), np.empty((count, 4, 3))
+        new_forms = np.empty((count, m))
+        tables = (len(parts.halves), parts.halves, parts.taken, corners, rounding, keys, points, forms)
+        self._call("pas_eighths", len(forms), m, *tables, new_keys, new_points, new_forms, number)
+        found = int(number[0])
+        return new_keys[:found], new_points[:found], new_forms[:found]
+
+    def risings(self, up: Integers, forms: Floats, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """See `pas.mesh.lattice.risings`; `up` (k, 4) says where coefficients stand that gradients are made of."""
+        means, least, sizes = np.empty((len(forms), 3)), np.empty(len(forms)), np.empty(len(forms))
+        given = (len(forms), forms.shape[1], len(up), up, forms, points)
+        self._call("pas_risings", *given, means, least, sizes)
+        return means, least, sizes
+
     def pinched(self, triangles: Integers, size: int, among: NDArray[np.bool_] | None) -> Integers:
         """See `pas.mesh.topology.pinched`; there are so many vertices."""
         kinds, marks = np.empty(size, dtype=np.bool_), np.empty(0, dtype=np.bool_) if among is None else among
@@ -169,51 +227,24 @@ class CompiledTriangles:
         found = kinds.view(np.int8)
         return np.flatnonzero(found == (1 if (found == 1).any() else 2))
 
+    def is_manifold(self, triangles: Integers, size: int) -> bool:
+        """See `pas.mesh.topology.is_manifold`; there are so many vertices."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_is_manifold", len(triangles), triangles, size, number)
+        return bool(number[0])
+
+    def pieces(self, triangles: Integers, size: int) -> int:
+        """See `pas.mesh.topology.piece_count`; there are so many vertices."""
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_pieces", len(triangles), triangles, size, room_for(size), number)
+        return int(number[0])
+
     def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
         """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
         distinct, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)
         inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
         self._call("pas_numbered", len(keys), keys, placed, distinct, inverse, number)
         return distinct[: number[0]].copy(), inverse
-
-    def merged_faces(
-        self,
-        points: Floats,
-        triangles: tuple[Integers, Integers, Integers],
-        normals: Floats,
-        edges: tuple[Integers, Integers],
-        collapses: tuple[Integers, Integers],
-        limits: tuple[Floats | None, Floats | None],
-        least: tuple[float, float, float, int],
-    ) -> NDArray[np.bool_]:
-        """Which collapses, of vertices removed (K,) into those kept (K,), are done together (K,).
-
-        The `triangles` are given with the rows of normals at their corners and their labels, the `edges` with the
-        number of labels of each vertex.  See `pas.mesh.collapse`.
-        """
-        (most, slenderest), (every, labels), (removed, kept) = limits, edges, collapses
-        mesh = (len(triangles[0]), *triangles, len(points), points, normals, len(every), every, labels)
-        off = points if most is None else most
-        heights, span = (points, 0) if slenderest is None else (slenderest, slenderest.shape[1])
-        chosen = np.empty(len(removed), dtype=bool)
-        given = (len(removed), removed, kept, off, most is not None, heights, span)
-        self._call("pas_merged_faces", *mesh, *given, *least, chosen)
-        return chosen
-
-
-class _Workspace(threading.local):
-    """Room for numbers that is used again: fresh memory takes longer than what is done with it."""
-
-    numbers: Integers = np.empty(0, dtype=np.intp)
-
-
-_WORKSPACE = _Workspace()
-
-
-def _room(count: int) -> Integers:
-    if len(_WORKSPACE.numbers) < count:
-        _WORKSPACE.numbers = np.empty(count, dtype=np.intp)
-    return _WORKSPACE.numbers
 
 
 def compiled(work: int) -> CompiledTriangles | None:

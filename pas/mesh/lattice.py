@@ -10,15 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations
-from math import factorial, prod
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.bernstein.polar import Means, means
 from pas.bernstein.subdivision import raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
+from pas.mesh.kernels import compiled
+from pas.mesh.rows import all_of, any_of
+from pas.mesh.topology import MOST, first_with
 
 TINY = 1e-300
 """What stands for a value of 0 at a node."""
@@ -41,28 +44,24 @@ class Lattice:
 
 
 class Subdivision:
-    """The tetrahedra that may hold zeros, as they are cut again and again."""
+    """The tetrahedra that may hold zeros, as they are cut again and again.
+
+    Of their corners `points` (T, 4, 3) are the places, `keys` (T, 4) numbers that are linear in barycentric coordinates
+    and wrap around: distinct ones stand for distinct places.
+    """
 
     def __init__(self, field: CellField) -> None:
         self.field, self.parts = field, 1
-        cells = len(field.cells)
-        self._nodes = np.zeros((cells, 4, len(field.vertices)), dtype=np.intp)
-        self._nodes[np.arange(cells)[:, None], np.arange(4), field.cells] = 1
-        self.forms = field.forms
-        self._keep()
+        weights = np.random.default_rng(0).integers(1 << 62, size=len(field.vertices)) | 1
+        self.keys, self.points, self.forms = weights[field.cells], field.vertices[field.cells], field.forms
+        kept = _kept(self.forms)
+        self.keys, self.points, self.forms = self.keys[kept], self.points[kept], self.forms[kept]
 
     def halve(self) -> None:
         """Cut each tetrahedron into eight."""
         checkpoint(f"refining the lattice ({len(self.forms)} tetrahedra)")
-        corners, matrices = eighths(self.field.degree)
-        self._nodes = np.einsum("ekj,tjv->tekv", corners, self._nodes).reshape(-1, 4, self._nodes.shape[2])
-        self.forms = np.matmul(self.forms, matrices).transpose(1, 0, 2).reshape(-1, self.forms.shape[1])
+        self.keys, self.points, self.forms = _cut(self.field.degree, self.keys, self.points, self.forms)
         self.parts *= 2
-        self._keep()
-
-    def _keep(self) -> None:
-        kept = (self.forms.min(axis=1) <= ROUNDING) & (self.forms.max(axis=1) >= -ROUNDING)
-        self._nodes, self.forms = self._nodes[kept], self.forms[kept]
 
     def bent(self) -> tuple[Floats, bool]:
         """The middles (B, 3) of tetrahedra in which the function need not rise all along its mean gradient.
@@ -70,17 +69,20 @@ class Subdivision:
         Those first where that is smallest; and whether one away from all sign changes at nodes has another sign inside,
         so that a component hides there.
         """
-        points = self._nodes @ self.field.vertices / self.parts
-        bent, mean = self._turning(self.forms, points)
+        bent, mean = _turning(self.field.degree, self.forms, self.points)
         rows = np.flatnonzero(bent)
         order = rows[np.argsort((mean[rows] ** 2).sum(axis=1), kind="stable")]
-        ends = self.forms[:, self._ends]
-        one = np.asarray((ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1))
-        numbers = _distinct(self._nodes.reshape(-1, self._nodes.shape[2]))[1].reshape(-1, 4)
-        crossed = np.zeros(int(numbers.max(initial=0)) + 1, dtype=bool)
-        crossed[numbers[~one]] = True
-        alone = rows[one[rows] & ~crossed[numbers[rows]].any(axis=1)]
-        return points[order].mean(axis=1), self._hides(self.forms[alone], points[alone])
+        alone = rows[self._of_one_sign(rows)]
+        if len(alone):
+            crossed = ~self._of_one_sign(slice(None))
+            near = np.isin(self.keys[alone], self.keys[crossed]).any(axis=1)
+            alone = alone[~near]
+        return self.points[order].mean(axis=1), self._hides(self.forms[alone], self.points[alone])
+
+    def _of_one_sign(self, rows: Integers | slice) -> NDArray[np.bool_]:
+        """Which of some tetrahedra have values of one sign at their corners."""
+        ends = self.forms[rows][:, self._ends]
+        return np.asarray((ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1))
 
     @property
     def _ends(self) -> list[int]:
@@ -88,84 +90,81 @@ class Subdivision:
         degree = self.field.degree
         return [i for i, a in enumerate(homogeneous_exponents(degree, 4)) if max(a) == degree]
 
-    def _turning(self, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
-        """In which tetrahedra (T, 4, 3) the function need not rise along its mean gradient, and that (T, 3)."""
-        rises, mean = risings(forms, points, self.field.degree)
-        return np.einsum("tmx,tx->tm", rises, mean).min(axis=1) <= 0, mean
-
     def _hides(self, forms: Floats, points: Floats) -> bool:
         """Whether a tetrahedron with values of one sign at its corners has another sign on a finer lattice.
 
         Parts in which the function rises along one direction are not looked into: they hold no component.
         """
-        cut, matrices = eighths(self.field.degree)
         forms = forms * np.where((forms[:, self._ends] >= -ROUNDING).all(axis=1), 1.0, -1.0)[:, None]
         for _ in range(LOOKS):
             if not len(forms) or len(forms) > LOOKED_AT:
                 break
-            forms = np.matmul(forms, matrices).transpose(1, 0, 2).reshape(-1, forms.shape[1])
-            points = np.einsum("ekj,tjx->tekx", cut / 2, points).reshape(-1, 4, 3)
+            _, points, forms = _cut(self.field.degree, np.zeros((len(forms), 4), dtype=np.intp), points, forms)
             if (forms[:, self._ends] < -ROUNDING).any():
                 return True
             kept = forms.min(axis=1) <= ROUNDING
             forms, points = forms[kept], points[kept]
-            bent = self._turning(forms, points)[0]
+            bent = _turning(self.field.degree, forms, points)[0]
             forms, points = forms[bent], points[bent]
         return False
 
     @property
     def lattice(self) -> Lattice:
         """The tetrahedra across which the sign changes, with shared nodes."""
-        flat = self._nodes.reshape(-1, self._nodes.shape[2])
-        first, inverse = _distinct(flat)
-        points = flat[first] @ self.field.vertices / self.parts
+        corners = self.points.reshape(-1, 3)
+        first, joined = first_with(self.keys.ravel() & MOST, corners)
+        points = corners[first]
         values = self.field.values(points)
         values = np.where(values == 0, TINY, values)
-        joined = inverse.reshape(-1, 4)
+        joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
-        return Lattice(points, values, joined[negative.any(axis=1) & ~negative.all(axis=1)])
+        return Lattice(points, values, joined[any_of(negative) & ~all_of(negative)])
 
 
-def _distinct(rows: Integers) -> tuple[Integers, Integers]:
-    """Where the distinct ones of rows of whole numbers stand first, and which of these each row is."""
-    weights = np.random.default_rng(0).integers(1 << 62, size=rows.shape[1]) | 1
-    _, first, inverse = np.unique(rows @ weights, return_index=True, return_inverse=True)  # wraps around
-    if not np.array_equal(rows[first][inverse], rows):  # two with one key
-        _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    return first, inverse.ravel()
+def _kept(forms: Floats) -> NDArray[np.bool_]:
+    """Which tetrahedra may hold zeros."""
+    return np.asarray((forms.min(axis=1) <= ROUNDING) & (forms.max(axis=1) >= -ROUNDING))
 
 
-def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
-    """B-coefficients (T, m, 3) of gradients on tetrahedra (T, 4, 3), and their means (T, 3), up to positive factors."""
+def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[Integers, Floats, Floats]:
+    """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
+    (corners, parts), kernel = eighths(degree), compiled(8 * len(forms))
+    if kernel is not None:
+        return kernel.eighths(corners, parts, ROUNDING, keys, points, forms)
+    forms = parts(forms).transpose(1, 0, 2).reshape(-1, forms.shape[1])
+    kept = _kept(forms)
+    keys = np.einsum("ekj,tj->tek", corners, keys).reshape(-1, 4)
+    points = np.einsum("ekj,tjx->tekx", corners / 2, points).reshape(-1, 4, 3)
+    return keys[kept], points[kept], forms[kept]
+
+
+def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """In which tetrahedra (T, 4, 3) the function need not rise along its mean gradient, and that (T, 3)."""
+    mean, least, size = risings(forms, points, degree)
+    return least <= ROUNDING * size, mean
+
+
+def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+    """Of functions on tetrahedra (T, 4, 3) the mean (T, 3) of the gradient's B-coefficients, up to a positive factor,
+    their least product with that (T,), and the largest of their squared sizes (T,)."""
     up = raised(degree, 4)
+    kernel = compiled(len(forms))
+    if kernel is not None:
+        return kernel.risings(up, forms, corners)
     slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])
     steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
     gradients = steps @ slopes.transpose(0, 2, 1)
-    return gradients, gradients.mean(axis=1)
+    mean = gradients.mean(axis=1)
+    along = np.einsum("tmx,tx->tm", gradients, mean)
+    return mean, along.min(axis=1), np.einsum("tmx,tmx->tm", gradients, gradients).max(axis=1)
 
 
 @cache
-def eighths(degree: int) -> tuple[Integers, Floats]:
-    """The corners (8, 4, 4) of the eight parts in halves of barycentric coordinates, and matrices (8, m, m).
-
-    B-coefficients, as a row, times a matrix are those on a part.
-    """
+def eighths(degree: int) -> tuple[Integers, Means]:
+    """The corners (8, 4, 4) of the eight parts in halves of barycentric coordinates, and the forms on them."""
     nodes, parts = _freudenthal(2)
     corners = nodes[parts]
-    indices = homogeneous_exponents(degree, 4)
-    lattice = np.array(indices) / degree
-    back = np.linalg.inv(_bernstein(lattice, degree))
-    matrices = [(back @ _bernstein(lattice @ (part / 2), degree)).T for part in corners]
-    return corners, np.ascontiguousarray(matrices)
-
-
-def _bernstein(points: Floats, degree: int) -> Floats:
-    """The values (N, m) of the Bernstein polynomials at barycentric coordinates (N, 4)."""
-    columns = [
-        factorial(degree) / prod(map(factorial, a)) * np.prod(points ** np.array(a), axis=1)
-        for a in homogeneous_exponents(degree, 4)
-    ]
-    return np.stack(columns, axis=1)
+    return corners, means(degree, [[tuple(node) for node in part] for part in corners.tolist()])
 
 
 def _freudenthal(n: int) -> tuple[Integers, Integers]:

@@ -16,7 +16,7 @@ from pas.mesh.field import Floats, Integers
 from pas.mesh.quality import Quality
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
-from pas.mesh.topology import edge_table, is_closed_manifold, is_manifold, piece_count, seams
+from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -152,7 +152,7 @@ class Mesh(Shape):
     @property
     def euler_characteristic(self) -> int:
         """Vertices - edges + triangles: 2 for a ball, 0 for a ring, summed over components."""
-        return len(np.unique(self.triangles)) - len(self.edges[0]) + len(self.triangles)
+        return euler_characteristic(self.triangles)
 
     @property
     def components(self) -> int:

@@ -37,10 +37,12 @@ class Edges:
     Directed as in their first triangle: `inner` (I, 2) vertices, `owners` (I, 2) triangles; `rim` (R, 2).
     """
 
-    def __init__(self, triangles: Integers, size: int) -> None:
+    def __init__(self, triangles: Integers, size: int, listed: tuple[Integers, Integers, bool] | None = None) -> None:
         self.triangles, self._size = triangles, size
         kernel = compiled(len(triangles))
-        if kernel is None:
+        if listed is not None:
+            self.every, self.owners, self.manifold = listed
+        elif kernel is None:
             self._list()
         else:
             self.every, self.owners, self.manifold = kernel.edges(triangles, size)
@@ -151,6 +153,15 @@ def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = 
     return triangles
 
 
+def flipped_edges(points: Floats, triangles: Integers, normals: Floats) -> Edges:
+    """The edges of the same, whose `triangles` it are."""
+    kernel = compiled(FLIPS * len(triangles))
+    if kernel is None:
+        return Edges(flipped(points, triangles, normals), len(points))
+    found, listed = kernel.flipped_edges(points, triangles, normals, FLIPS, GAIN, TURNED)
+    return Edges(found, len(points), listed)
+
+
 def _beyond(points: Floats, a: Integers, b: Integers, c: Integers, d: Integers) -> Floats:
     """Minus the sine of the sum of the angles at c and d opposite to edges a, b: positive beyond pi."""
     p, q = points[a] - points[c], points[b] - points[c]
@@ -182,6 +193,16 @@ def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
     return np.flatnonzero((first[owners] == rank[:, None]).all(axis=1))
 
 
+def middles(points: Floats, triangles: tuple[Integers, Integers], edges: tuple[Integers, Integers]) -> Floats:
+    """The centres of triangles (T, 3) and the middles of edges (E, 2), each given with which are chosen, (N, 3)."""
+    kernel = compiled(len(triangles[1]) + len(edges[1]))
+    if kernel is not None:
+        return kernel.middles(points, triangles, edges)
+    a, b, c = (points[triangles[0][triangles[1], i]] for i in range(3))
+    p, q = (points[edges[0][edges[1], i]] for i in range(2))
+    return np.concatenate([(a + b + c) / 3, (p + q) / 2])
+
+
 def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
     """The way (N, 3) from each vertex to the mean of its triangles' centres, by their area over their size squared."""
     kernel = compiled(len(triangles))
@@ -209,6 +230,17 @@ def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats)
         if not len(corners) or (after[corners] == before[corners]).all():
             return after
         after[corners] = before[corners]
+
+
+def slender(points: Floats, triangles: Integers) -> int:
+    """How many triangles have an angle below 30 degrees: by the cosine opposite to the shortest side, squared."""
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.slender(points, triangles)
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    squares = np.sort([dots(b - a, b - a), dots(c - b, c - b), dots(a - c, a - c)], axis=0)
+    across = squares[1] + squares[2] - squares[0]
+    return int((across * across > 3 * squares[1] * squares[2]).sum())
 
 
 def smallest_angles(points: Floats, triangles: Integers) -> Floats:

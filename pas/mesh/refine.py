@@ -6,7 +6,9 @@ import numpy as np
 
 from pas.errors import MeshError
 from pas.mesh.field import Field, Floats, Integers
+from pas.mesh.kernels import compiled
 from pas.mesh.rows import dots
+from pas.mesh.topology import distinct
 
 AIM = 0.8
 """Edges are split down to this share of the tolerance, since smoothing gives some of it back."""
@@ -70,6 +72,9 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     middles = (points[edges[order, 0]] + points[edges[order, 1]]) / 2
     ends = np.zeros(size, dtype=bool)
     ends[edges] = True
+    points, kernel = np.concatenate([points, middles]), compiled(len(triangles))
+    if kernel is not None:
+        return points, *kernel.split(triangles, ends, keys)
     a, b, c = (ends[triangles[:, i]] for i in range(3))
     some = np.flatnonzero((a & b) | (b & c) | (c & a))  # all others stay
     turned = triangles[some]
@@ -95,7 +100,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
             corners = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
         pieces += [np.stack(corner, axis=1) for corner in corners]
         parents += [some[rows]] * len(corners)
-    return np.concatenate([points, middles]), np.concatenate(pieces), np.concatenate(parents)
+    return points, np.concatenate(pieces), np.concatenate(parents)
 
 
 def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:
@@ -126,4 +131,23 @@ def with_longest(points: Floats, triangles: Integers, edges: Integers) -> Intege
     lengths = np.stack([dots(side, side) for side in sides], axis=1)
     longest = lengths.argmax(axis=1)[:, None]
     ends = [np.take_along_axis(triangles, (longest + i) % 3, axis=1) for i in range(2)]
-    return np.unique(np.sort(np.concatenate([edges, np.concatenate(ends, axis=1)]), axis=1), axis=0)
+    both = np.concatenate([edges, np.concatenate(ends, axis=1)])
+    size = int(both.max(initial=0)) + 1
+    keys = distinct(both.min(axis=1) * size + both.max(axis=1))
+    return np.stack([keys // size, keys % size], axis=1)
+
+
+def longest_of(triangles: Integers, edges: Integers, ratio: Floats, size: int, limit: float) -> Integers:
+    """Those of all edges (E, 2) that are the longest of a triangle, each over what it should be, and beyond a limit.
+
+    `ratio` (E,) are lengths over what they should be, `size` is the number of vertices.
+    """
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return edges[kernel.longest(triangles, edges, ratio, size, limit)]
+    keys = edges.min(axis=1) * size + edges.max(axis=1)
+    order = np.argsort(keys)
+    start, end = triangles, triangles[:, [1, 2, 0]]
+    place = order[np.searchsorted(keys[order], np.minimum(start, end) * size + np.maximum(start, end))]
+    worst = place[np.arange(len(place)), ratio[place].argmax(axis=1)]
+    return edges[np.unique(worst[ratio[worst] > limit])]

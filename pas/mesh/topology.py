@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.field import Integers
+from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
+
+MOST = (1 << 62) - 1
+"""The largest key of a place."""
 
 
 def numbered(keys: Integers) -> tuple[Integers, Integers]:
@@ -27,6 +30,23 @@ def distinct(keys: Integers) -> Integers:
     return ordered[np.concatenate([np.ones(min(len(ordered), 1), dtype=bool), ordered[1:] != ordered[:-1]])]
 
 
+def same_places(points: Floats) -> tuple[Integers, Integers]:
+    """Where distinct ones of points (N, 3) stand first, and which of these each is (N,), in no particular order."""
+    weights = np.array([0x1B873593CC9E2D51, 0x2545F4914F6CDD1D, 0x369DEA0F31A53F85])
+    keys = (points + 0.0).view(np.int64) @ weights  # wraps around; zeros have one sign
+    return first_with(keys & MOST, points)
+
+
+def first_with(keys: Integers, points: Floats) -> tuple[Integers, Integers]:
+    """The same of points with equal keys (N,), none of them negative, where they are equal."""
+    found, inverse = numbered(keys)
+    first = np.empty(len(found), dtype=np.intp)
+    first[inverse[::-1]] = np.arange(len(inverse))[::-1]  # the last to be written is the first there is
+    if not np.array_equal(points[first][inverse], points):  # two with one key
+        _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    return first, inverse.ravel()
+
+
 def is_closed_manifold(triangles: Integers) -> bool:
     """Whether every edge has two triangles and every vertex one fan of them."""
     return len(triangles) > 0 and not len(pinched(triangles))
@@ -34,6 +54,9 @@ def is_closed_manifold(triangles: Integers) -> bool:
 
 def is_manifold(triangles: Integers) -> bool:
     """Whether every edge has one or two triangles and every vertex one fan of them."""
+    kernel = compiled(len(triangles))
+    if kernel is not None and len(triangles):
+        return kernel.is_manifold(triangles, int(triangles.max()) + 1)
     if len(triangles) == 0 or edge_table(triangles)[1].max() > 2:
         return False
     return bool((_fans(triangles) == 1).all())
@@ -79,8 +102,18 @@ def seams(triangles: Integers, faces: Integers) -> Integers:
     return np.stack([start[first], end[first]], axis=1)
 
 
+def euler_characteristic(triangles: Integers) -> int:
+    """Vertices - edges + triangles."""
+    ends = triangles[:, [1, 2, 0]]
+    keys = np.minimum(triangles, ends) * (int(triangles.max(initial=0)) + 1) + np.maximum(triangles, ends)
+    return len(distinct(triangles)) - len(distinct(keys)) + len(triangles)
+
+
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
+    kernel = compiled(len(triangles))
+    if kernel is not None:
+        return kernel.pieces(triangles, int(triangles.max(initial=-1)) + 1)
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

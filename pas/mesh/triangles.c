@@ -111,13 +111,14 @@ static int has_edge(const Halves *h, whole a, whole b)
     return 0;
 }
 
-/* Sort the half edges in `room` and say how many inner edges there are, how many on the rim, and if it is a manifold. */
-int pas_edges(whole count, const whole *triangles, whole size, whole *room, whole *sizes)
+/* Sort the half edges in `room`, unless they are there, and say how many inner edges there are, how many on the rim, and
+   if it is a manifold. */
+int pas_edges(whole count, const whole *triangles, whole size, whole *room, whole sorted, whole *sizes)
 {
     Halves h = halves_in(room, count, size);
     sizes[0] = sizes[1] = 0;
     sizes[2] = 1;
-    sort_halves(&h, triangles);
+    if (!sorted) sort_halves(&h, triangles);
     for (whole v = 0; v < size; v++)
         for (whole i = h.first[v]; i < h.first[v + 1]; i++) {
             const int last = i + 1 == h.first[v + 1] || h.high[i + 1] != h.high[i];
@@ -162,7 +163,7 @@ static int by_value(const void *p, const void *q)
     return a->row < b->row ? -1 : a->row > b->row;
 }
 
-/* Minus the sine of the sum of the angles at c and d opposite to a, b. */
+/* Minus the sine of the sum of the angles at c and d opposite to a, b, or 0 where it is not positive for sure. */
 static double beyond(const double *points, whole a, whole b, whole c, whole d)
 {
     double p[3], q[3], r[3], s[3], u[3], v[3];
@@ -170,9 +171,11 @@ static double beyond(const double *points, whole a, whole b, whole c, whole d)
     minus(points + 3 * b, points + 3 * c, q);
     minus(points + 3 * a, points + 3 * d, r);
     minus(points + 3 * b, points + 3 * d, s);
+    const double cos_c = dot(p, q), cos_d = dot(r, s);
+    if (cos_c >= 0 && cos_d >= 0) return 0.0; /* both acute: it is no more than that */
     cross(p, q, u);
     cross(r, s, v);
-    const double sin_c = sqrt(dot(u, u)), sin_d = sqrt(dot(v, v)), cos_c = dot(p, q), cos_d = dot(r, s);
+    const double sin_c = sqrt(dot(u, u)), sin_d = sqrt(dot(v, v));
     const double size = sqrt((cos_c * cos_c + sin_c * sin_c) * (cos_d * cos_d + sin_d * sin_d));
     return -(sin_c * cos_d + cos_c * sin_d) / (size > 1e-300 ? size : 1e-300);
 }
@@ -184,13 +187,15 @@ static int flip_allowed(const double *points, const double *normals, whole a, wh
     return after >= least_of(before, turned);
 }
 
+/* Whether the half edges in `room` are in the end those of the triangles, sorted, into `sorted`. */
 int pas_flipped(whole count, whole *triangles, whole size, whole *room, const double *points, const double *normals,
-                whole passes, double gain, double turned)
+                whole passes, double gain, double turned, whole *sorted)
 {
     Halves h = halves_in(room, count, size);
     Ranked *wanted = malloc((3 * count + 1) * sizeof(Ranked));
     whole *pairs = malloc((6 * count + 1) * sizeof(whole)), *first = malloc((count + 1) * sizeof(whole));
     int state = wanted && pairs && first ? 0 : -1;
+    *sorted = 0;
     for (int pass = 0; state == 0 && pass < passes; pass++) {
         whole number = 0, done = 0;
         sort_halves(&h, triangles);
@@ -223,7 +228,10 @@ int pas_flipped(whole count, whole *triangles, whole size, whole *room, const do
             memcpy(triangles + 3 * t, new + 3, 3 * sizeof(whole));
             done++;
         }
-        if (!done) break;
+        if (!done) {
+            *sorted = 1;
+            break;
+        }
     }
     free(wanted);
     free(pairs);

@@ -24,7 +24,7 @@ from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
 from pas.mesh.radial import Edges, upright
-from pas.mesh.topology import edge_table, is_manifold, piece_count
+from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
@@ -168,7 +168,7 @@ def _first(field: CellField, grid: Lattice) -> Graph:
 
 def _topology(triangles: Integers) -> tuple[int, int]:
     """The number of components, and Euler's characteristic."""
-    return piece_count(triangles), len(np.unique(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
+    return piece_count(triangles), euler_characteristic(triangles)
 
 
 def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integers:

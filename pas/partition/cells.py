@@ -152,7 +152,7 @@ class Partition:
     def _check_faces(self) -> None:
         """That a face belongs to one cell, or to two on either side of it."""
         for triangle, owners in self._owners.items():
-            sides = [self._side(triangle, owner) for owner in owners]
+            sides = [self._side(triangle, owner) for owner in owners] if len(owners) == 2 else []
             if len(owners) > 2 or (len(owners) == 2 and sides[0] == sides[1]):
                 cells = " and ".join(str(owner + 1) for owner in owners)
                 raise GeometryError(f"cells {cells} of the partition overlap at a common face")
@@ -167,13 +167,19 @@ class Partition:
     @cached_property
     def local(self) -> Partition:
         """The same partition in local coordinates (centre, if any, 0; size about 1)."""
-        points = [self.frame.local_point(v) for v in self.vertices]
-        center = None if self.center is None else self.frame.local_point(self.center)
-        return self.with_vertices(points, center)
+        return self.in_frame(self.frame)
 
-    def with_vertices(self, vertices: Sequence[Vector], center: Vector | None) -> Partition:
-        """A partition with the same cells on other vertices, as open as this one."""
-        return Partition(vertices, self.cells, center, self.pieces, self.title)
+    def in_frame(self, frame: Frame) -> Partition:
+        """The same partition in the local coordinates of a frame, as open as this one."""
+        image = self._bare()  # what was looked at in the constructor holds in it as well
+        image.vertices = tuple(frame.local_point(v) for v in self.vertices)
+        image.center = None if self.center is None else frame.local_point(self.center)
+        image.title, image.cells, image.pieces = self.title, self.cells, self.pieces
+        return image
+
+    def _bare(self) -> Partition:
+        """One without anything, as open as this one."""
+        return object.__new__(Partition)
 
     @cached_property
     def layout(self) -> Layout | None:
@@ -195,8 +201,10 @@ class Partition:
         for triangle, owners in self._owners.items():
             if len(owners) == 2:
                 first, second = (int(self.piece_of[owner]) for owner in owners)
+                if first == second:
+                    continue
                 plane = self._plane(triangle, owners[0])
-                if first != second and (second, first, -plane) not in faces:
+                if (second, first, -plane) not in faces:
                     faces.setdefault((first, second, plane), InteriorFace(triangle, first, second, plane))
         return tuple(faces.values())
 

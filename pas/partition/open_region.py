@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 from pas.algebra.affine import Affine
-from pas.algebra.rational import Vector
 from pas.partition.region import Region
 
 
@@ -24,7 +22,8 @@ class OpenRegion(Region):
     def moved(self, map_: Affine) -> OpenRegion:
         """See `Partition.moved`."""
         assert self.center is not None
-        return self.with_vertices([map_.exact(v) for v in self.vertices], map_.exact(self.center))
-
-    def with_vertices(self, vertices: Sequence[Vector], center: Vector | None) -> OpenRegion:
+        vertices, center = [map_.exact(v) for v in self.vertices], map_.exact(self.center)
         return OpenRegion(vertices, self.cells, center, self.pieces, self.title)
+
+    def _bare(self) -> OpenRegion:
+        return object.__new__(OpenRegion)

@@ -1,6 +1,7 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms` and `radial_field`, which do the same with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `rings` and
+`radial_field`, which do the same with numpy.
 """
 
 from __future__ import annotations
@@ -10,19 +11,28 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.compiled import SOURCE, Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
+from pas.algebra.tables import Rows
 from pas.mesh.field import Integers
 
-SOURCES = (Path(__file__).with_name("forms.c"), Path(__file__).with_name("rays.c"), SOURCE)
+SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests", "windings", "drawn")), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
 
 HIGHEST = 15
 """Degree of the polynomials with which rays are shot by compiled code."""
+
+
+Faces = tuple[int, Floats, Integers]
+"""How many faces rays leave a region through, their weights (F, 3, 3), and pieces (F,); 0 where there is one piece."""
+
+RISES, SURE, OPEN = range(3)
+"""What is known of a polynomial on a simplex: that it rises along a direction, that it has one sign, or neither."""
 
 
 class CompiledForms:
@@ -62,6 +72,94 @@ class CompiledForms:
         multiples, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
         self._call("pas_leaving", len(weights), weights, len(points), points, multiples, faces)
         return multiples, faces
+
+    def states(self, up: Integers, forms: Floats, corners: Floats, bound: float, roundings: float) -> NDArray[np.int8]:
+        """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of."""
+        states = np.empty(len(forms), dtype=np.bool_)
+        sizes = len(forms), forms.shape[1], corners.shape[1] - 1, len(up)
+        self._call("pas_states", *sizes, up, forms, corners, bound, roundings, states)
+        return states.view(np.int8)
+
+    def halved(
+        self, pairs: Integers, halves: Integers, taken: Integers, forms: Floats, corners: Floats
+    ) -> tuple[Floats, Floats]:
+        """See `pas.surface.rests.leaves`: both halves of simplices, cut at their longest of the edges `pairs` (E, 2),
+        for each of which (E, M, 2) says the means, and (E, 2, m) the coefficients, that are to be taken."""
+        count, vertices = len(forms), corners.shape[1]
+        new_forms, new_corners = np.empty((2 * count, forms.shape[1])), np.empty((2 * count, vertices, 3))
+        tables = (len(pairs), pairs, halves.shape[1], halves, taken, forms, corners)
+        self._call("pas_halved", count, forms.shape[1], vertices - 1, *tables, new_forms, new_corners)
+        return new_forms, new_corners
+
+    def crossed(
+        self,
+        points: Floats,
+        triangles: Integers,
+        origin: Floats,
+        ways: Floats,
+        towards: Floats,
+        limits: tuple[float, float],
+    ) -> tuple[Integers, NDArray[np.bool_]]:
+        """See `pas.surface.windings.crossed`: the ends are `ways` (E, 3) away from `origin`, `towards` unit vectors."""
+        times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
+        given = (len(triangles), triangles, points, origin, len(ways), ways, towards)
+        self._call("pas_crossed", *given, *limits, times, known)
+        return times, known
+
+    def bent(self, faces: Faces, rows: Rows, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points (N, 3)."""
+        values, bends = np.empty((2, len(points)))
+        gradients = np.empty((len(points), 3))
+        given = (*faces, len(rows.starts), rows.degrees, rows.starts, rows.coefficients, len(points), points)
+        self._call("pas_bent", *given, values, gradients, bends)
+        return values, gradients, bends
+
+    def drawn(
+        self,
+        faces: Faces,
+        rows: tuple[Rows, Rows],
+        points: Floats,
+        still: NDArray[np.bool_],
+        limits: tuple[float, float],
+    ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """Points (N, 3) moved by a step along the gradient but for those that are still, gradients and curvatures,
+        and which were not near.
+
+        See `pas.surface.patch_field.PatchField.drawn`.  The first of `rows` are those of values and gradients alone.
+        """
+        moved, gradients = np.empty((2, len(points), 3))
+        bends, lost = np.empty(len(points)), np.empty(len(points), dtype=np.bool_)
+        tables = [table for some in rows for table in (some.degrees, some.starts, some.coefficients)]
+        given = (*faces, len(rows[0].starts), *tables, len(points), points, still, *limits)
+        self._call("pas_drawn", *given, moved, gradients, bends, lost)
+        return moved, gradients, bends, lost
+
+    def distances(self, faces: Faces, rows: Rows, points: Floats) -> Floats:
+        """See `pas.surface.patch_field.PatchField.distances`; `rows` are those of values and gradients."""
+        result, tables = np.empty(len(points)), (rows.degrees, rows.starts, rows.coefficients)
+        self._call("pas_distances", *faces, len(rows.starts), *tables, len(points), points, result)
+        return result
+
+    def closed(self, faces: Faces, rows: Rows, points: Floats, limits: tuple[int, float]) -> tuple[Floats, Floats]:
+        """See `pas.surface.patch_field.PatchField.closed`; `rows` are those of values and gradients."""
+        result, gradients = np.array(points, order="C"), np.empty((len(points), 3))
+        tables = (rows.degrees, rows.starts, rows.coefficients)
+        self._call("pas_closed", *faces, len(rows.starts), *tables, len(points), *limits, result, gradients)
+        return result, gradients
+
+    def on_rings(
+        self,
+        rows: Rows,
+        places: tuple[Floats, Floats],
+        points: Floats,
+        numbers: Integers,
+        limits: tuple[int, float],
+    ) -> Floats:
+        """See `pas.surface.rings.Rings.at`; `places` are the curves' middles and normals (P, 3)."""
+        result, tables = np.empty((len(points), 3)), (rows.degrees, rows.starts, rows.coefficients)
+        given = (len(rows.starts), *tables, *places, len(points), points, numbers, *limits)
+        self._call("pas_on_rings", *given, result)
+        return result
 
     def rays(
         self, scene: Scene, origins: Floats, directions: Floats, first: bool

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -11,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
-from pas.bernstein.forms import nearby_forms
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
 from pas.mesh.triangulate import Beginnings
@@ -40,6 +40,8 @@ class LocalField(PatchField):
     def __init__(self, surface: PiecewiseSurface) -> None:
         super().__init__(surface)
         self.surface = surface
+        if len(surface.patches) == 1:
+            self.outer = 0, np.empty(0), np.empty(0, dtype=np.intp)
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces
@@ -61,9 +63,7 @@ class LocalField(PatchField):
     @cached_property
     def forms(self) -> Floats:
         """The B-coefficients (C, m) of the function on the cells, each cell's scaled by a positive number."""
-        local = self.surface.local
-        exact = [local.corners(cell) for cell in local.cells]
-        return nearby_forms([self.surface.patches[p].raw for p in local.piece_of], exact, self.degree)[0]
+        return self.surface.cell_forms[0]
 
     @cached_property
     def beginnings(self) -> Beginnings:
@@ -90,6 +90,8 @@ class LocalField(PatchField):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
+        if not len(points):
+            return points
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
@@ -167,9 +169,9 @@ class Wall:
 
 def _unit_plane(face: OuterFace) -> tuple[float, ...]:
     """The unit normal and offset of a face's plane, (4,)."""
-    constant, *slope = (face.plane.dense(1)[i] for i in range(4))
-    length = np.linalg.norm(slope)
-    return tuple(np.round([*(np.array(slope) / length), -constant / length], 14))
+    constant, *slope = face.plane.dense(1).tolist()
+    length = math.sqrt(sum(s * s for s in slope))
+    return tuple(round(value, 14) for value in (*(s / length for s in slope), -constant / length))
 
 
 def _distances(points: Floats, triangle: Floats) -> Floats:

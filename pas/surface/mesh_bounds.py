@@ -15,7 +15,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
 from pas.surface.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
-from pas.surface.triangle_forms import on_corners
+from pas.surface.triangle_forms import TriangleForms, on_corners
 
 CUTS, MANY = 6, 4096
 """How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
@@ -27,8 +27,9 @@ TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
 the share `USUAL` of them."""
 
-USUAL, ENOUGH = 0.98, 1.2
-"""That share; and how many times as far triangles in several pieces are moved, before they are cut."""
+USUAL, ENOUGH, HARDEST = 0.98, 1.2, 64
+"""That share; how many times as far triangles in several pieces are moved, before they are cut; and how many triangles,
+on which |f| by the least slope is largest, are moved first."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,8 @@ def bounds(sheet: Sheet) -> Bounds:
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
     normals, loose = sheet.normals, sheet.loose
+    if len(sheet.stage.makers) == 1:
+        return _bounded_by_one(sheet.stage.makers[0], sheet.corners, normals, loose)
     most, least = np.zeros(len(normals)), np.full(len(normals), np.inf)
     owner, corners, usual = np.arange(len(normals)), sheet.corners, np.inf
     for depth in range(CUTS + 1):
@@ -89,6 +92,16 @@ def bounds(sheet: Sheet) -> Bounds:
             break
         owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
     return Bounds(most, least)
+
+
+def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> Bounds:
+    """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
+    by `loose`, (T,)."""
+    most = _largest(maker.ranges(corners)) + maker.value_error
+    along, size = maker.slopes(corners, normals)
+    large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
+    most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
+    return Bounds(most, along - _slack(size, maker.gradient_error, loose))
 
 
 def _bounded(stage: Stage, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
@@ -161,41 +174,60 @@ def _on_sides(
     least, touched = np.full(len(corners), np.inf), stage.touched(corners)
     code = marks @ np.array([1, 2, 4])
     for maker, near in zip(stage.makers, touched, strict=True):
+        gradients = maker.gradients(corners[near])
+        slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
         for pattern in np.unique(code[near]).tolist():
-            rows = near[code[near] == pattern]
-            gradients = maker.gradients(corners[rows])
-            chosen = gradients[:, on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))]
-            size = np.sqrt((gradients**2).sum(axis=0).max(axis=0))
-            slope = np.einsum("tx,xkt->kt", along[rows], chosen).min(axis=0)
-            least[rows] = np.minimum(least[rows], slope - _slack(size, maker.gradient_error, loose[rows]))
+            here = np.flatnonzero(code[near] == pattern)
+            marked = on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))
+            slope = np.einsum("tx,xkt->kt", along[near[here]], gradients[:, marked][..., here]).min(axis=0)
+            least[near[here]] = np.minimum(least[near[here]], slope - slack[here])
     return least, _times(touched, len(corners)) > 1
 
 
 def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
-    """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
+    """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
+    how far the hardest is.
 
     A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
     f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
-    cones about the centre.
+    cones about the centre.  That is looked at where `_moves` does not say that it is so.
     """
     stage = sheet.stage
     if stage.center is None:
         return None
-    normals, longest = sheet.normals, stage.beyond
+    longest = stage.beyond
     with np.errstate(all="ignore"):
         need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
     known = np.sort(need[need <= longest])
     usual, most = known[[int(USUAL * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
     tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
-    way, owner, corners = np.zeros(len(need)), np.arange(len(need)), sheet.corners
+    enough = _moves(sheet, bounds, min(TIMES[-1] * usual, longest))
+    hard = need >= np.partition(need, max(len(need) - HARDEST, 0))[max(len(need) - HARDEST, 0)]
+    way, least = np.zeros(len(need)), 0.0
+    for group in (hard, ~hard):  # the hardest say what is worth trying with others
+        rows = np.flatnonzero(group & (enough > least))
+        way[rows] = _reached(sheet, rows, enough[rows], [away for away in tried if away >= least], ENOUGH * usual)
+        least = min(float(way.max(initial=0.0)), tried[-1])
+    return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + stage.reach))
+
+
+def _reached(sheet: Sheet, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
+    """The first of rising ways for which chosen triangles (K,) were seen to have both signs, infinite without one.
+
+    Those that touch several pieces are moved no further than `within` before they are cut.
+    """
+    stage, normals = sheet.stage, sheet.normals[chosen]
+    way, owner, corners = np.zeros(len(chosen)), np.arange(len(chosen)), sheet.corners[chosen]
     for depth in range(CUTS + 1):
-        several = _several(stage, corners, ENOUGH * usual * normals[owner])
+        several = _several(stage, corners, within * normals[owner])
         for away in tried:
             checkpoint(f"bounding distances ({len(owner)} triangles)")
-            rows = np.flatnonzero(~several | (away <= ENOUGH * usual) | (depth == CUTS))
+            sure = enough[owner] <= away
+            rows = np.flatnonzero(~sure & (~several | (away <= within) | (depth == CUTS)))
             done = rows[_signs(stage, corners[rows], -away * normals[owner[rows]], -1)]
             done = done[_signs(stage, corners[done], away * normals[owner[done]], 1)]
-            np.maximum.at(way, owner[done], away + ROUNDINGS * UNIT_ROUNDOFF * (away + stage.reach))
+            done = np.concatenate([done, np.flatnonzero(sure)])
+            np.maximum.at(way, owner[done], away)
             left = np.ones(len(owner), dtype=bool)
             left[done] = False
             owner, corners, several = owner[left], corners[left], several[left]
@@ -206,6 +238,24 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
         owner, corners = np.repeat(owner, 4), quarters(corners)
     way[owner] = np.inf
     return way
+
+
+def _moves(sheet: Sheet, bounds: Bounds, longest: float) -> Floats:
+    """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
+
+    Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
+    its least slope l across the triangle: that is to be more than |f|.
+    """
+    enough = np.full(len(bounds.most), np.inf)
+    if len(sheet.stage.makers) > 1:
+        return enough
+    bend = sheet.stage.makers[0].bend(np.abs(sheet.points).max(axis=0) + (1 + CLEAR) * longest)
+    with np.errstate(all="ignore"):
+        root = np.sqrt(bounds.least**2 - 2 * (1 + CLEAR) * bend * bounds.most)
+        found = 2 * (1 + CLEAR) * bounds.most / (bounds.least + root) + CLEAR**2
+    known = (bounds.least > 0) & (found <= longest)
+    enough[known] = found[known]
+    return enough
 
 
 def _several(stage: Stage, corners: Floats, ways: Floats) -> np.ndarray:

@@ -32,6 +32,7 @@ from scipy.sparse.csgraph import connected_components
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
+from pas.mesh.topology import same_places
 from pas.surface.graph_proofs import certify_graph
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
@@ -100,9 +101,9 @@ def _point(stage: Stage, place: Floats) -> Point:
 def _vertices(sheet: Sheet) -> Verdict:
     """How near the vertices are, to first order: what a vertex that was moved fails."""
     claim, stage = "vertices on the surface", sheet.stage
-    jets = stage.surface.evaluator.jets(stage.world(sheet.points))
+    values, gradients = stage.jets(sheet.points)
     with np.errstate(all="ignore"):
-        off = np.abs(jets[:, 0]) / np.sqrt((jets[:, 1:] ** 2).sum(axis=1)) / stage.scale
+        off = np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0))
     worst = int(np.nanargmax(off)) if not np.isnan(off).all() else 0
     if off[worst] <= OFF:
         reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
@@ -211,18 +212,20 @@ def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
     return [rests(found, sheet.stage.degree, free) for found in sheet.stage.leaves]
 
 
-def _grouped(simplices: list[Floats]) -> list[list[int]]:
-    """The numbers of simplices by connected unions: those with a common corner are in one, the largest first."""
-    owner = np.repeat(np.arange(len(simplices)), [len(s) for s in simplices])
-    _, corner = np.unique(np.concatenate(simplices), axis=0, return_inverse=True)
-    links = coo_array((np.ones(len(owner)), (owner, corner.ravel())), shape=(len(simplices), int(corner.max()) + 1))
-    links = links.tocsr()
-    parts = connected_components(links @ links.T, directed=False)[1]
-    order = np.argsort([-float(np.ptp(s, axis=0).sum()) for s in simplices], kind="stable")
-    groups: list[list[int]] = [[] for _ in range(int(parts.max()) + 1)]
-    for number in order.tolist():
-        groups[parts[number]].append(number)
-    return groups
+def _grouped(parts: list[Floats]) -> list[list[int]]:
+    """The numbers of simplices, given as tables (R, d + 1, 3), by connected unions, the largest of each first.
+
+    Those with a common corner are in one.
+    """
+    sizes, corners = [part.shape[1] for part in parts for _ in part], np.concatenate([p.reshape(-1, 3) for p in parts])
+    owner, corner = np.repeat(np.arange(len(sizes)), sizes), len(sizes) + same_places(corners)[1]
+    links = coo_array((np.ones(len(owner)), (owner, corner)), shape=(int(corner.max()) + 1,) * 2)
+    union = connected_components(links, directed=False)[1][: len(sizes)].tolist()
+    extents = np.concatenate([np.ptp(part, axis=1).sum(axis=1) for part in parts])
+    groups: dict[int, list[int]] = {}
+    for number in np.argsort(-extents, kind="stable").tolist():
+        groups.setdefault(union[number], []).append(number)
+    return list(groups.values())
 
 
 def _counted(sheet: Sheet, parts: list[Rests]) -> tuple[Verdict, tuple[Point, ...]]:
@@ -233,7 +236,7 @@ def _counted(sheet: Sheet, parts: list[Rests]) -> tuple[Verdict, tuple[Point, ..
     stage, examined = sheet.stage, sum(part.examined for part in parts)
     simplices = [simplex for part in parts for simplex in part.simplices]
     signs = np.concatenate([part.signs for part in parts])
-    groups = _grouped(simplices)
+    groups = _grouped([part.simplices for part in parts])
     times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
     known, inside = np.zeros(len(groups), dtype=bool), signs[[group[0] for group in groups]] < 0
     assert stage.center is not None

@@ -6,7 +6,7 @@ worked out exactly there before they are rounded.  What depends on the surface a
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -53,8 +53,8 @@ class Stage:
         frame = self.partition.frame
         self.origin = np.array(to_floats(frame.origin))
         self.frame = Frame(exact_vector(self.origin.tolist()), frame.scale)
-        same = self.frame.origin == frame.origin
-        patches = surface.patches if same else [self.frame.localise(p) for p in surface.polynomials]
+        self._same_frame = self.frame.origin == frame.origin
+        patches = surface.patches if self._same_frame else [self.frame.localise(p) for p in surface.polynomials]
         self.patches: tuple[Polynomial, ...] = tuple(patches)
         self.degree, self.scale = max(surface.degree, 1), to_float(frame.scale)
 
@@ -71,6 +71,13 @@ class Stage:
     def world(self, points: Floats) -> Floats:
         """The user's coordinates of points (..., 3)."""
         return self.frame.global_points(points)
+
+    def jets(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values (N,) and gradients (3, N) at points (N, 3); NaN outside of a region of several pieces."""
+        if len(self.patches) == 1:
+            return self.makers[0].jets(points)
+        jets = self.surface.evaluator.jets(self.world(points))
+        return jets[:, 0], jets[:, 1:].T * self.scale
 
     @cached_property
     def exact(self) -> list[tuple[Vector, ...]]:
@@ -95,7 +102,10 @@ class Stage:
         of these and errs by less than `SCALED`: it is found from an exact value at a corner.
         """
         patches = [self.patches[piece] for piece in self.partition.piece_of.tolist()]
-        forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
+        if cells is self.exact and self._same_frame:
+            forms, error = self.surface.cell_forms[0].copy(), self.surface.cell_forms[1]
+        else:
+            forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
         ends = [i for i, a in enumerate(homogeneous_exponents(self.degree, 4)) if max(a) == self.degree]
         for row, (patch, cell) in enumerate(zip(patches, cells, strict=True)):
             corner = int(np.abs(forms[row, ends]).argmax())
@@ -125,15 +135,14 @@ class Stage:
     @cached_property
     def walls(self) -> Floats:
         """The planes (W, 4) of the outer faces, unit normals outwards and offsets."""
-        planes = []
-        for face in self.partition.outer_faces:
-            a, b, c = (np.array(to_floats(self.frame.local_point(v))) for v in self.partition.corners(face.vertices))
-            normal = np.cross(b - a, c - a)
-            normal /= np.sqrt(normal @ normal)
-            inside = self.corners[face.cell].mean(axis=0)
-            normal = normal if normal @ (a - inside) > 0 else -normal
-            planes.append([*normal, normal @ a])
-        return np.array(planes)
+        faces, cells = self.partition.outer_faces, self.partition.cells
+        owners = self.corners[[face.cell for face in faces]]
+        places = np.array([[cells[face.cell].index(v) for v in face.vertices] for face in faces]).reshape(-1, 3)
+        a, b, c = (owners[np.arange(len(faces)), column] for column in places.T)
+        normals = cross(b - a, c - a)
+        normals /= np.sqrt(dots(normals, normals))[:, None]
+        normals[dots(normals, a - owners.mean(axis=1)) <= 0] *= -1
+        return np.concatenate([normals, dots(normals, a)[:, None]], axis=1)
 
     @cached_property
     def wall_of(self) -> Integers:
@@ -214,18 +223,22 @@ class Stage:
                 parts[1].add((faces[i].cell, common))
         ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
         parts[2] = {(cell, (v,)) for v, cell in ends.items()}
-        indices = homogeneous_exponents(self.degree, 4)
         for part in parts:
             forms, corners = [], []
             for cell, vertices in sorted(part):
                 at = [k for k, v in enumerate(cells[cell]) if v in vertices]
-                others = [k for k in range(4) if k not in at]
-                rows = [i for i, a in enumerate(indices) if not any(a[k] for k in others)]
-                forms.append(self.cell_forms[0][cell][rows])
+                forms.append(self.cell_forms[0][cell][_on_corners(self.degree, tuple(at))])
                 corners.append(self.corners[cell][at])
             if forms:
                 result.append((np.array(forms), np.array(corners)))
         return result
+
+
+@cache
+def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
+    """Which B-coefficients of a tetrahedron are those on the simplex that some of its corners span."""
+    others = [k for k in range(4) if k not in corners]
+    return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
 
 
 class Sheet:

@@ -198,11 +198,7 @@ def _prove(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence[Seque
 
 def _in_frame_of(partition: Partition, other: Partition) -> Partition:
     """A partition in the local coordinates of another one."""
-    if partition is other:
-        return other.local
-    points = [other.frame.local_point(v) for v in partition.vertices]
-    center = None if partition.center is None else other.frame.local_point(partition.center)
-    return partition.with_vertices(points, center)
+    return other.local if partition is other else partition.in_frame(other.frame)
 
 
 def common_parts(inner: Partition, outer: Partition) -> list[Common]:

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
@@ -13,6 +14,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
 from pas.surface.geometry import JETS, derived
+from pas.surface.kernels import CompiledForms, Faces, compiled
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -22,6 +24,9 @@ CLOSING, CLOSE = 6, 1e-11
 
 LEFT = 0.1
 """Share of a step along the gradient that the next one would have, above which points are not near the surface."""
+
+EACH = 4
+"""Polynomials like f that are evaluated for jets up to second derivatives, about."""
 
 BENDS = sum(1 for e in JETS if sum(e) <= 2)
 """Entries of a jet up to second derivatives."""
@@ -40,6 +45,14 @@ class PatchField(ABC):
         self._bends = PieceTables(jets, tuple(max(self.degree - sum(e), 0) for e in JETS[:BENDS]))
         self._jets, self._value = self._bends.first(4), self._bends.first(1)
 
+    outer: Faces | None = None
+    """By which pieces are found, where there are such."""
+
+    def _kernel(self, count: int) -> tuple[CompiledForms, Faces] | None:
+        """Compiled code for so many points, and how it finds their pieces; None where numpy is to do it."""
+        kernel = None if self.outer is None else compiled(EACH * self._columns.size * count)
+        return None if kernel is None or self.outer is None else (kernel, self.outer)
+
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""
@@ -54,6 +67,9 @@ class PatchField(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,) of points (N, 3), to first order."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].distances(kernel[1], self._jets.ordered, points)
         jets = self._jets_at(points)
         return np.asarray(np.abs(jets[0]) / np.maximum(np.sqrt((jets[1:] * jets[1:]).sum(axis=0)), 1e-300))
 
@@ -65,22 +81,33 @@ class PatchField(ABC):
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 
-    def drawn(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (N, 3) near the surface drawn towards it, and gradients and curvatures there.
+    def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
+        """Points (N, 3) near the surface drawn towards it, but for those that are `still` (N,), and gradients and
+        curvatures there.
 
         By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
         """
-        jets = self._jets_at(points)
-        g = jets[1:]
-        way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
-        moved = points + way.T
-        value, gradients, bends = self._bent(moved)
-        square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2]
-        lost = ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
+            moved, gradients, bends, lost = kernel[0].drawn(kernel[1], rows, points, still, limits)
+        else:
+            moved, gradients, bends, lost = self._stepped(points, still)
         if lost.any():
             moved[lost] = self.near(points[lost])
             gradients[lost], bends[lost] = self.bending(moved[lost])
         return moved, gradients, bends
+
+    def _stepped(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """The same by a step alone, and which points are not near."""
+        jets = self._jets_at(points)
+        g = jets[1:]
+        way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
+        moved = np.where(still[:, None], points, points + way.T)
+        value, gradients, bends = self._bent(moved)
+        square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2]
+        lost = ~still & ~(value**2 <= (LEFT**2 * square + CLOSE**2) * dots(gradients, gradients))
+        return moved, gradients, bends, lost
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
@@ -88,6 +115,9 @@ class PatchField(ABC):
 
     def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,)."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].bent(kernel[1], self._bends.ordered, points)
         f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points))
         length = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-300)
         nx, ny, nz = gx / length, gy / length, gz / length
@@ -102,6 +132,9 @@ class PatchField(ABC):
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].closed(kernel[1], self._jets.ordered, points, (CLOSING, CLOSE))
         points = points.copy()
         gradients = np.empty_like(points)
         rows = np.arange(len(points))

@@ -14,7 +14,7 @@ from pas.algebra.inputs import check_limit, check_surface_degree, check_toleranc
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
-from pas.bernstein.forms import b_form, on_simplex
+from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
@@ -164,6 +164,13 @@ class PiecewiseSurface(InPlace, Shape):
                 return RadialField(self) if around_centre(self) else None
         except ArithmeticError:
             return None
+
+    @cached_property
+    def cell_forms(self) -> tuple[Floats, float]:
+        """The B-coefficients (C, m) on the cells in local coordinates, each cell's scaled by a positive number, and by
+        how much they may be off over the largest of its cell."""
+        cells = [self.local.corners(cell) for cell in self.local.cells]
+        return nearby_forms([self.patches[p].raw for p in self.local.piece_of], cells, max(self.degree, 1))
 
     @cached_property
     def cell_field(self) -> LocalField:

@@ -56,6 +56,7 @@ class RadialField(PatchField):
         corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
         self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
         self._piece = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
+        self.outer = len(self._weights), self._weights, self._piece
         self.rims = surface.placed.rings
         self._rings = Rings(self.rims)
 

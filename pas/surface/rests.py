@@ -10,17 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.bernstein.polar import bisection
 from pas.bernstein.signs import rounding_bound
-from pas.bernstein.subdivision import edges, halving, raised
+from pas.bernstein.subdivision import edges, raised
 from pas.limits import checkpoint
+from pas.mesh.field import Integers
+from pas.mesh.rows import dots
+from pas.surface.kernels import OPEN, RISES, SURE, compiled
 
 HALVINGS, MOST = 150, 6000
 """Halvings of a simplex, and simplices still open, at which the search ends."""
+
+ROUNDINGS = 16
+"""Of derivatives, over the largest coefficient, beyond what halvings make of it."""
 
 
 @dataclass(frozen=True)
@@ -59,16 +68,14 @@ def leaves(forms: Floats, corners: Floats, degree: int, error: float = UNIT_ROUN
     for halved in range(HALVINGS + 1):
         checkpoint(f"looking for critical points ({examined} simplices examined)")
         examined += len(forms)
-        bound = rounding_bound(degree, halved, error)
-        still = ~_rises(forms, corners, degree, bound)
-        forms, corners = forms[still], corners[still]
-        sure = _least(forms, bound) > 0
+        states = _states(forms, corners, degree, rounding_bound(degree, halved, error))
+        sure, left = states == SURE, states == OPEN
         kept.append(forms[sure])
         places.append(corners[sure])
-        forms, corners = forms[~sure], corners[~sure]
+        forms, corners = forms[left], corners[left]
         if not len(forms) or len(forms) > most or halved == HALVINGS or corners.shape[1] == 1:
             break
-        forms, corners = halves(forms, corners, degree)
+        forms, corners = _halved(forms, corners, degree)
     return Leaves(np.concatenate(kept), np.concatenate(places), corners, halved, error, examined)
 
 
@@ -85,9 +92,9 @@ def rests(found: Leaves, degree: int, free: Free, most: int = MOST) -> Rests:
         if not len(forms) or len(forms) > most or halved >= HALVINGS or corners.shape[1] == 1:
             break
         checkpoint(f"looking for critical points ({examined} simplices examined)")
-        forms, corners = halves(forms, corners, degree)
+        forms, corners = _halved(forms, corners, degree)
         halved, examined = halved + 1, examined + len(forms)
-        still = ~_rises(forms, corners, degree, rounding_bound(degree, halved, found.error))
+        still = _states(forms, corners, degree, rounding_bound(degree, halved, found.error)) != RISES
         forms, corners = forms[still], corners[still]
     left = np.concatenate([found.open.mean(axis=1), corners.mean(axis=1)])
     return Rests(np.concatenate(kept), np.concatenate(signs), left, examined)
@@ -97,38 +104,82 @@ def _least(forms: Floats, bound: float) -> Floats:
     return np.asarray(np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound)
 
 
-def _rises(forms: Floats, corners: Floats, degree: int, bound: float) -> np.ndarray:
+def _states(forms: Floats, corners: Floats, degree: int, bound: float) -> NDArray[np.int8]:
+    """Whether the derivative along one direction is positive on simplices, their coefficients have one sign, or
+    neither, (N,)."""
+    up = _raised(degree, corners.shape[1])
+    kernel = compiled(len(forms) * forms.shape[1])
+    if kernel is not None:
+        return kernel.states(up, forms, corners, bound, ROUNDINGS * UNIT_ROUNDOFF)
+    states = np.where(_least(forms, bound) > 0, SURE, OPEN).astype(np.int8)
+    states[_rises(forms, corners, up, bound)] = RISES
+    return states
+
+
+@cache
+def _raised(degree: int, vertices: int) -> Integers:
+    return raised(degree, vertices) if vertices > 1 else np.zeros((1, 1), dtype=np.intp)
+
+
+def _rises(forms: Floats, corners: Floats, up: Integers, bound: float) -> np.ndarray:
     """On which simplices the derivative along one direction, about that of the mean gradient, is positive."""
     if corners.shape[1] == 1 or not len(forms):
         return np.zeros(len(forms), dtype=bool)
-    up = raised(degree, corners.shape[1])
-    steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
-    way = corners[:, 1:] - corners[:, :1]
-    gram = way @ way.transpose(0, 2, 1)
-    gram /= np.einsum("nii->n", gram)[:, None, None]
-    mean = steps.mean(axis=1)
+    number = corners.shape[1] - 1
+    ways = [corners[:, i + 1] - corners[:, 0] for i in range(number)]
+    gram = [[dots(a, b) for b in ways] for a in ways]
+    steps = [[forms[:, row[i + 1]] - forms[:, row[0]] for row in up] for i in range(number)]
+    mean = [sum(along[1:], start=0.0 + along[0]) / len(up) for along in steps]
     with np.errstate(all="ignore"):
-        u = np.linalg.solve(gram, mean[..., None])[..., 0]
-        u /= np.abs(u).sum(axis=1, keepdims=True)
-    along = np.einsum("nmi,ni->nm", steps, u)
-    largest = np.abs(forms).max(axis=1)
-    return np.asarray(along.min(axis=1) > 2 * bound + 16 * UNIT_ROUNDOFF * largest)
+        u = _direction(gram, mean)
+        least = np.full(len(forms), np.inf)
+        for some in zip(*steps, strict=True):
+            least = np.minimum(least, sum((s * w for s, w in zip(some[1:], u[1:], strict=True)), start=some[0] * u[0]))
+    largest = np.maximum(-forms.min(axis=1), forms.max(axis=1))
+    return np.asarray(least > 2 * bound + ROUNDINGS * UNIT_ROUNDOFF * largest)
 
 
-def halves(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
-    """Both halves of each simplex at the middle of its longest edge."""
+def _direction(gram: list[list[Floats]], mean: list[Floats]) -> list[Floats]:
+    """The direction with given products with edges, by those (d, d) of edges with one another: by cofactors, its sizes
+    summing to 1."""
+    trace = sum((gram[i][i] for i in range(1, len(gram))), start=gram[0][0])
+    g = [[entry / trace for entry in row] for row in gram]
+    if len(g) == 1:
+        found = [mean[0]]
+    elif len(g) == 2:
+        found = [g[1][1] * mean[0] - g[0][1] * mean[1], g[0][0] * mean[1] - g[0][1] * mean[0]]
+    else:
+        xx, xy = g[1][1] * g[2][2] - g[1][2] * g[1][2], g[0][2] * g[1][2] - g[0][1] * g[2][2]
+        xz, yy = g[0][1] * g[1][2] - g[0][2] * g[1][1], g[0][0] * g[2][2] - g[0][2] * g[0][2]
+        yz, zz = g[0][1] * g[0][2] - g[0][0] * g[1][2], g[0][0] * g[1][1] - g[0][1] * g[0][1]
+        x, y, z = mean
+        found = [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
+    size = sum((np.abs(c) for c in found[1:]), start=np.abs(found[0]))
+    return [c / size for c in found]
+
+
+def _halved(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
+    """Both halves of each simplex, one behind the other, cut at the middle of its longest edge."""
     vertices = corners.shape[1]
-    pairs = np.array(edges(vertices))
-    spans = corners[:, pairs[:, 0]] - corners[:, pairs[:, 1]]
-    longest = np.einsum("nij,nij->ni", spans, spans).argmax(axis=1)
-    found, places = [], []
-    for edge in np.unique(longest).tolist():
-        here = longest == edge
+    pairs, halves, taken = _cuts(degree, vertices)
+    kernel = compiled(len(forms) * forms.shape[1])
+    if kernel is not None:
+        return kernel.halved(pairs, halves, taken, forms, corners)
+    spans = [corners[:, a] - corners[:, b] for a, b in pairs.tolist()]
+    longest = np.argmax([dots(span, span) for span in spans], axis=0)
+    found, places = np.empty((2 * len(forms), forms.shape[1])), np.repeat(corners, 2, axis=0)
+    for edge, cut in enumerate(bisection(degree, vertices)):
+        here = np.flatnonzero(longest == edge)
         first, second = pairs[edge]
-        middle = corners[here][:, [first, second]].mean(axis=1)
-        for side, moved in enumerate((second, first)):
-            place = corners[here].copy()
-            place[:, moved] = middle
-            places.append(place)
-            found.append(forms[here] @ halving(degree, vertices, edge)[side].T)
-    return np.concatenate(found), np.concatenate(places)
+        middle = (corners[here, first] + corners[here, second]) / 2
+        for side, (moved, part) in enumerate(zip((second, first), cut(forms[here]), strict=True)):
+            found[2 * here + side] = part
+            places[2 * here + side, moved] = middle
+    return found, places
+
+
+@cache
+def _cuts(degree: int, vertices: int) -> tuple[Integers, Integers, Integers]:
+    """The edges (E, 2), and for each the means (E, M, 2) of which its halves' coefficients (E, 2, m) are some."""
+    cuts = bisection(degree, vertices)
+    return np.array(edges(vertices)), np.array([c.halves for c in cuts]), np.array([c.taken for c in cuts])

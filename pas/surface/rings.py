@@ -15,6 +15,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
+from pas.surface.kernels import compiled
 from pas.surface.opening_rim import OpeningRim
 
 if TYPE_CHECKING:
@@ -114,6 +115,10 @@ class Rings:
         return self._on_rings(points, numbers)
 
     def _on_rings(self, points: Floats, numbers: Integers) -> Floats:
+        kernel = compiled(STEPS * len(points))
+        if kernel is not None:
+            places, limits = (self._middles, self._normals), (STEPS, SETTLED)
+            return kernel.on_rings(self._tables.ordered, places, points, numbers, limits)
         middle, normal = self._middles[numbers], self._normals[numbers]
         way = points - middle
         way = way - dots(way, normal)[:, None] * normal

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from itertools import product
 from math import comb, factorial, prod
 
 import numpy as np
@@ -32,6 +33,8 @@ BLOCK = 4096
 SAFETY = 2.0
 """By which bounds on rounding are multiplied, for products of roundings that are left out."""
 
+SAFE = 1e-9
+"""Over a bound in doubles: more than its rounding."""
 
 ELEVATED = 3
 """Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""
@@ -86,6 +89,26 @@ class TriangleForms:
                     degree, lattice(degree)[:2], table, corners[here], normals[here]
                 )
         return least, np.sqrt(sizes)
+
+    def jets(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values (N,) and gradients (3, N) at points (N, 3)."""
+        places, values, gradients = (
+            np.ascontiguousarray(points.T),
+            np.empty((1, len(points))),
+            np.empty((3, len(points))),
+        )
+        horner(self._value, self.degree, places, values)
+        horner(self._gradient, self.degree - 1, places, gradients)
+        return values[0], gradients
+
+    def bend(self, reach: Floats) -> float:
+        """A bound of second derivatives along unit vectors where the coordinates' sizes are up to `reach` (3,)."""
+        powers, total = np.array(exponents(self.degree)), 0.0
+        for i, j in product(range(3), repeat=2):
+            factors = powers[:, i] * (powers[:, j] - (i == j))
+            left = np.maximum(powers - (np.arange(3) == i) - (np.arange(3) == j).astype(int), 0)
+            total += float((np.abs(self._value[0]) * factors) @ np.prod(reach**left, axis=1)) ** 2
+        return (1 + SAFE) * float(np.sqrt(total))
 
     def values(self, corners: Floats) -> Floats:
         """The B-coefficients (m, T) of f on triangles (T, 3, 3)."""

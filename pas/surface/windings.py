@@ -12,7 +12,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.rows import cross
+from pas.mesh.rows import cross, dots, norms
+from pas.surface.kernels import compiled
 
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
@@ -29,24 +30,31 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
 
     Also for which ends (E,) that is known.
     """
-    corners = points[triangles] - origin
-    units = corners / np.maximum(np.sqrt((corners * corners).sum(axis=2, keepdims=True)), 1e-300)
-    middle = units.sum(axis=1)
-    middle /= np.maximum(np.sqrt((middle * middle).sum(axis=1, keepdims=True)), 1e-300)
-    cap = np.einsum("tkx,tx->tk", units, middle).min(axis=1)
-    cap = np.where(cap > 0, cap, -1.0) - GRAZING
     ways = ends - origin
-    towards = ways / np.maximum(np.sqrt((ways * ways).sum(axis=1, keepdims=True)), 1e-300)
+    towards = _units(ways)
+    kernel = compiled(len(triangles) * max(len(ends), 1))
+    if kernel is not None:
+        return kernel.crossed(points, triangles, origin, ways, towards, (GRAZING, SURE))
+    corners = points[triangles] - origin
+    units = [_units(corners[:, k]) for k in range(3)]
+    middle = _units(units[0] + units[1] + units[2])
+    cap = np.minimum.reduce([dots(unit, middle) for unit in units])
+    cap = np.where(cap > 0, cap, -1.0) - GRAZING
     times, known = np.zeros(len(ends), dtype=np.intp), np.ones(len(ends), dtype=bool)
     step = max(1, ENTRIES // max(len(triangles), 1))
     for start in range(0, len(ends), step):
         checkpoint(f"counting crossings ({start} of {len(ends)} points)")
         here = slice(start, start + step)
-        row, triangle = np.nonzero(towards[here] @ middle.T >= cap)
+        x, y, z = towards[here, :, None].transpose(1, 0, 2)
+        row, triangle = np.nonzero(x * middle[:, 0] + y * middle[:, 1] + z * middle[:, 2] >= cap)
         sign, sure = _signs(ways[here][row], corners[triangle])
         np.add.at(times[here], row, sign)
         known[here][row[~sure]] = False
     return times, known
+
+
+def _units(vectors: Floats) -> Floats:
+    return vectors / np.maximum(norms(vectors), 1e-300)[:, None]
 
 
 def volumes(corners: Floats) -> tuple[Floats, Floats]:
@@ -77,6 +85,4 @@ def _signs(ways: Floats, corners: Floats) -> tuple[Integers, np.ndarray]:
 
 
 def _det(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
-    value = np.einsum("ni,ni->n", a, cross(b, c))
-    size = np.einsum("ni,ni->n", a, a) * np.einsum("ni,ni->n", b, b) * np.einsum("ni,ni->n", c, c)
-    return value, SURE * np.sqrt(size)
+    return dots(a, cross(b, c)), SURE * np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))

@@ -1,0 +1,91 @@
+/* Where the points of a mesh are moved to make its triangles better, as in pas/mesh/graded.py: the same sums and products
+   in the same order.  Compiled together with triangles.c.  A function that finds no memory returns -1. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+typedef ptrdiff_t whole;
+
+int pas_grown(whole count, const whole *edges, whole size, const double *points, double grade, double *lengths);
+int pas_centred(whole count, const whole *triangles, whole size, const double *points, const double *sizes,
+                double *moves);
+
+/* Points moved towards the mean of their triangles' centres, those of the rim along it, in tangent planes; `fixed` stay.
+   Edges should be as long as the curvatures `bends` let them be: a chord as far from its arc as `eight`, over 8, says,
+   no longer than `longest`, nor than `bent` radii. */
+int pas_moved(whole count, const whole *triangles, whole edges, const whole *every, whole inner, whole size,
+              const double *points, const double *normals, const double *bends, const char *fixed, double eight,
+              double least_bend, double bent, double least_bent, double grade, double *moved)
+{
+    double *sizes = malloc((size + 1) * sizeof(double));
+    whole *before = malloc((2 * size + 1) * sizeof(whole)), *after = before + size;
+    int state = sizes && before ? 0 : -1;
+    for (whole v = 0; state == 0 && v < size; v++) {
+        const double bend = bends[v] < least_bend ? least_bend : bends[v];
+        const double longest = bent / (bends[v] < least_bent ? least_bent : bends[v]);
+        const double chord = sqrt(eight / bend);
+        sizes[v] = chord < longest ? chord : longest;
+        before[v] = after[v] = -1;
+    }
+    if (state == 0) state = pas_grown(edges, every, size, points, grade, sizes);
+    if (state == 0) state = pas_centred(count, triangles, size, points, sizes, moved);
+    for (whole e = inner; state == 0 && e < edges; e++) {
+        after[every[2 * e]] = every[2 * e + 1];
+        before[every[2 * e + 1]] = every[2 * e];
+    }
+    for (whole v = 0; state == 0 && v < size; v++) {
+        double *move = moved + 3 * v;
+        const double *p = points + 3 * v, *normal = normals + 3 * v, off = move[0] * normal[0] + move[1] * normal[1] + move[2] * normal[2];
+        for (int i = 0; i < 3; i++) {
+            double way = move[i] - off * normal[i];
+            if (after[v] >= 0 && before[v] >= 0) way = (points[3 * before[v] + i] + points[3 * after[v] + i]) / 4 - p[i] / 2;
+            move[i] = p[i] + (fixed[v] ? 0.0 : way);
+        }
+    }
+    free(sizes);
+    free(before);
+    return state;
+}
+
+/* The centres of chosen triangles (count), then the middles of chosen edges (edges), (count + edges, 3). */
+int pas_middles(whole count, const whole *chosen, const whole *triangles, whole edges, const whole *marked,
+                const whole *ends, const double *points, double *middles)
+{
+    for (whole k = 0; k < count; k++) {
+        const whole *v = triangles + 3 * chosen[k];
+        const double *a = points + 3 * v[0], *b = points + 3 * v[1], *c = points + 3 * v[2];
+        for (int i = 0; i < 3; i++) middles[3 * k + i] = (a[i] + b[i] + c[i]) / 3;
+    }
+    for (whole k = 0; k < edges; k++) {
+        const double *p = points + 3 * ends[2 * marked[k]], *q = points + 3 * ends[2 * marked[k] + 1];
+        for (int i = 0; i < 3; i++) middles[3 * (count + k) + i] = (p[i] + q[i]) / 2;
+    }
+    return 0;
+}
+
+static inline double square_of(const double *p, const double *q)
+{
+    const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+    return x * x + y * y + z * z;
+}
+
+/* How many triangles have an angle below 30 degrees: by the cosine opposite to the shortest side, squared. */
+int pas_slender(whole count, const whole *triangles, const double *points, whole *number)
+{
+    *number = 0;
+    for (whole t = 0; t < count; t++) {
+        const double *a = points + 3 * triangles[3 * t], *b = points + 3 * triangles[3 * t + 1];
+        const double *c = points + 3 * triangles[3 * t + 2];
+        double s[3] = {square_of(a, b), square_of(b, c), square_of(c, a)};
+        for (int k = 0; k < 3; k++) { /* in order */
+            const int i = k == 1 ? 1 : 0;
+            const double low = s[i] < s[i + 1] ? s[i] : s[i + 1], high = s[i] < s[i + 1] ? s[i + 1] : s[i];
+            s[i] = low;
+            s[i + 1] = high;
+        }
+        const double across = s[1] + s[2] - s[0];
+        *number += across * across > 3 * s[1] * s[2];
+    }
+    return 0;
+}

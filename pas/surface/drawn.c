@@ -1,0 +1,227 @@
+/* Points drawn towards a surface, with gradients and curvatures there, as in pas/surface/patch_field.py, and onto the
+   curves on which it ends, as in pas/surface/rings.py: the same sums and products in the same order.
+
+   Compiled together with forms.c and pas/algebra/horner.c.  A function that finds no memory returns -1. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
+#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define FAST
+#endif
+
+#define JETS 4
+#define BENDS 10
+
+typedef ptrdiff_t whole;
+
+int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
+              const double *places, const whole *piece_of, double *values);
+int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
+
+/* Polynomials of pieces: the function and its derivatives. */
+typedef struct {
+    whole pieces;
+    const whole *degrees, *starts;
+    const double *tables;
+} Rows;
+
+/* The numbers of the pieces of points; all 0 without faces.  `multiples` (count) is room. */
+static void find(whole faces, const double *weights, const whole *piece_of, whole count, const double *points,
+                 double *multiples, whole *pieces)
+{
+    if (faces) pas_leaving(faces, weights, count, points, multiples, pieces);
+    for (whole p = 0; p < count; p++) pieces[p] = faces ? piece_of[pieces[p]] : 0;
+}
+
+static inline double at_least(double value, double least) { return value < least ? least : value; }
+
+/* The larger of the principal curvatures' sizes (count) by values and derivatives (BENDS, count). */
+FAST
+static void curvatures(whole count, const double *jets, double *bends)
+{
+    const double *gx = jets + count, *gy = gx + count, *gz = gy + count, *hxx = gz + count, *hxy = hxx + count;
+    const double *hxz = hxy + count, *hyy = hxz + count, *hyz = hyy + count, *hzz = hyz + count;
+    for (whole p = 0; p < count; p++) {
+        const double xx = hxx[p], xy = hxy[p], xz = hxz[p], yy = hyy[p], yz = hyz[p], zz = hzz[p];
+        const double length = at_least(sqrt(gx[p] * gx[p] + gy[p] * gy[p] + gz[p] * gz[p]), 1e-300);
+        const double nx = gx[p] / length, ny = gy[p] / length, nz = gz[p] / length;
+        const double x = xx * nx + xy * ny + xz * nz, y = xy * nx + yy * ny + yz * nz;
+        const double z = xz * nx + yz * ny + zz * nz, along = nx * x + ny * y + nz * z;
+        const double trace = xx + yy + zz - along;
+        double square = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz);
+        square = square + (along * along - 2 * (x * x + y * y + z * z));
+        bends[p] = (fabs(trace) + sqrt(at_least(2 * square - trace * trace, 0.0))) / (2 * length);
+    }
+}
+
+static void transposed(whole count, const double *columns, double *rows)
+{
+    for (whole p = 0; p < count; p++)
+        for (int i = 0; i < 3; i++) rows[3 * p + i] = columns[i * count + p];
+}
+
+/* Values (count), gradients (count, 3) and curvatures (count) at points (count, 3). */
+int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+             const whole *starts, const double *tables, whole count, const double *points, double *values,
+             double *gradients, double *bends)
+{
+    double *room = malloc((BENDS * count + 1) * sizeof(double));
+    whole *piece = malloc((count + 1) * sizeof(whole));
+    int state = room && piece ? 0 : -1;
+    if (state == 0) {
+        find(faces, weights, piece_of, count, points, room, piece);
+        state = pas_mixed(pieces, BENDS, degrees, starts, tables, count, points, piece, room);
+    }
+    if (state == 0) {
+        for (whole p = 0; p < count; p++) values[p] = room[p];
+        transposed(count, room + count, gradients);
+        curvatures(count, room, bends);
+    }
+    free(room);
+    free(piece);
+    return state;
+}
+
+/* Points moved by a step along the gradient (count, 3), gradients and curvatures there, and which were not near: of
+   what is left of the way more than a share, whose square is `left`, and than a distance, whose square is `close`.  Points
+   that are `still` stay. */
+int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
+              const double *all_tables, whole count, const double *points, const char *still, double left, double close,
+              double *moved, double *gradients, double *bends, char *lost)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double)), *values = malloc((count + 1) * sizeof(double));
+    whole *piece = malloc((count + 1) * sizeof(whole));
+    int state = jets && values && piece ? 0 : -1;
+    if (state == 0) {
+        find(faces, weights, piece_of, count, points, values, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, count, points, piece, jets);
+    }
+    if (state == 0) {
+        for (whole p = 0; p < count; p++) {
+            const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
+            const double share = -jets[p] / at_least(x * x + y * y + z * z, 1e-300);
+            const double way[3] = {share * x, share * y, share * z};
+            for (int i = 0; i < 3; i++) moved[3 * p + i] = still[p] ? points[3 * p + i] : points[3 * p + i] + way[i];
+            jets[p] = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+        }
+        state = pas_bent(faces, weights, piece_of, pieces, all_degrees, all_starts, all_tables, count, moved, values,
+                         gradients, bends);
+    }
+    for (whole p = 0; state == 0 && p < count; p++) {
+        const double *g = gradients + 3 * p, square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        lost[p] = !still[p] && !(values[p] * values[p] <= (left * jets[p] + close) * square);
+    }
+    free(jets);
+    free(values);
+    free(piece);
+    return state;
+}
+
+/* The distances (count) of points from the surface, to first order. */
+int pas_distances(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+                  const whole *starts, const double *tables, whole count, const double *points, double *distances)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double));
+    whole *piece = malloc((count + 1) * sizeof(whole));
+    int state = jets && piece ? 0 : -1;
+    if (state == 0) {
+        find(faces, weights, piece_of, count, points, jets, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, count, points, piece, jets);
+    }
+    for (whole p = 0; state == 0 && p < count; p++) {
+        const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
+        distances[p] = fabs(jets[p]) / at_least(sqrt(x * x + y * y + z * z), 1e-300);
+    }
+    free(jets);
+    free(piece);
+    return state;
+}
+
+/* Points moved onto the surface along gradients in at most so many steps, the last one shorter than `close`, and the
+   gradients there (count, 3). */
+int pas_closed(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+               const whole *starts, const double *tables, whole count, whole steps, double close, double *points,
+               double *gradients)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
+    whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
+    int state = jets && places && piece ? 0 : -1;
+    for (whole p = 0; state == 0 && p < count; p++) rows[p] = p;
+    for (whole step = 0; state == 0 && left && step < steps; step++) {
+        for (whole k = 0; k < left; k++)
+            for (int i = 0; i < 3; i++) places[3 * k + i] = points[3 * rows[k] + i];
+        find(faces, weights, piece_of, left, places, jets, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, left, places, piece, jets);
+        whole moving = 0;
+        for (whole k = 0; state == 0 && k < left; k++) {
+            const double g[3] = {jets[left + k], jets[2 * left + k], jets[3 * left + k]};
+            const double square = at_least(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300);
+            const whole p = rows[k];
+            double largest = 0;
+            for (int i = 0; i < 3; i++) {
+                const double way = -jets[k] * g[i] / square;
+                points[3 * p + i] += way;
+                gradients[3 * p + i] = g[i];
+                if (fabs(way) > largest) largest = fabs(way);
+            }
+            if (largest > close) rows[moving++] = p;
+        }
+        left = moving;
+    }
+    free(jets);
+    free(places);
+    free(piece);
+    return state;
+}
+
+/* Where rays from the middles of curves of given numbers (count), in their planes, through points meet the curves. */
+int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const double *tables, const double *middles,
+                 const double *normals, whole count, const double *points, const whole *numbers, whole steps,
+                 double settled, double *result)
+{
+    double *way = malloc((11 * count + 1) * sizeof(double)), *share = way + 3 * count, *jets = share + count;
+    double *places = jets + JETS * count;
+    whole *rows = malloc((2 * count + 1) * sizeof(whole)), *own = rows + count, left = count;
+    int state = way && rows ? 0 : -1;
+    for (whole p = 0; state == 0 && p < count; p++) {
+        const double *middle = middles + 3 * numbers[p], *normal = normals + 3 * numbers[p];
+        double w[3];
+        for (int i = 0; i < 3; i++) w[i] = points[3 * p + i] - middle[i];
+        const double off = w[0] * normal[0] + w[1] * normal[1] + w[2] * normal[2];
+        for (int i = 0; i < 3; i++) way[3 * p + i] = w[i] - off * normal[i];
+        share[p] = 1.0;
+        rows[p] = p;
+    }
+    for (whole step = 0; state == 0 && left && step < steps; step++) {
+        for (whole k = 0; k < left; k++) {
+            own[k] = numbers[rows[k]];
+            for (int i = 0; i < 3; i++)
+                places[3 * k + i] = middles[3 * own[k] + i] + share[rows[k]] * way[3 * rows[k] + i];
+        }
+        state = pas_mixed(rings, JETS, degrees, starts, tables, left, places, own, jets);
+        whole moving = 0;
+        for (whole k = 0; state == 0 && k < left; k++) {
+            const double *w = way + 3 * rows[k], before = share[rows[k]];
+            const double slope = jets[left + k] * w[0] + jets[2 * left + k] * w[1] + jets[3 * left + k] * w[2];
+            double next = before * 2;
+            if (slope > 0) {
+                const double found = before - jets[k] / slope, most = next;
+                next = found < before / 2 ? before / 2 : found;
+                next = next > most ? most : next;
+            }
+            share[rows[k]] = next;
+            if (!(fabs(next - before) < settled)) rows[moving++] = rows[k];
+        }
+        left = moving;
+    }
+    for (whole p = 0; state == 0 && p < count; p++)
+        for (int i = 0; i < 3; i++) result[3 * p + i] = middles[3 * numbers[p] + i] + share[p] * way[3 * p + i];
+    free(way);
+    free(rows);
+    return state;
+}

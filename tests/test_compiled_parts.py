@@ -1,0 +1,292 @@
+"""Parts of meshing and of proofs of meshes by compiled code and by numpy: the same bits, and what they should be."""
+
+from __future__ import annotations
+
+from math import factorial, prod
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import EQUAL, solved
+
+import pas
+from pas.algebra.compiled import compiled
+from pas.algebra.kernels import VARIABLE
+from pas.algebra.monomials import homogeneous_exponents
+from pas.bernstein.polar import bisection, means
+from pas.bernstein.subdivision import edges, halving
+from pas.mesh.fine import finer
+from pas.mesh.graded import _moved, looked_at
+from pas.mesh.lattice import Subdivision, eighths
+from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
+from pas.mesh.refine import longest_of, split, with_longest
+from pas.mesh.topology import euler_characteristic, is_manifold, piece_count, same_places
+from pas.surface.mesh_bounds import _moves, bounds
+from pas.surface.mesh_stage import Sheet
+from pas.surface.rests import leaves
+from pas.surface.windings import crossed
+
+TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
+BOWL = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
+
+
+@pytest.fixture
+def both(monkeypatch):
+    """What a function returns by numpy and by compiled code; without a compiler the test is skipped."""
+    if compiled() is None:
+        pytest.skip("there is no C compiler")
+
+    def results(function):
+        found = []
+        for kernel in ("numpy", "compiled"):
+            monkeypatch.setenv(VARIABLE, kernel)
+            found.append(function())
+        return found
+
+    return results
+
+
+def same(found):
+    """Whether two sequences of arrays and numbers are the same bits."""
+    assert len(found[0]) == len(found[1]) > 0
+    return all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
+
+
+def values(forms, degree, weights):
+    """Those of B-forms (T, m) at barycentric coordinates (N, v), (T, N)."""
+    indices = homogeneous_exponents(degree, weights.shape[1])
+    basis = [factorial(degree) / prod(map(factorial, a)) * np.prod(weights ** np.array(a), axis=1) for a in indices]
+    return forms @ np.array(basis)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5, 6, 9])
+def test_eighths_have_the_values_of_the_whole(degree):
+    rng = np.random.default_rng(degree)
+    corners, parts = eighths(degree)
+    forms = rng.normal(size=(3, len(homogeneous_exponents(degree, 4))))
+    weights = rng.dirichlet(np.ones(4), size=20)
+    for part, own in zip(corners, parts(forms), strict=True):
+        assert values(own, degree, weights) == pytest.approx(values(forms, degree, weights @ part / 2), abs=1e-13)
+
+
+@pytest.mark.parametrize("vertices", [2, 3, 4])
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5, 6])
+def test_bisections_are_those_by_matrices(degree, vertices):
+    forms = np.random.default_rng(degree).normal(size=(4, len(homogeneous_exponents(degree, vertices))))
+    for edge, cut in enumerate(bisection(degree, vertices)):
+        for matrix, own in zip(halving(degree, vertices, edge), cut(forms), strict=True):
+            assert own == pytest.approx(forms @ matrix.T, abs=1e-14)
+    assert len(bisection(degree, vertices)) == len(edges(vertices))
+
+
+def test_means_of_whole_numbers_are_exact():
+    forms = np.random.default_rng(1).integers(-1000, 1000, size=(2, 35)).astype(float) * 2.0**20
+    cut = means(4, [[(2, 0, 0, 0), (1, 1, 0, 0), (1, 0, 1, 0), (1, 0, 0, 1)]])
+    assert (cut(forms) == np.round(cut(forms))).all()
+    assert (cut(forms)[0, :, 0] == forms[:, 0]).all()
+
+
+def test_lattices_are_cut_alike(both):
+    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).cell_field
+
+    def cut():
+        cells = Subdivision(field)
+        for _ in range(3):
+            cells.halve()
+        places, hidden = cells.bent()
+        lattice = cells.lattice
+        nodes = np.sort(lattice.points[lattice.tetrahedra].sum(axis=1), axis=0)
+        return cells.keys, cells.points, cells.forms, len(places), hidden, nodes
+
+    found = both(cut)
+    assert same(found)
+    assert len(found[0][0]) > 500
+    assert 0 < found[0][3] < len(found[0][0])
+
+
+def test_places_of_rest_are_the_same_bits(both):
+    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
+
+    def places():
+        each = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+        return [part for some in each for part in (some.forms, some.corners, some.open, some.examined)]
+
+    found = both(places)
+    assert same(found)
+    assert not any(map(len, found[0][2::4]))
+    solid, _, _, ends = found[0][1::4]
+    assert len(ends) == 8  # the corners of the box
+    critical = (np.array([-1 / 14, 0, 0]) - stage.origin) / stage.scale
+    assert ((solid.min(axis=1) <= critical) & (critical <= solid.max(axis=1))).all(axis=1).any()
+    assert np.abs(solid - critical).max() <= 0.5
+
+
+def test_windings_are_counted_alike(both):
+    mesh = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesh(2e-2)
+    rng = np.random.default_rng(5)
+    ends = np.concatenate([rng.uniform(-2, 2, (200, 3)), mesh.points[:20]])
+    origin = np.array([0.01, 0.02, 0.03])
+    times, known = (
+        part for part in zip(*both(lambda: crossed(mesh.points, mesh.triangles, origin, ends)), strict=True)
+    )
+    assert same(times)
+    assert same(known)
+    inside = heights(ends[:200]) < 0
+    sure = known[0][:200] & (np.abs(heights(ends[:200])) > 0.3)
+    assert known[0][:200].sum() > 190
+    assert 5 < inside[sure].sum() < sure.sum() - 100
+    assert (times[0][:200][sure] == -inside[sure].astype(int)).all()
+    assert not known[0][200:].any()  # vertices are on the mesh
+
+
+def heights(points):
+    """The values (N,) of the torus' function."""
+    x, y, z = points.T
+    return (x * x + y * y + z * z + 3 / 4) ** 2 - 4 * (x * x + y * y)
+
+
+STRIP = np.array([(0, 1, 2), (1, 3, 2), (2, 3, 4)])
+
+
+@pytest.mark.parametrize(
+    ("triangles", "good", "pieces"),
+    [
+        (STRIP, True, 1),
+        (np.array([(0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2)]), True, 1),
+        (np.array([(0, 1, 2), (2, 3, 4)]), False, 1),  # two fans
+        (np.array([(0, 1, 2), (1, 0, 3), (0, 1, 4)]), False, 1),  # three triangles
+        (np.concatenate([STRIP, STRIP + 7]), True, 2),
+        (np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 5, 6), (0, 6, 7)]), False, 1),
+        (np.empty((0, 3), dtype=int), False, 0),
+    ],
+)
+def test_manifolds_and_pieces(both, triangles, good, pieces):
+    assert both(lambda: (is_manifold(triangles), piece_count(triangles))) == [(good, pieces)] * 2
+
+
+def test_places_that_are_the_same(both):
+    points = np.random.default_rng(2).integers(-2, 3, size=(400, 3)) * 0.1
+    points[::7] *= -1  # zeros of either sign
+    for first, place in both(lambda: same_places(points)):
+        assert np.array_equal(points[first][place], points)
+        assert len(first) == len(np.unique(points + 0.0, axis=0))
+
+
+def rough():
+    """A mesh of a torus with points that are not quite on it."""
+    mesh = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesh(5e-2)
+    return mesh, mesh.points + np.random.default_rng(3).normal(scale=0.03, size=mesh.points.shape)
+
+
+def test_triangles_are_cut_alike(both):
+    mesh, points = rough()
+    every = Edges(mesh.triangles, len(points)).every
+    ratio = np.linalg.norm(points[every[:, 0]] - points[every[:, 1]], axis=1)
+
+    def cut():
+        chosen = longest_of(mesh.triangles, every, ratio, len(points), float(np.median(ratio)))
+        more = with_longest(points, mesh.triangles[:20], chosen)
+        return chosen, more, *split(points, mesh.triangles, more), *split(points, mesh.triangles, every)
+
+    found = both(cut)
+    assert same(found)
+    chosen, more, _, triangles, parents, _, all_, _ = found[0]
+    assert 0 < len(chosen) < len(more) < len(every)
+    assert len(all_) == 4 * len(mesh.triangles)
+    assert Edges(triangles, int(triangles.max()) + 1).manifold
+    assert euler_characteristic(triangles) == euler_characteristic(mesh.triangles) == 0
+    assert np.array_equal(np.unique(parents), np.arange(len(mesh.triangles)))
+
+
+def test_points_are_moved_alike(both):
+    mesh, points = rough()
+    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).cell_field
+    rng = np.random.default_rng(6)
+    some = np.sort(rng.choice(len(mesh.triangles), 50, replace=False))
+
+    def moved():
+        local = field.frame.local_points(points)
+        edges = flipped_edges(local, mesh.triangles, mesh.point_normals)
+        plain = flipped(local, mesh.triangles, mesh.point_normals)
+        opened = edges.triangles[(edges.triangles != 7).all(axis=1)]
+        graph = looked_at(field, local, opened, np.full(len(points), -1))
+        between = middles(local, (mesh.triangles, some), (edges.inner, some))
+        tables = edges.triangles, edges.every, edges.owners, edges.manifold, plain
+        return *tables, _moved(field, graph, 1e-2), between, slender(local, mesh.triangles)
+
+    found = both(moved)
+    assert same(found)
+    assert np.array_equal(found[0][0], found[0][4])
+    assert found[0][7] == (smallest_angles(points, mesh.triangles) < 30).sum() > 0
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 5])
+def test_triangles_are_cut_into_small_ones_alike(both, m):
+    rng = np.random.default_rng(m)
+    mesh = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface((-2,) * 3, (2,) * 3).mesh(1e-1)
+    units = mesh.points / np.linalg.norm(mesh.points, axis=1)[:, None]
+    found = both(lambda: finer(units, mesh.triangles, units, m))
+    assert same(found)
+    others = units + rng.normal(scale=0.1, size=units.shape)
+    assert same(both(lambda: finer(units, mesh.triangles, others, m)))
+    points, triangles = found[0]
+    assert len(triangles) == m * m * len(mesh.triangles)
+    assert Edges(triangles, len(points)).manifold
+    assert euler_characteristic(triangles) == 2
+    assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=2e-2)
+
+
+@pytest.mark.parametrize("name", ["corner", "torus"])
+def test_fields_of_surfaces_are_the_same_bits(both, name):
+    if name == "corner":
+        surface = solved(EQUAL, 2).surface
+        field = surface.radial_field
+    else:
+        surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
+        field = surface.cell_field
+    local = field.frame.local_points(surface.mesh(2e-2).points)
+    points = local + np.random.default_rng(4).normal(scale=0.02, size=local.shape)
+    still = np.arange(len(points)) % 5 == 0
+    rim = np.arange(len(points)) % len(field.rims)
+
+    def looked():
+        found = [*field.drawn(points, still), *field.closed(local + 1e-4), field.distances(points)]
+        return [*found, *field.bending(points), field.on_rims(points, rim)]
+
+    found = both(looked)
+    assert same(found)
+    assert np.array_equal(found[0][0][still], points[still])
+    assert np.abs(field.distances(found[0][3])).max() < 1e-12
+    assert (field.distances(found[0][0])[~still] < 0.2 * found[0][5][~still] + 1e-10).mean() > 0.95
+
+
+def test_triangles_moved_so_far_have_one_sign():
+    surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
+    mesh = surface.mesh(2e-2)
+    sheet = Sheet(surface.stage, mesh.points, mesh.triangles)
+    found = bounds(sheet)
+    enough = _moves(sheet, found, 0.02)
+    assert np.isfinite(enough).mean() > 0.8
+    near = np.isfinite(enough)
+    assert (enough[near] >= (found.most / found.least)[near]).all()
+    weights = np.random.default_rng(8).dirichlet(np.ones(3), size=10)
+    for sign in (-1, 1):
+        moved = sheet.corners[near] + sign * (enough[near, None] * sheet.normals[near])[:, None]
+        values, _ = surface.stage.jets((weights @ moved).reshape(-1, 3))
+        assert (sign * values > 0).all()
+    tight = enough[near, None, None] * sheet.normals[near, None] * 0.2
+    assert not all(
+        (sign * surface.stage.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
+    )
+
+
+def test_second_derivatives_are_bounded():
+    stage = SimpleNamespace(maker=pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).stage.makers[0])
+    reach = np.array([0.5, 0.7, 0.2])
+    bound = stage.maker.bend(reach)
+    rng = np.random.default_rng(9)
+    points, ways = rng.uniform(-reach, reach, (400, 3)), rng.normal(size=(400, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    slopes = [(stage.maker.jets(points + s * ways)[1] * ways.T).sum(axis=0) for s in (-1e-5, 1e-5)]
+    found = np.abs(slopes[1] - slopes[0]).max() / 2e-5
+    assert found <= bound <= 20 * found
