@@ -547,11 +547,11 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         await ask("move", 5)
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await asyncio.sleep(1.5 * REST)
+        assert final.asked[-1] == final.doing == ("solve", {"n": 5})  # ahead, while the hand rests
         for verb in ("prove", "measure"):
             assert quick.asked[-1] == (verb,)
             quick.gates[-1].set_result(Message({"kind": verb}))
             await settle()
-        assert final.asked[-1] == final.doing == ("solve", {"n": 5})  # ahead, while the hand rests
         await ask("move", 6)
         assert final.doing == () and sent[-1]["kind"] == "measure"
         running.cancel()
