@@ -104,9 +104,9 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function rest() { clearTimeout(s.asking); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
 	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
 	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
-	function step(from, to) { if (!from.length) return; to.push(s.doc); go(from.pop()); }
+	function step(from, to) { if (!from.length) return; to.push(s.doc); const doc = from.pop(), name = (d) => [d.kind, d.name, d.problem?.name]; s.fresh = !same(name(doc), name(s.doc)); go(doc); }
 	function openDocument(doc, fresh = true) { if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
-	const buttons = () => { $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
+	const buttons = () => { $.gallery.value = Object.keys(s.starts || {}).find((name) => same(s.starts[name], s.doc)) || ""; $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
 	function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
 
 	// ---- lamps
@@ -184,8 +184,8 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function gallery(head) {
 		s.starts = head.documents; $.gallery.hidden = false;
-		$.gallery.replaceChildren(...options(Object.keys(head.documents)));
-		if (!s.doc) openDocument(Object.values(head.documents)[0]); else { $.gallery.selectedIndex = -1; go(s.doc); }
+		$.gallery.replaceChildren(make("option", { value: "", disabled: true }, "Starting points"), ...options(Object.keys(head.documents)));
+		if (!s.doc) openDocument(Object.values(head.documents)[0]); else go(s.doc);
 	}
 	function pickStart() { openDocument(s.starts[$.gallery.value]); }
 	function file(head, arrays) {
