@@ -243,6 +243,18 @@ def test_starting_points_are_documents_with_controls(name):
         assert control["kind"] != "number" or control["low"] < control["high"]
 
 
+@pytest.mark.parametrize("name", GALLERY)
+def test_a_control_stays_one_where_its_number_becomes_a_text(name):
+    """As a slider's is: it tells the digits that it shows."""
+    document = GALLERY[name]
+    found = [control["path"] for control in controls(document)]
+    if document["kind"] == "problem":
+        text = json.loads(json.dumps(document["problem"]), parse_int=lambda digits: f"{digits}.0")
+        text["order"] = document["problem"].get("order", 1)
+        assert [control["path"] for control in controls({**document, "problem": text})] == found
+    assert len(set(map(str, found))) == len(found)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GALLERY)
 def test_starting_points_are_solved_and_seen(name):
