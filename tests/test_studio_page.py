@@ -555,7 +555,7 @@ def test_coefficients_of_members_are_dragged_and_let_go(single, tmp_path, monkey
 
 def test_handles_pull_the_surface_of_a_single_cell(single):
     page = single
-    page.page.evaluate("studio.view.aim([-1, -0.6, 0.3])")
+    page.page.evaluate("(studio.view.camera.target = [0, 0, 0], studio.view.aim([-1, -0.6, 0.3]))")
     page.page.click("text=Add handle")
     page.until(f"studio.state.doc.problem.points?.handles?.length === 1 && {FINAL}")
     ((handle, value),) = page.problem["points"]["handles"]
@@ -638,6 +638,19 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
         page.page.click("text=PNG")
     download.value.save_as(tmp_path / "pipes.png")
     assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
+    corner, levels = page.ask(PICTURE)
+    assert corner == [238, 242, 246]  # the page's paper
+    # no bands: no residue class of levels has most of the pixels, as in a sum of six rounded shares
+    assert max(sum(levels[k::6]) for k in range(6)) < 0.3 * sum(levels)
+
+
+PICTURE = """(async () => {
+  const picture = await createImageBitmap(studio.state.downloaded.blob), reds = new Array(256).fill(0);
+  const c = new OffscreenCanvas(1200, 900).getContext("2d"); c.drawImage(picture, 0, 0);
+  const a = c.getImageData(0, 0, 1200, 900).data;
+  for (let i = 0; i < a.length; i += 4) if (a[i] > 2 * a[i + 2]) reds[a[i]]++;
+  return [[...a.slice(0, 3)], reds]; })()"""
+"""The colour of a corner, and how many pixels of the surface are how red."""
 
 
 def test_a_turn_is_filmed_and_pieces_are_outlined(page):

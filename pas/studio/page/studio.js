@@ -198,11 +198,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function repair() { $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
 	function back() { if (s.lastProved) openDocument(s.lastProved, false); }
 	function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
-	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, getComputedStyle($.main).getPropertyValue("--paper") || "#fff"), `${$.title.textContent || "shape"}.png`); }
+	const paper = () => getComputedStyle($.code).backgroundColor; // as it came out: a canvas takes no formula for light and dark
+	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, paper()), `${$.title.textContent || "shape"}.png`); }
 	async function film() {
 		if (!globalThis.MediaRecorder) { say("this browser cannot record films", true); return; }
 		$.film.disabled = true; say("one turn is recorded …");
-		download(await view.film(getComputedStyle($.main).getPropertyValue("--paper")), `${$.title.textContent || "shape"}.webm`);
+		download(await view.film(paper()), `${$.title.textContent || "shape"}.webm`);
 		$.film.disabled = false; say("the turn was saved");
 	}
 	async function copy(kind) {

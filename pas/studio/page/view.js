@@ -68,12 +68,21 @@ export class View {
 	}
 	// The picture at any size, with a plain background.
 	async png(width, height, background) {
-		const out = new OffscreenCanvas(width, height), add = out.getContext("2d");
-		const before = [this.live.width, this.live.height];
-		this.live.width = width; this.live.height = height; add.globalCompositeOperation = "lighter"; add.globalAlpha = 1 / SMOOTH.length;
-		for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, fine: true, jitter }); add.drawImage(this.live, 0, 0); }
+		const out = new OffscreenCanvas(width, height), context = out.getContext("2d"), before = [this.live.width, this.live.height], gl = this.caster.gl, n = SMOOTH.length;
+		const one = new Uint8Array(4 * width * height), sum = new Uint16Array(one.length); // a sum of rounded shares would show bands
+		this.live.width = width; this.live.height = height;
+		for (const jitter of SMOOTH) {
+			this.caster.draw(this.camera, { ...this.look, fine: true, jitter }); gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, one);
+			for (let i = 0; i < one.length; i++) sum[i] += one[i];
+		}
 		[this.live.width, this.live.height] = before; this.ask();
-		add.globalCompositeOperation = "destination-over"; add.globalAlpha = 1; add.fillStyle = background; add.fillRect(0, 0, width, height);
+		context.fillStyle = background; context.fillRect(0, 0, width, height);
+		const image = context.getImageData(0, 0, width, height), row = 4 * width;
+		for (let i = 0; i < one.length; i += 4) { // rows of the one from below, of the other from above; colours are times their alpha
+			const k = (height - 1 - Math.floor(i / row)) * row + (i % row), behind = 1 - sum[i + 3] / (255 * n);
+			for (let c = 0; c < 3; c++) image.data[k + c] = sum[i + c] / n + behind * image.data[k + c];
+		}
+		context.putImageData(image, 0, 0);
 		return out.convertToBlob({ type: "image/png" });
 	}
 	// One turn about the vertical as a film: a blob of WebM.
