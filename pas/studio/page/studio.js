@@ -20,6 +20,8 @@ const ARROW = 0.08, TOWARDS = 0.3; // a handle's arrow over the picture's size; 
 const PAUSE = 120; // milliseconds of rest after which the verdicts on what the page drew by itself are asked for
 const PULL = 0.1; // of the picture's size, by which a handle's slider moves the surface
 const FINGER = 22; // pixels within which a finger finds a mark
+const far = ([x, y]) => Math.hypot(x - 0.5, y - 0.5);
+const PLACES = Array.from({ length: 81 }, (_, i) => [(1 + (i % 9)) / 10, (1 + Math.floor(i / 9)) / 10]).sort((a, b) => far(a) - far(b)); // of the picture, from its middle on
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -83,7 +85,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	};
 	const panel = new Panel($.controls, act);
 	const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
-	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
+	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of PLACES) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
 	function change(doc, settled) {
 		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
 		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "", mesh: view.tooSlow && s.scene?.how === "cast" });
