@@ -6,7 +6,8 @@ class; the other keys are that class's own, so a new kind needs no change in any
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cache
 from inspect import Parameter, signature
 from typing import Any, Protocol, TypeVar
 
@@ -53,7 +54,12 @@ def described(registry: Registry[type[D]], record: Mapping[str, Any], kind: str 
 
 def constructor_keys(made: type[Any]) -> dict[str, bool]:
     """The keys of a class whose tables hold the arguments of its constructor: needed are those without a default."""
-    arguments = list(signature(made.__init__).parameters.values())[1:]
+    return dict(_arguments(made.__init__))
+
+
+@cache
+def _arguments(constructor: Callable[..., None]) -> dict[str, bool]:
+    arguments = list(signature(constructor).parameters.values())[1:]
     return {a.name: a.default is Parameter.empty for a in arguments if a.kind is not Parameter.VAR_KEYWORD}
 
 

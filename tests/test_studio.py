@@ -243,6 +243,18 @@ def test_starting_points_are_documents_with_controls(name):
         assert control["kind"] != "number" or control["low"] < control["high"]
 
 
+@pytest.mark.parametrize("name", GALLERY)
+def test_a_control_stays_one_where_its_number_becomes_a_text(name):
+    """As a slider's is: it tells the digits that it shows."""
+    document = GALLERY[name]
+    found = [control["path"] for control in controls(document)]
+    if document["kind"] == "problem":
+        text = json.loads(json.dumps(document["problem"]), parse_int=lambda digits: f"{digits}.0")
+        text["order"] = document["problem"].get("order", 1)
+        assert [control["path"] for control in controls({**document, "problem": text})] == found
+    assert len(set(map(str, found))) == len(found)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GALLERY)
 def test_starting_points_are_solved_and_seen(name):
@@ -547,11 +559,11 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         await ask("move", 5)
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await asyncio.sleep(1.5 * REST)
+        assert final.asked[-1] == final.doing == ("solve", {"n": 5})  # ahead, while the hand rests
         for verb in ("prove", "measure"):
             assert quick.asked[-1] == (verb,)
             quick.gates[-1].set_result(Message({"kind": verb}))
             await settle()
-        assert final.asked[-1] == final.doing == ("solve", {"n": 5})  # ahead, while the hand rests
         await ask("move", 6)
         assert final.doing == () and sent[-1]["kind"] == "measure"
         running.cancel()

@@ -138,6 +138,66 @@ def test_the_page_shows_a_proved_surface_and_asks_nobody_else(page, studio):
     assert 0.04 < picture[0] < 0.4 and 0.02 < picture[1] < 0.4
 
 
+OPENED = "(document) => studio.openDocument(document)"
+EXTENT = """(() => { const v = studio.view; v.now(); const c = v.live, g = v.caster.gl, w = c.width, h = c.height;
+  const a = new Uint8Array(4 * w * h), x = [], y = []; g.readPixels(0, 0, w, h, g.RGBA, g.UNSIGNED_BYTE, a);
+  for (let i = 0; i < w * h; i++) if (a[4 * i + 3]) { x.push((i % w) / w); y.push(Math.floor(i / w) / h); }
+  const ends = (l) => [l.reduce((p, q) => Math.min(p, q)), l.reduce((p, q) => Math.max(p, q))];
+  return [ends(x), ends(y)]; })()"""
+"""From where to where the picture is not empty, over its width and height."""
+
+
+def test_a_shape_off_the_origin_is_in_the_middle_and_is_so_when_it_comes_back(page):
+    before = page.problem
+    away = {"kind": "problem", "problem": GALLERY["Elbow of one quartic"]["problem"] | {"name": "away"}}
+    page.page.evaluate(OPENED, away)
+    page.until(FINAL)
+    for _ in range(2):
+        for low, high in page.ask(EXTENT):
+            assert low > 0.01 and high < 0.99 and abs(low + high - 1) < 0.16
+        page.page.click("text=Undo")
+        page.until(FINAL)
+        assert page.problem == before and page.ask("studio.view.camera.target") == page.ask("studio.state.scene.middle")
+        page.page.click("text=Redo")
+        page.until(FINAL)
+    page.page.evaluate("studio.view.pan(0.1, 0)")
+    page.ask("studio.act.move(['problem', 'tension'], '6', true); studio.act.commit()")
+    page.until(FINAL)
+    assert page.ask("studio.view.camera.target") != page.ask("studio.state.scene.middle")  # as it was turned to
+    page.page.evaluate(OPENED, {"kind": "problem", "problem": before})
+    page.until(FINAL)
+
+
+STARTS = "[aria-label='Starting points']"
+
+
+def test_a_starting_point_is_named_as_long_as_it_is_seen(browser):
+    command = [sys.executable, "-m", "pas", "studio", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
+        try:
+            page = Page(browser, re.search(r"http\S+", process.stdout.readline())[0])
+            page.until(FINAL)
+            first, other = next(iter(GALLERY)), "Elbow of one quartic"
+            assert page.page.input_value(STARTS) == first
+            page.page.select_option(STARTS, other)
+            page.until(FINAL)
+            assert page.problem == GALLERY[other]["problem"] and page.page.input_value(STARTS) == other
+            page.ask("studio.act.move(['problem', 'tension'], '6', true); studio.act.commit()")
+            page.until(FINAL)
+            assert page.page.input_value(STARTS) == ""
+            page.page.select_option(STARTS, other)
+            page.until(FINAL)
+            assert page.problem == GALLERY[other]["problem"]
+            for name in ("", other, first):
+                page.page.click("text=Undo")
+                page.until(FINAL)
+                assert page.page.input_value(STARTS) == name
+            assert page.trouble == []
+            page.page.close()
+        finally:
+            process.terminate()
+
+
 VIEWS = ((0.62, -0.62, 0.48), (1, 0, 0.001), (1, 2, 0.05))
 PROBE = """([towards, w, h]) => { const n = Math.hypot(...towards), v = studio.view;
   v.camera.towards = towards.map((x) => x / n);
@@ -495,7 +555,7 @@ def test_coefficients_of_members_are_dragged_and_let_go(single, tmp_path, monkey
 
 def test_handles_pull_the_surface_of_a_single_cell(single):
     page = single
-    page.page.evaluate("studio.view.aim([-1, -0.6, 0.3])")
+    page.page.evaluate("(studio.view.camera.target = [0, 0, 0], studio.view.aim([-1, -0.6, 0.3]))")
     page.page.click("text=Add handle")
     page.until(f"studio.state.doc.problem.points?.handles?.length === 1 && {FINAL}")
     ((handle, value),) = page.problem["points"]["handles"]
@@ -578,6 +638,19 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
         page.page.click("text=PNG")
     download.value.save_as(tmp_path / "pipes.png")
     assert (tmp_path / "pipes.png").read_bytes()[16:24] == (1200).to_bytes(4, "big") + (900).to_bytes(4, "big")
+    corner, levels = page.ask(PICTURE)
+    assert corner == [238, 242, 246]  # the page's paper
+    # no bands: no residue class of levels has most of the pixels, as in a sum of six rounded shares
+    assert max(sum(levels[k::6]) for k in range(6)) < 0.3 * sum(levels)
+
+
+PICTURE = """(async () => {
+  const picture = await createImageBitmap(studio.state.downloaded.blob), reds = new Array(256).fill(0);
+  const c = new OffscreenCanvas(1200, 900).getContext("2d"); c.drawImage(picture, 0, 0);
+  const a = c.getImageData(0, 0, 1200, 900).data;
+  for (let i = 0; i < a.length; i += 4) if (a[i] > 2 * a[i + 2]) reds[a[i]]++;
+  return [[...a.slice(0, 3)], reds]; })()"""
+"""The colour of a corner, and how many pixels of the surface are how red."""
 
 
 def test_a_turn_is_filmed_and_pieces_are_outlined(page):

@@ -58,7 +58,7 @@ def _problem(document: Data) -> Iterator[Control]:
                     low = -largest if key == "slope" or _number(entry[key]) <= 0 else 0
                     yield _number_control([*path, key], key, title.capitalize(), low, largest)
             for key in FORMULAS:
-                if isinstance(entry.get(key), str):
+                if isinstance(entry.get(key), str) and _exact(entry[key]) is None:
                     yield _text([*path, key], key, title.capitalize())
             for key in VECTORS:
                 if key in entry:

@@ -1,6 +1,6 @@
 // What is drawn, from messages.
 import { box, tetrahedra } from "./cast.js";
-import { count, size } from "./algebra.js";
+import { count, minus, size } from "./algebra.js";
 import { sheet } from "./sheet.js";
 
 const rows = (flat, n) => Array.from({ length: flat.length / n }, (_, i) => Array.from(flat.subarray(n * i, n * i + n)));
@@ -26,6 +26,12 @@ export function array(buffer, type, at, n) {
 
 const pieces = (values, degree) => Array.from({ length: values.length / count(degree) }, (_, i) => ({ degree, values: values.subarray(i * count(degree), (i + 1) * count(degree)) }));
 
+// The middle of the box around points, and how far from there they are.
+function around(points) {
+	const middle = [0, 1, 2].map((i) => (Math.min(...points.map((p) => p[i])) + Math.max(...points.map((p) => p[i]))) / 2);
+	return { middle, round: Math.max(...points.map((p) => size(minus(p, middle)))) };
+}
+
 export class Scene {
 	constructor(head, arrays) {
 		Object.assign(this, { head, how: head.how, origin: head.origin, scale: head.scale, beyond: [] });
@@ -39,6 +45,8 @@ export class Scene {
 		this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
 		this.outlined(head, arrays);
 		this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
+		const ends = this.bodies.filter((b) => b.aside); // the surface is between its neighbours
+		Object.assign(this, around((ends.length > 1 ? ends : this.bodies).flatMap((b) => b.faces.flat())));
 		this.meshes = [];
 	}
 	outlined(head, arrays) { // neighbours in the same frame; false in another one
@@ -50,7 +58,7 @@ export class Scene {
 		return true;
 	}
 	triangles(head, arrays) {
-		this.legs = arrays.legs;
+		this.legs = arrays.legs; this.middle = [0, 0, 0]; // of the server's box around them
 		this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
 		this.meshes = head.colors.map((color, i) => {
 			const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
@@ -58,6 +66,7 @@ export class Scene {
 			for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
 			return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
 		});
+		this.round = this.reach;
 	}
 	// The main part of a blend by a generatrix for other shape values; false where the server has to be asked.
 	generated(values) {

@@ -20,6 +20,8 @@ const ARROW = 0.08, TOWARDS = 0.3; // a handle's arrow over the picture's size; 
 const PAUSE = 120; // milliseconds of rest after which the verdicts on what the page drew by itself are asked for
 const PULL = 0.1; // of the picture's size, by which a handle's slider moves the surface
 const FINGER = 22; // pixels within which a finger finds a mark
+const far = ([x, y]) => Math.hypot(x - 0.5, y - 0.5);
+const PLACES = Array.from({ length: 81 }, (_, i) => [(1 + (i % 9)) / 10, (1 + Math.floor(i / 9)) / 10]).sort((a, b) => far(a) - far(b)); // of the picture, from its middle on
 const SAVED = 120; // states that can be undone
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -83,7 +85,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	};
 	const panel = new Panel($.controls, act);
 	const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
-	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of [[0.5, 0.5], [0.45, 0.5], [0.5, 0.4], [0.55, 0.55]]) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
+	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of PLACES) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
 	function change(doc, settled) {
 		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
 		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "", mesh: view.tooSlow && s.scene?.how === "cast" });
@@ -104,9 +106,9 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function rest() { clearTimeout(s.asking); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
 	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
 	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
-	function step(from, to) { if (!from.length) return; to.push(s.doc); go(from.pop()); }
+	function step(from, to) { if (!from.length) return; to.push(s.doc); const doc = from.pop(), name = (d) => [d.kind, d.name, d.problem?.name]; s.fresh = !same(name(doc), name(s.doc)); go(doc); }
 	function openDocument(doc, fresh = true) { if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
-	const buttons = () => { $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
+	const buttons = () => { $.gallery.value = Object.keys(s.starts || {}).find((name) => same(s.starts[name], s.doc)) || ""; $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
 	function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
 
 	// ---- lamps
@@ -184,8 +186,8 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function gallery(head) {
 		s.starts = head.documents; $.gallery.hidden = false;
-		$.gallery.replaceChildren(...options(Object.keys(head.documents)));
-		if (!s.doc) openDocument(Object.values(head.documents)[0]); else { $.gallery.selectedIndex = -1; go(s.doc); }
+		$.gallery.replaceChildren(make("option", { value: "", disabled: true }, "Starting points"), ...options(Object.keys(head.documents)));
+		if (!s.doc) openDocument(Object.values(head.documents)[0]); else go(s.doc);
 	}
 	function pickStart() { openDocument(s.starts[$.gallery.value]); }
 	function file(head, arrays) {
@@ -198,11 +200,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function repair() { $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
 	function back() { if (s.lastProved) openDocument(s.lastProved, false); }
 	function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
-	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, getComputedStyle($.main).getPropertyValue("--paper") || "#fff"), `${$.title.textContent || "shape"}.png`); }
+	const paper = () => getComputedStyle($.code).backgroundColor; // as it came out: a canvas takes no formula for light and dark
+	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, paper()), `${$.title.textContent || "shape"}.png`); }
 	async function film() {
 		if (!globalThis.MediaRecorder) { say("this browser cannot record films", true); return; }
 		$.film.disabled = true; say("one turn is recorded …");
-		download(await view.film(getComputedStyle($.main).getPropertyValue("--paper")), `${$.title.textContent || "shape"}.webm`);
+		download(await view.film(paper()), `${$.title.textContent || "shape"}.webm`);
 		$.film.disabled = false; say("the turn was saved");
 	}
 	async function copy(kind) {

@@ -1,6 +1,6 @@
 // The picture: a camera for pointer, touch and keys; quick frames while anything moves, smooth ones at rest.
 import { Camera, Caster } from "./cast.js";
-import { plus, unit } from "./algebra.js";
+import { minus, plus, size, unit } from "./algebra.js";
 
 const SLOW = 60; // milliseconds of a frame from which moving ones are drawn coarser
 const TOO_SLOW = 150, CRAWLS = 3; // milliseconds of a coarse frame, and frames, from which moving ones are drawn from a mesh
@@ -27,9 +27,9 @@ export class View {
 	}
 	destroy() { this.observer.disconnect(); clearTimeout(this.resting); cancelAnimationFrame(this.asked); this.caster.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
 	load(scene, keep) { this.scene = scene; scene.load(this.caster); if (!keep) this.fit(); this.ask(); }
-	fit() { this.camera.target = [0, 0, 0]; this.camera.wide = 1.02 * this.whole; this.ask(); }
+	fit() { this.camera.target = this.scene.middle; this.camera.wide = 1.02 * this.whole; this.ask(); }
 	setLines(name, data, lift) { if (data && data.length) this.lineSets[name] = { data, lift }; else delete this.lineSets[name]; this.caster.setLines(Object.values(this.lineSets)); this.ask(); }
-	get whole() { return this.caster.reach / Math.min(1, this.aspect); } // half the height that shows everything
+	get whole() { return this.scene.round / Math.min(1, this.aspect); } // half the height that shows everything
 	get aspect() { return this.place.clientWidth / Math.max(1, this.place.clientHeight); }
 	ask() { // a frame, soon
 		clearTimeout(this.resting); this.still.hidden = true;
@@ -68,12 +68,21 @@ export class View {
 	}
 	// The picture at any size, with a plain background.
 	async png(width, height, background) {
-		const out = new OffscreenCanvas(width, height), add = out.getContext("2d");
-		const before = [this.live.width, this.live.height];
-		this.live.width = width; this.live.height = height; add.globalCompositeOperation = "lighter"; add.globalAlpha = 1 / SMOOTH.length;
-		for (const jitter of SMOOTH) { this.caster.draw(this.camera, { ...this.look, fine: true, jitter }); add.drawImage(this.live, 0, 0); }
+		const out = new OffscreenCanvas(width, height), context = out.getContext("2d"), before = [this.live.width, this.live.height], gl = this.caster.gl, n = SMOOTH.length;
+		const one = new Uint8Array(4 * width * height), sum = new Uint16Array(one.length); // a sum of rounded shares would show bands
+		this.live.width = width; this.live.height = height;
+		for (const jitter of SMOOTH) {
+			this.caster.draw(this.camera, { ...this.look, fine: true, jitter }); gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, one);
+			for (let i = 0; i < one.length; i++) sum[i] += one[i];
+		}
 		[this.live.width, this.live.height] = before; this.ask();
-		add.globalCompositeOperation = "destination-over"; add.globalAlpha = 1; add.fillStyle = background; add.fillRect(0, 0, width, height);
+		context.fillStyle = background; context.fillRect(0, 0, width, height);
+		const image = context.getImageData(0, 0, width, height), row = 4 * width;
+		for (let i = 0; i < one.length; i += 4) { // rows of the one from below, of the other from above; colours are times their alpha
+			const k = (height - 1 - Math.floor(i / row)) * row + (i % row), behind = 1 - sum[i + 3] / (255 * n);
+			for (let c = 0; c < 3; c++) image.data[k + c] = sum[i + c] / n + behind * image.data[k + c];
+		}
+		context.putImageData(image, 0, 0);
 		return out.convertToBlob({ type: "image/png" });
 	}
 	// One turn about the vertical as a film: a blob of WebM.
@@ -105,7 +114,7 @@ export class View {
 	zoom(factor) { this.camera.wide = Math.min(4 * this.whole, Math.max(0.02, this.camera.wide * factor)); this.ask(); }
 	pan(dx, dy) { // in shares of the height
 		const f = this.camera.frame(1), s = 2 * this.camera.wide, moved = plus(plus(this.camera.target, f.side, -dx * s), f.up, dy * s);
-		if (Math.hypot(...moved) < 2 * this.caster.reach) this.camera.target = moved;
+		if (size(minus(moved, this.scene.middle)) < 2 * this.scene.round) this.camera.target = moved;
 		this.ask();
 	}
 	pinch(before, now, other) { // one of two fingers moves: what was in the middle of them stays there
