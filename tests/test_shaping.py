@@ -219,6 +219,19 @@ def test_coefficients_of_members_are_set_exactly(tmp_path):
         blend.refit(coefficients={1: 5})
 
 
+@pytest.mark.parametrize("steps", [1, None])
+def test_what_one_step_does_not_reach_is_found_anew(steps):
+    """A handle far from where it was; only where no member has it so is the wish refused."""
+    pipes = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]
+    blend = pas.blend(pipes, 1, 4, pas.SingleCell((-2, -2, -2), (2, 2, 2)))
+    moved = blend.refit(handles={(1, (3, 0, 1, 0)): 5}, steps=steps)
+    assert moved.surface.cells[1].b_coefficients[3, 0, 1, 0] == 5 and moved.standing == "not proved yet"
+    assert moved.certificate.proved and moved.space is blend.space
+    assert moved.wishes == blend.wishes.changed(handles={(1, (3, 0, 1, 0)): 5})
+    with pytest.raises(pas.InfeasibleError, match="inside .*, through .* contradict one another in degree 4"):
+        blend.refit(inside=[("-1/2", 0, 0)], through=[("-1/2", 0, 0)], steps=steps)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -44,8 +45,18 @@ def refitted(
 ) -> Choice:
     """The member after so many steps, or settled; `choice` is how the surface was chosen, where that is known.
 
-    Raises `InfeasibleError` where the wishes contradict, or move the surface so far that it is lost from sight.
+    Where the way there is too long for one linear step, it is found anew among the same members, not proved.  Raises
+    `InfeasibleError` where the wishes cannot be met so either.
     """
+    with suppress(InfeasibleError):
+        return _stepped(fairing, surface, choice, wishes, steps)
+    return fairing.choose(wishes.changed(prove=False))
+
+
+def _stepped(
+    fairing: Fairing, surface: PiecewiseSurface, choice: Choice | None, wishes: Wishes, steps: int | None
+) -> Choice:
+    """The same by steps alone; raises `InfeasibleError` where these lose the surface from sight."""
     rows, margins = _rows(fairing, choice)
     if not fairing.energy.on_surface:
         return fairing.under(wishes, rows, margins)
@@ -57,7 +68,7 @@ def refitted(
     if not programme.holds(state.member):
         moved = settling.forced(state)
         if moved is None:
-            raise programme.conflict(rows)
+            raise InfeasibleError("one step does not reach what is wished")
         state, steps = moved, None if steps is None else steps - 1
     for passed in settling.steps(state, STEPS if steps is None else steps):
         state = passed

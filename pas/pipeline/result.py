@@ -165,10 +165,11 @@ class Blend(Shape):
 
         `options` are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `coefficients`, `margin`,
         `normalize`, `tension`.  An energy of the surface is followed for so many Gauss-Newton `steps` from this blend,
-        on few rays; with `steps=None` until it settles, on many.  A quadratic form is at its optimum at once.
+        on few rays; with `steps=None` until it settles, on many.  A quadratic form is at its optimum at once.  What is
+        too far away for one linear step is found anew in `space`, which takes longer, whatever `steps` says.
         `standing` says of the result whether it is proved; asking for its `certificate` proves it.
 
-        Raises `InfeasibleError` for points that contradict, `ValueError` and `TypeError` for wrong arguments.
+        Raises `InfeasibleError` where no member meets the wishes, `ValueError` and `TypeError` for wrong arguments.
         """
         check_point_options(options, Sliders)
         if steps is not None:

@@ -30,7 +30,7 @@ from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape, kind_of
 from pas.studio import documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
-from pas.studio.following import followed
+from pas.studio.following import sliders_of
 from pas.studio.freedoms import at_degree, coefficients_of, freedoms, pulled_by_coefficients, shares_of, with_handle
 from pas.studio.gallery import Data
 from pas.studio.messages import Message
@@ -264,7 +264,7 @@ class Desk:
         key = _key(documents.base_of(document))
         before = self.seen if self.key == key else self.bases.get(key)
         if can_follow(before):
-            return followed(before, document)
+            return before.refit(**sliders_of(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
         shaped = _shaped(self.before, document)
