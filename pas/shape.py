@@ -112,7 +112,8 @@ class Kind(Generic[S]):
 
     `text` is all that is to be said of it, verdicts included, `facts` what programs read of it beside those. For
     files, `mesh(shape, tolerance, domain)` are its triangles, `domain` that of what has parameters; `meshed` says
-    that it is a mesh already, for which tolerances mean nothing; `curved` that its layers know the curvature of
+    that it is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so that it bounds
+    no body; `curved` that its layers know the curvature of
     the surface, for colours and combs. What not every kind has: `parts` by name, each with a colour,
     `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, `body(shape, length)`, the solid with
     it in its boundary, `cast(shape)`, the piecewise surface at which rays can be cast instead of meshing it, and
@@ -130,6 +131,7 @@ class Kind(Generic[S]):
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     cells: Callable[[S], Any] | None = None
     meshed: bool = False
+    open: bool = False
     curved: bool = False
     text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
     facts: Callable[[S], dict[str, Any]] = field(default_factory=lambda: _no_facts)

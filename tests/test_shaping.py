@@ -228,7 +228,7 @@ def test_what_one_step_does_not_reach_is_found_anew(steps):
     assert moved.surface.cells[1].b_coefficients[3, 0, 1, 0] == 5 and moved.standing == "not proved yet"
     assert moved.certificate.proved and moved.space is blend.space
     assert moved.wishes == blend.wishes.changed(handles={(1, (3, 0, 1, 0)): 5})
-    with pytest.raises(pas.InfeasibleError, match="inside .*, through .* contradict one another in degree 4"):
+    with pytest.raises(pas.InfeasibleError, match=r"inside .*, through .* contradict one another in degree 4"):
         blend.refit(inside=[("-1/2", 0, 0)], through=[("-1/2", 0, 0)], steps=steps)
 
 

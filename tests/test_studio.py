@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import http.client
+import importlib.util
 import json
 import os
 import re
@@ -22,6 +23,7 @@ from conftest import ROOT
 import pas
 from pas.cli import WRONG, main
 from pas.errors import InputError
+from pas.exchange.formats import FORMATS, suffixes_for
 from pas.studio import documents
 from pas.studio.code import program, toml
 from pas.studio.controls import controls
@@ -81,18 +83,9 @@ def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
-SINGLE = {
-    "kind": "problem",
-    "problem": {
-        "name": "hemispheres",
-        "order": 2,
-        "contacts": [
-            {"surface": "(x + 2)^2 + y^2 + z^2 - 4", "clip": "-x - 2"},
-            {"surface": "(x - 1)^2 + y^2 + z^2 - 1", "clip": "x - 1"},
-        ],
-        "partition": {"kind": "single cell", "lower": [-2, -3, -3], "upper": [1, 3, 3]},
-    },
-}
+HEMISPHERES = GALLERY["Two hemispheres"]["problem"]
+SINGLE = {"kind": "problem", "problem": {name: value for name, value in HEMISPHERES.items() if name != "points"}}
+"""Those of the gallery, of which nothing is wished yet."""
 
 
 def with_points(document, **points):
@@ -457,6 +450,36 @@ def test_exports_are_files_of_the_shape(desk):
     assert head.arrays["content"].size == 84 + 50 * struct.unpack("<I", head.arrays["content"][80:84].tobytes())[0]
     with pytest.raises(InputError, match=r"there is no format '.exe'"):
         made.export(CORNER, ".exe")
+
+
+HAS_3MF = importlib.util.find_spec("lib3mf") is not None
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_formats_that_are_offered_are_written_and_no_others(name):
+    made = Desk()
+    offered = made.solve(GALLERY[name]).head["formats"]
+    assert set(offered) >= {".pas.json", ".stl", ".obj", ".ply", ".glb", ".vtp"} and len(set(offered)) == len(offered)
+    assert (".3mf" in offered) == (name == "Teapot" and HAS_3MF) and (".vtu" in offered) == (
+        made.solved[1].kind == "blend"
+    )
+    for suffix in (".pas.json", *dict.fromkeys(FORMATS[suffix].name for suffix in FORMATS)):
+        if suffix in offered:
+            assert made.export(GALLERY[name], suffix).arrays["content"].size > 500
+            continue
+        with pytest.raises(InputError, match="this shape cannot be written as"):
+            made.export(GALLERY[name], suffix)
+        if suffix in (".3mf", ".step"):  # a body could be filled with tetrahedra, given minutes
+            with pytest.raises((pas.PasError, ValueError, TypeError)):
+                made.solved[1].write(f"x{suffix}")
+
+
+def test_patches_and_closed_bodies_are_offered_as_such():
+    patch, ball = pas.fit_patch(pas.torus(2, 1, angle=True), 0.1), pas.solid.ball((0, 0, 0), 1)
+    if importlib.util.find_spec("OCP"):
+        assert ".step" in suffixes_for(patch)
+    assert FORMATS[".step"].content.can_be_of(patch) and ".step" not in suffixes_for(ball)
+    assert (".3mf" in suffixes_for(ball)) == HAS_3MF and ".3mf" not in suffixes_for([ball, Desk().shape_of(SINGLE)])
 
 
 REFUTED = changed(

@@ -11,7 +11,7 @@ import numpy as np
 from pas.exchange.formats.format import Content, Request
 from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
-from pas.shape import kind_of
+from pas.shape import Shape, kind_of
 from pas.solid.assembly import COLORS
 
 
@@ -52,7 +52,20 @@ def _checked_parts(thing: Any, request: Request) -> list[Piece]:
     return parts_of(thing, request)
 
 
-TRIANGLES: Content[list[Piece]] = Content("triangles", _checked_parts, ("tolerance", "domain"))
+def _is_of_shapes(thing: Any) -> bool:
+    if isinstance(thing, list | tuple):
+        return bool(thing) and all(map(_is_of_shapes, thing))
+    return isinstance(thing, Shape)
+
+
+def is_closed(thing: Any) -> bool:
+    """Whether all meshes of a shape, or of several in a list, are closed; meshes it where its kind does not tell."""
+    if isinstance(thing, list | tuple):
+        return all(map(is_closed, thing))
+    return not kind_of(thing, "shape").open and all(p.mesh.is_closed for p in parts_of(thing, Request("shape")))
+
+
+TRIANGLES: Content[list[Piece]] = Content("triangles", _checked_parts, ("tolerance", "domain"), _is_of_shapes)
 
 
 def _parts(shape: Any, request: Request) -> list[Piece]:

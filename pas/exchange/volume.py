@@ -178,7 +178,12 @@ def tetrahedra_of(thing: Any, request: Request) -> VolumeMesh:
     return thing
 
 
-TETRAHEDRA: Content[VolumeMesh] = Content("tetrahedra", tetrahedra_of, ("tolerance",))
+def is_filled(thing: Any) -> bool:
+    """Whether it has tetrahedra already; to fill a body may take minutes, and may fail."""
+    return isinstance(thing, VolumeMesh)
+
+
+TETRAHEDRA: Content[VolumeMesh] = Content("tetrahedra", tetrahedra_of, ("tolerance",), is_filled)
 
 
 @dataclass(frozen=True)

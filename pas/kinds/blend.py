@@ -147,6 +147,6 @@ def _facts(blend: Blend) -> dict[str, Any]:
 
 
 BLEND = Kind(
-    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, curved=True,
-    cast=attrgetter("surface"),
+    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, open=True,
+    curved=True, cast=attrgetter("surface"),
 )  # fmt: skip

@@ -141,6 +141,6 @@ def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
 
 
 BLEND = Kind(
-    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, curved=True,
-    generatrix=lambda blend: blend,
+    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, open=True,
+    curved=True, generatrix=lambda blend: blend,
 )  # fmt: skip

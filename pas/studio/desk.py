@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from pas.errors import InfeasibleError, InputError, NoSolutionError, NotProvedError
-from pas.exchange.formats import FORMATS
+from pas.exchange.formats import FORMATS, suffixes_for
 from pas.exchange.problem import read_problem
 from pas.exchange.tables import read_toml
 from pas.kinds.files import load
@@ -49,6 +49,9 @@ KEPT = 4
 
 SAMPLED = (48, 12)
 """Of a blend by a generatrix, where its largest safe lengths are looked for: about a second each."""
+
+PROJECT = ".pas.json"
+"""The format that keeps everything exact, of all shapes."""
 
 UNSAVED = re.compile(r"[^\w.-]+")
 """What names of files are cleared of."""
@@ -87,7 +90,7 @@ class Desk:
             message = picture(shape)
             head = {**message.head, **_judged(shape), **_texts(document),
                     "controls": [*controls(document), *freedoms(document, shape)], "members": coefficients_of(shape),
-                    "shares": shares_of(shape),
+                    "shares": shares_of(shape), "formats": formats_for(shape),
                     "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
         self.solved = (document, shape)
         return Message(head, message.arrays)
@@ -238,12 +241,14 @@ class Desk:
 
     def export(self, document: Data, suffix: str) -> Message:
         """The file of a document's shape in a format that `pas` writes, or its project."""
-        if suffix != ".pas.json" and suffix not in FORMATS:
-            raise InputError(f"there is no format {suffix!r}; there are .pas.json, {', '.join(FORMATS)}")
+        if suffix != PROJECT and suffix not in FORMATS:
+            raise InputError(f"there is no format {suffix!r}; there are {PROJECT}, {', '.join(FORMATS)}")
         shape, name = self.shape_of(document), name_of(document) + suffix
+        if suffix not in (known := formats_for(shape)):
+            raise InputError(f"this shape cannot be written as {suffix} here; it can be as {', '.join(known)}")
         with TemporaryDirectory() as folder, limit(PATIENCE, stopped=self.stopped):
             path = Path(folder) / name
-            shape.save(path) if suffix == ".pas.json" else shape.write(path)
+            shape.save(path) if suffix == PROJECT else shape.write(path)
             content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
         proved = shape.certificate.proved
         return Message({"kind": "file", "name": name, "proved": proved}, {"content": content})
@@ -290,6 +295,11 @@ class Desk:
         self.key = key
         while len(self.bases) > KEPT:
             self.bases.pop(next(iter(self.bases)))
+
+
+def formats_for(shape: Shape) -> list[str]:
+    """The suffixes of the files that a shape can be exported to."""
+    return [PROJECT, *suffixes_for(shape)]
 
 
 def _texts(document: Data) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from pas.exchange.formats.format import Content, Format, Request
 from pas.registry import Registry
 
-__all__ = ["FORMATS", "Content", "Format", "Request", "suffixes_of"]
+__all__ = ["FORMATS", "Content", "Format", "Request", "suffixes_for", "suffixes_of"]
 
 FORMATS: Registry[Format[Any]] = Registry(
     "file format",
@@ -28,6 +28,11 @@ FORMATS: Registry[Format[Any]] = Registry(
         ".msh": "pas.exchange.formats.msh:MSH",
     },
 )
+
+
+def suffixes_for(thing: Any) -> tuple[str, ...]:
+    """The suffixes that a thing can be written with, one for each format; see `Format.holds`."""
+    return tuple(suffix for suffix in FORMATS if FORMATS[suffix].name == suffix and FORMATS[suffix].holds(thing))
 
 
 def suffixes_of(noun: str) -> tuple[str, ...]:

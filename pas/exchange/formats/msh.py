@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +16,7 @@ from pas.exchange.volume import TETRAHEDRA, VolumeMesh
 
 def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
     """In version 2.2, which every reader knows; faces are groups 1 to F, parts F + 1 onwards."""
-    try:
-        import meshio
-    except ImportError:
-        raise MissingLibraryError("files of Gmsh need meshio: pip install meshio") from None
+    meshio = _require_library()
     faces = len(mesh.names)
     tags = [(mesh.faces + 1).astype(np.int32), (mesh.regions + 1 + faces).astype(np.int32)]
     names = _quotable([*mesh.names, *mesh.region_names])
@@ -31,9 +29,17 @@ def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
     ).write(path, file_format="gmsh22", binary=False)
 
 
+def _require_library() -> Any:
+    try:
+        import meshio
+    except ImportError:
+        raise MissingLibraryError("files of Gmsh need meshio: pip install meshio") from None
+    return meshio
+
+
 def _quotable(names: Sequence[str]) -> list[str]:
     """The names without quotes and line ends, all different (a part may be named as a face)."""
     return all_different((" ".join(name.replace('"', "'").split()) for name in names), " ")
 
 
-MSH = Format(".msh", TETRAHEDRA, write_msh)
+MSH = Format(".msh", TETRAHEDRA, write_msh, _require_library)

@@ -36,7 +36,6 @@ suppression of zeros must stay off: it drops exponents of this format."""
 
 def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) -> None:
     """Each patch as a face, sewn where that is asked for; raises `GeometryError` for one that is refused."""
-    _require_library()
     with _quiet():
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = _compound(faces) if request.sew is None else _sewn(faces, request.sew)
@@ -159,4 +158,4 @@ def _export(shape: Any, path: Path, name: str, unit: str) -> None:
     path.write_bytes(buffer.getvalue())
 
 
-STEP = Format(".step", PATCHES, write_faces)
+STEP = Format(".step", PATCHES, write_faces, _require_library)

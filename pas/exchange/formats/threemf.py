@@ -14,7 +14,7 @@ import numpy as np
 
 from pas.errors import MissingLibraryError
 from pas.exchange.formats.format import Format, Request
-from pas.exchange.parts import TRIANGLES, Piece
+from pas.exchange.parts import TRIANGLES, Piece, is_closed
 
 UNITS = {
     "micrometer": "MicroMeter",
@@ -69,4 +69,4 @@ def _records(kind: Any, rows: Any, number: str) -> Any:
     return (kind * len(rows)).from_buffer_copy(data)
 
 
-THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_library)
+THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_library, is_closed)

@@ -8,7 +8,6 @@ import { COLORS, View, VIEWS } from "./view.js";
 import { diagram, hairLines, legend, liveliest } from "./curvature.js";
 
 const MODES = { shaded: "Shaded", zebra: "Zebra", mean: "Mean curvature", gauss: "Gauss curvature" };
-const EXPORTS = [".pas.json", ".stl", ".glb", ".obj", ".ply", ".vtp", ".3mf", ".step"];
 const SIGNS = { proved: "✓", refuted: "✗", undecided: "?", "holds, measured": "≈", "fails, measured": "✗", checking: "…" };
 const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign" };
 const GHOST = 300; // milliseconds after which an old picture is shown as a ghost
@@ -58,7 +57,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => drawDiagram() })), ($.diagram = make("div", { class: "diagram" })))),
 			section("Shape", ($.controls = make("div", {}))),
 			section("The same in code", row(button("python", "Copy as Python", () => copy("python")), button("toml", "Copy as TOML", () => copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
-			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options(EXPORTS))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), button("film", "Turntable", () => film(), { title: "one turn as a WebM film" }), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
+			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options([".pas.json"]))), button("export", "Export", () => exportNow()), button("png", "PNG", () => png()), button("film", "Turntable", () => film(), { title: "one turn as a WebM film" }), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
 		)),
 	);
 
@@ -151,7 +150,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		s.unit = head.unit; lookAgain(); wireNow(); arrived(head);
 		if (head.final) {
 			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc, head.members);
-			$.code.textContent = head.python;
+			$.code.textContent = head.python; formats(head.formats);
 			if (head.seq === s.seq) {
 				s.solved = s.doc; judge(head); if (head.proved) s.lastProved = s.doc;
 				say(`${head.how === "cast" ? `degree ${head.degree}, ${head.title}` : `${head.triangles} triangles`}: ${head.proved ? "all proved" : head.counts}`);
@@ -160,6 +159,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			if (head.controls.some((c) => c.safe)) channel.send({ do: "safe", seq: head.seq, document: s.doc });
 		}
 	}
+	function formats(names) { const chosen = $.format.value; $.format.replaceChildren(...options(names)); if (names.includes(chosen)) $.format.value = chosen; }
 	function moved(head, arrays) {
 		if (head.seq < s.shown || !s.scene) return;
 		if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients); view.caster.change(s.scene.polynomials); }
