@@ -444,10 +444,10 @@ def test_fingers_turn_zoom_and_drag_and_the_page_stays(browser, studio):
     page.until(FINAL)
     page.ask("scrollTo(0, 0)")
     (first,), place = page.problem["points"]["near"], fingers.mark
-    fingers.go((place, place + [0, -50]))  # a mark is dragged, beneath the finger and next to it
-    fingers.go((place + [14, -50], place + [34, -50]))
+    fingers.go((place, place + [0, 25]))  # a mark is dragged, beneath the finger and next to it
+    fingers.go((place + [14, 25], place + [34, 25]))
     page.until(FINAL)
-    assert np.abs(fingers.mark - place - [20, -50]).max() < 1
+    assert np.abs(fingers.mark - place - [20, 25]).max() < 1
     (second,) = page.problem["points"]["near"]
     assert second != first and page.ask(CAMERA) == turned
     place = fingers.mark
@@ -460,7 +460,7 @@ def test_fingers_turn_zoom_and_drag_and_the_page_stays(browser, studio):
     assert np.abs(fingers.mark - place - [20, 0]).max() < 4  # about the middle of the two: (-20, 0) goes to itself
     fingers.go((middle, middle + [30, 40]), (middle - [80, 0], middle + [-50, 40]))  # two move the picture
     assert page.ask(CAMERA)["wide"] == pytest.approx(zoomed["wide"])
-    assert np.abs(fingers.mark - place - [50, 40]).max() < 6  # perspective: it is nearer than the target
+    assert np.abs(fingers.mark - place - [50, 40]).max() < 8  # perspective: it is nearer than the target
     assert page.ask(STILL) == [0, 0, 0, 1]
     slider = page.page.locator("#c-problem-tension-s")
     slider.scroll_into_view_if_needed()
