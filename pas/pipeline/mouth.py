@@ -24,6 +24,10 @@ from pas.surface.piecewise import PiecewiseSurface
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
 
+GRAZING, PARTS = 0.5, 8
+"""The least cosine between such rays and the surface's normals, and how often a distance is halved at most: edges that
+graze the surface leave feathers, which are hard to mesh."""
+
 FINE = 2**20
 """Parts of a unit in which an axis and heights are rounded that are given by no plane: too fine to be seen."""
 
@@ -83,11 +87,20 @@ class Mouth:
         return self.at(self.low - (min(reach * size, depth) if reach > 0 else depth))
 
     def ended(self, around: Solid, reach: fmpq, shorter: bool) -> Solid:
-        """The solid around the opening up to a distance of `reach`, or of less if it may be `shorter`."""
-        far = self.fitting(reach) if shorter else reach
-        front = self.front(far)
-        around = around.cap(self.edge(far), f"{around.faces[0]} end")
-        return around if front is None else around.cap(front, "")
+        """The solid around the opening up to a distance of `reach`; in a curved surface of less if it may be `shorter`.
+
+        Raises `GeometryError` where rays between the opening and the edge do not leave the surface once and for all,
+        and at an angle, as far as samples tell.
+        """
+        wanted = min(reach, self.radius / 2) if shorter and not self.flat else reach
+        works = reach if self.flat else next((part for n in range(PARTS) if self._leave(part := wanted / 2**n)), None)
+        if works is None or (works != reach and not shorter):
+            advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
+            raise GeometryError(
+                f"neighbour {self.number} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
+                f"around its opening; {advice} instead"
+            )
+        return around.cap(self.edge(works), f"{around.faces[0]} end")
 
     def edge(self, reach: fmpq) -> Polynomial:
         """What ends the piece around the opening at a distance of `reach`, positive outside."""
@@ -98,41 +111,21 @@ class Mouth:
             onto.append(foot + (point - foot) / self._wide(reach))
         return Polynomial.from_raw(self.contact.clip.raw.compose(*onto))
 
-    def front(self, reach: fmpq) -> Polynomial | None:
-        """The plane, positive above, that parts the piece from where its surface comes back; None where it does not.
-
-        Raises `GeometryError` where no plane does, or the surface leaves the wider cone open, as far as samples tell.
-        """
-        if self.flat:
-            return None
-        least, most = self._between(reach)
-        if not least < most:
-            raise GeometryError(
-                f"neighbour {self.number} does not go on as one sheet for {to_float(reach):.4g} around its opening; a "
-                f"length of {to_float(self.fitting(reach)):.4g} works"
-            )
-        if not np.isfinite(most):
-            return None
-        return -self.at(round((least + most) / 2 * FINE) * self.scale / FINE)
-
-    def fitting(self, reach: fmpq) -> fmpq:
-        """So much, or a half, a quarter, ... of it, that the surface goes on as one sheet around the opening."""
-        parts = (reach / 2**n for n in range(60))
-        return reach if self.flat else next((part for part in parts if np.less(*self._between(part))), reach)
-
-    def _between(self, reach: fmpq) -> tuple[float, float]:
-        """The largest height of the piece, and the least of where rays come into its surface again, in local units."""
-        length = float(np.linalg.norm(self.join.nappe[0]))
+    def _leave(self, reach: fmpq) -> bool:
+        """Whether rays leave the surface once, and at an angle, between the opening and the edge."""
         angles = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
         across = np.outer(np.cos(angles), self.join.nappe[1]) + np.outer(np.sin(angles), self.join.nappe[2])
         away = np.geomspace(1, to_float(self._wide(reach)), OUTWARDS)[:, None, None]
         rays = (self.join.nappe[0] + away * across).reshape(-1, 3)
         rays /= np.linalg.norm(rays, axis=1)[:, None]
-        met, rise = first_met(self.join.contact.surface, rays), rays @ self.join.nappe[0] / length
-        shares = np.geomspace(1, FARTHEST, ALONG)[1:, None]
-        inside = self.join.contact.surface(met[:, None] * shares[..., None] * rays) < 0
-        again = np.where(inside, shares * met * rise, np.inf)
-        return (float((met * rise).max()), float(again.min())) if np.isfinite(met).all() else (np.inf, np.inf)
+        surface = self.join.contact.surface
+        met = first_met(surface, rays)
+        if not np.isfinite(met).all():
+            return False
+        slopes = surface.gradient(met[:, None] * rays)
+        cosines = (slopes * rays).sum(axis=1) / np.linalg.norm(slopes, axis=1)
+        beyond = (met * np.geomspace(1, FARTHEST, ALONG)[1:, None])[..., None] * rays
+        return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
 
     def _wide(self, reach: fmpq) -> fmpq:
         return 1 + reach / self.radius
