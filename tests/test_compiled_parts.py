@@ -251,7 +251,7 @@ def test_fields_of_surfaces_are_the_same_bits(both, name):
 
     def looked():
         found = [*field.drawn(points, still), *field.closed(local + 1e-4), field.distances(points)]
-        return [*found, *field.bending(points), field.on_rims(points, rim)]
+        return [*found, *field.bending(points), field.on_rims(points, rim), field.near(points)]
 
     found = both(looked)
     assert same(found)

@@ -1,7 +1,7 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `rings` and
-`radial_field`, which do the same with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`
+and `radial_field`, which do the same with numpy.
 """
 
 from __future__ import annotations
@@ -195,6 +195,22 @@ class CompiledForms:
         result, tables = np.empty((len(points), 3)), (rows.degrees, rows.starts, rows.coefficients)
         given = (len(rows.starts), *tables, *places, len(points), points, numbers, *limits)
         self._call("pas_on_rings", *given, result)
+        return result
+
+    def slid(
+        self,
+        faces: Faces,
+        rows: Rows,
+        walls: tuple[Floats, Floats, Floats],
+        points: Floats,
+        numbers: Integers,
+        limits: tuple[int, float, float],
+    ) -> Floats:
+        """See `pas.surface.local_field`: points (N, 3) moved along gradients, onto walls of given numbers (N,) where
+        there are any."""
+        result, tables = np.array(points, order="C"), (rows.degrees, rows.starts, rows.coefficients)
+        given = (*faces, len(rows.starts), *tables, len(walls[0]), *walls, numbers)
+        self._call("pas_slid", *given, *limits, len(result), result)
         return result
 
     def rays(

@@ -92,6 +92,9 @@ class LocalField(PatchField):
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
         if not len(points):
             return points
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].slid(kernel[1], self._jets.ordered, self._planes, points, rim, self._limits)
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
@@ -108,7 +111,15 @@ class LocalField(PatchField):
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            none = self._planes[0][:0], self._planes[1][:0], self._planes[2][:0]
+            return kernel[0].slid(kernel[1], self._jets.ordered, none, points, np.empty(0, dtype=np.intp), self._limits)
         return self._slid(points, None)
+
+    @cached_property
+    def _limits(self) -> tuple[int, float, float]:
+        return STEPS, SETTLED, FARTHEST * self.reach
 
     def _slid(self, points: Floats, fixed: Floats | None) -> Floats:
         """Points (N, 3) moved onto the surface at right angles to two `fixed` orthonormal directions (N, 2, 3) or 0."""
