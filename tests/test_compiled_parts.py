@@ -257,6 +257,9 @@ def test_fields_of_surfaces_are_the_same_bits(both, name):
     assert same(found)
     assert np.array_equal(found[0][0][still], points[still])
     assert np.abs(field.distances(found[0][3])).max() < 1e-12
+    each = [field.rims[k].distances(point[None])[0] for k, point in zip(rim.tolist(), points, strict=True)]
+    assert field.rim_distances(points, rim) == pytest.approx(each, rel=1e-9)
+    assert field.rim_distances(points, rim).max() > 1e-3
     assert (field.distances(found[0][0])[~still] < 0.2 * found[0][5][~still] + 1e-10).mean() > 0.95
 
 

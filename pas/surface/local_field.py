@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
-from pas.mesh.rows import dots
+from pas.mesh.rows import dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
 from pas.surface.patch_field import PatchField
@@ -98,6 +98,15 @@ class LocalField(PatchField):
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
+
+    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
+        """Distances (N,) of points (N, 3) in walls or edges of given numbers (N,) from the surface there, to first
+        order."""
+        jets, across = self._jets_at(points), self._planes[1][rim]
+        g = jets[1:].T
+        for way in (across[:, 0], across[:, 1]):
+            g = g - dots(g, way)[:, None] * way
+        return np.asarray(np.abs(jets[0]) / np.maximum(norms(g), 1e-300))
 
     @cached_property
     def _planes(self) -> tuple[Floats, Floats, Floats]:

@@ -123,6 +123,13 @@ class RadialField(PatchField):
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
         return self._rings.at(points, rim)
 
+    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
+        """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""
+        result = np.zeros(len(points))
+        for number in np.unique(rim).tolist():
+            result[rim == number] = self.rims[number].distances(points[rim == number])
+        return result
+
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on the rays through points, from the skeleton where those from 0 graze it."""
         kernel = self._kernel(len(points))
