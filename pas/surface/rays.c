@@ -11,6 +11,7 @@
 
 #define MOST 16    /* the highest degree but one */
 #define LANES 8    /* points at once */
+#define WIDE 4     /* of them in a register: of wider ones compilers make none where the machine has none */
 #define DEEPEST 40 /* halvings of a part */
 #define STEPS 60   /* of Newton's method */
 #define CLOSE 1e-6 /* the last of them over the part: the next, on the polynomial itself, is about its square */
@@ -27,23 +28,30 @@
 typedef ptrdiff_t whole;
 
 /* Numbers that the compiler keeps in as few registers as the machine lets it. */
-typedef double Lanes __attribute__((vector_size(LANES * sizeof(double))));
+typedef double Lanes __attribute__((vector_size(WIDE * sizeof(double))));
 
 /* Horner's rule as in pas/algebra/horner.c, at LANES points. */
 FAST
-static void at_points(whole n, const double *c, const Lanes *points, double *values)
+static void at_points(whole n, const double *c, const Lanes (*points)[2], double *values)
 {
-    const Lanes x = points[0], y = points[1], z = points[2], none = {0};
-    Lanes f = none, g = none, h;
+    const Lanes x = points[0][0], y = points[1][0], z = points[2][0], none = {0};
+    const Lanes u = points[0][1], v = points[1][1], w = points[2][1];
+    Lanes f = none, g = none, h, p = none, q = none, r;
     for (whole i = 0; i <= n; i++) {
         for (whole j = 0; j <= i; j++) {
-            h = *c++ - none; /* all of them the coefficient */
-            for (whole k = 1; k <= j; k++) h = h * z + *c++;
+            h = r = *c++ - none; /* all of them the coefficient */
+            for (whole k = 1; k <= j; k++, c++) {
+                h = h * z + *c;
+                r = r * w + *c;
+            }
             g = j == 0 ? h : g * y + h;
+            q = j == 0 ? r : q * v + r;
         }
         f = i == 0 ? g : f * x + g;
+        p = i == 0 ? q : p * u + q;
     }
     memcpy(values, &f, sizeof f);
+    memcpy(values + WIDE, &p, sizeof p);
 }
 
 /* The same for four polynomials of one degree at one point; their coefficients stand side by side. */
@@ -74,7 +82,7 @@ typedef struct {
     const double *maps; /* (4, 4, cells): of each barycentric coordinate the factors of x, y, z and the constant */
     const whole *piece_of;
     const double *tables, *sizes, *jets; /* of each piece, with signs, without, and with derivatives side by side */
-    Lanes nodes[MOST / LANES], to_bernstein[MOST][MOST / LANES]; /* of each value its share in the coefficients */
+    Lanes nodes[MOST / WIDE], to_bernstein[MOST][MOST / WIDE]; /* of each value its share in the coefficients */
     double binomials[MOST][MOST];
     const double *largest; /* the sizes of polynomials at coordinates as large as `farthest` */
     double growth, tolerance, reach, farthest;
@@ -136,18 +144,21 @@ static whole stretches(const Scene *s, const double *o, const double *d)
 FAST
 static void form_on(const Scene *s, const Span *span, const double *o, const double *d, double *form)
 {
-    const whole n = s->degree, parts = n / LANES + 1, piece = s->piece_of[span->cell];
+    const whole n = s->degree, piece = s->piece_of[span->cell];
     const double *table = s->tables + piece * ((n + 1) * (n + 2) * (n + 3) / 6);
     double values[MOST];
-    for (whole part = 0; part < parts; part++) {
-        const Lanes t = span->enter + s->nodes[part] * (span->leave - span->enter);
-        const Lanes points[3] = {o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]};
+    for (whole part = 0; part * LANES <= n; part++) {
+        const Lanes t = span->enter + s->nodes[2 * part] * (span->leave - span->enter);
+        const Lanes u = span->enter + s->nodes[2 * part + 1] * (span->leave - span->enter);
+        const Lanes points[3][2] = {{o[0] + t * d[0], o[0] + u * d[0]},
+                                    {o[1] + t * d[1], o[1] + u * d[1]},
+                                    {o[2] + t * d[2], o[2] + u * d[2]}};
         at_points(n, table, points, values + part * LANES);
     }
-    for (whole part = 0; part < parts; part++) {
+    for (whole part = 0; part * WIDE <= n; part++) {
         Lanes total = {0};
         for (whole k = 0; k <= n; k++) total += s->to_bernstein[k][part] * values[k];
-        memcpy(form + part * LANES, &total, sizeof total);
+        memcpy(form + part * WIDE, &total, sizeof total);
     }
 }
 
@@ -165,7 +176,7 @@ static double error_on(const Scene *s, const Span *span, const double *o, const 
         within &= far[i] <= s->farthest;
     }
     if (close || !within) {
-        const Lanes none = {0}, points[3] = {far[0] - none, far[1] - none, far[2] - none};
+        const Lanes none = {0}, x = far[0] - none, y = far[1] - none, z = far[2] - none, points[3][2] = {{x, x}, {y, y}, {z, z}};
         double values[LANES];
         at_points(n, s->sizes + piece * count, points, values);
         size = values[0];
@@ -335,10 +346,10 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
                .farthest = bounds[3], .first = numbers[2] != 0, .enter = malloc((cells + 1) * sizeof(double)),
                .leave = malloc((cells + 1) * sizeof(double)), .spans = malloc((cells + 1) * sizeof(Span))};
     for (whole k = 0; k < MOST; k++) {
-        s.nodes[k / LANES][k % LANES] = nodes[k <= n ? k : n];
+        s.nodes[k / WIDE][k % WIDE] = nodes[k <= n ? k : n];
         s.binomials[k][0] = 1;
         for (whole i = 1; i <= k; i++) s.binomials[k][i] = s.binomials[k][i - 1] * (k - i + 1) / i;
-        for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / LANES][i % LANES] = to_bernstein[i * (n + 1) + k];
+        for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / WIDE][i % WIDE] = to_bernstein[i * (n + 1) + k];
     }
     Found found = {room, 0, 0, rays, sides, parameters};
     int state = s.enter && s.leave && s.spans ? 0 : -1;
