@@ -251,13 +251,37 @@ def test_fields_of_surfaces_are_the_same_bits(both, name):
 
     def looked():
         found = [*field.drawn(points, still), *field.closed(local + 1e-4), field.distances(points)]
-        return [*found, *field.bending(points), field.on_rims(points, rim)]
+        return [*found, *field.bending(points), field.on_rims(points, rim), field.near(points)]
 
     found = both(looked)
     assert same(found)
     assert np.array_equal(found[0][0][still], points[still])
     assert np.abs(field.distances(found[0][3])).max() < 1e-12
+    each = [field.rims[k].distances(point[None])[0] for k, point in zip(rim.tolist(), points, strict=True)]
+    assert field.rim_distances(points, rim) == pytest.approx(each, rel=1e-9)
+    assert field.rim_distances(points, rim).max() > 1e-3
     assert (field.distances(found[0][0])[~still] < 0.2 * found[0][5][~still] + 1e-10).mean() > 0.95
+
+
+def test_rays_from_the_centre_and_its_skeleton_are_the_same_bits(both):
+    surface = solved(EQUAL, 2).surface
+    field = surface.radial_field
+    local = field.frame.local_points(surface.mesh(2e-2).points)
+    noise = np.random.default_rng(5).normal(size=local.shape)
+    points = np.concatenate([local + scale * noise for scale in (1e-4, 0.02, 0.2)])
+    inner = field.first.points[field.first.rim < 0]
+
+    def looked():
+        found = [field.met(points), field.near(points), *field.leaving(points)]
+        return [*found, field._around(points, points), field.once(inner), field.once(points)]
+
+    found = both(looked)
+    assert same(found)
+    met, near, _, _, around, *once = found[0]
+    assert once == [True, False]
+    assert 0 < (met != near).any(axis=1).sum() < len(points) / 2  # some graze the surface
+    assert 0 < (around == points).all(axis=1).sum() < len(points) / 2  # some do not meet it nearby
+    assert np.abs(field.distances(near[: 2 * len(local)])).max() < 1e-7
 
 
 def test_triangles_moved_so_far_have_one_sign():

@@ -81,6 +81,9 @@ class SheetField(Field, Protocol):
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of `rims` of given numbers (N,) moved onto these."""
 
+    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
+        """Distances (N,) of points (N, 3) from curves of `rims` of given numbers (N,), to first order."""
+
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 

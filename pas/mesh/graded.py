@@ -337,10 +337,9 @@ def distances(
     inside, along = np.zeros(len(graph.triangles)), np.zeros(len(edges.every))
     inside[triangles], along[inner] = found[: len(triangles)], found[len(triangles) :]
     rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)
-    for number, curve in enumerate(field.rims):
-        here = np.flatnonzero(rims == number)
-        if len(here):
-            along[len(edges.inner) + here] = curve.distances(graph.points[edges.rim[here]].mean(axis=1))
+    if len(rims):
+        ends = graph.points[edges.rim]
+        along[len(edges.inner) :] = field.rim_distances((ends[:, 0] + ends[:, 1]) / 2, rims)
     return inside, along
 
 

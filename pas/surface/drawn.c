@@ -225,3 +225,61 @@ int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const d
     free(rows);
     return state;
 }
+
+/* A point moved onto two planes (unit normals and offsets) by the ways `back` onto them. */
+static void onto(const double *planes, const double *back, double *point)
+{
+    double off[2];
+    for (int k = 0; k < 2; k++) {
+        const double *plane = planes + 4 * k;
+        off[k] = point[0] * plane[0] + point[1] * plane[1] + point[2] * plane[2] - plane[3];
+    }
+    for (int i = 0; i < 3; i++) point[i] = point[i] - off[0] * back[i] - off[1] * back[3 + i];
+}
+
+/* Points (count, 3) moved onto the surface along gradients, steps being no longer than `farthest`; where there are walls
+   in planes (walls, 2, 4), those of given numbers (count) onto these and at right angles to `across` (walls, 2, 3). */
+int pas_slid(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+             const whole *starts, const double *tables, whole walls, const double *planes, const double *across,
+             const double *back, const whole *numbers, whole steps, double settled, double farthest, whole count,
+             double *points)
+{
+    double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
+    whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
+    int state = jets && places && piece ? 0 : -1;
+    for (whole p = 0; state == 0 && p < count; p++) {
+        rows[p] = p;
+        if (walls) onto(planes + 8 * numbers[p], back + 6 * numbers[p], points + 3 * p);
+    }
+    for (whole step = 0; state == 0 && left && step < steps; step++) {
+        for (whole k = 0; k < left; k++)
+            for (int i = 0; i < 3; i++) places[3 * k + i] = points[3 * rows[k] + i];
+        find(faces, weights, piece_of, left, places, jets, piece);
+        state = pas_mixed(pieces, JETS, degrees, starts, tables, left, places, piece, jets);
+        whole moving = 0;
+        for (whole k = 0; state == 0 && k < left; k++) {
+            const whole p = rows[k];
+            double g[3] = {jets[left + k], jets[2 * left + k], jets[3 * left + k]};
+            for (int j = 0; walls && j < 2; j++) {
+                const double *way = across + 6 * numbers[p] + 3 * j;
+                const double along = g[0] * way[0] + g[1] * way[1] + g[2] * way[2];
+                for (int i = 0; i < 3; i++) g[i] = g[i] - along * way[i];
+            }
+            const double square = at_least(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300);
+            for (int i = 0; i < 3; i++) g[i] = -jets[k] * g[i] / square;
+            const double length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+            double share = farthest / at_least(length, 1e-300);
+            share = share > 1.0 ? 1.0 : share;
+            for (int i = 0; i < 3; i++) points[3 * p + i] += g[i] * share;
+            if (length > settled) rows[moving++] = p;
+        }
+        left = moving;
+    }
+    for (whole p = 0; state == 0 && walls && p < count; p++)
+        for (int times = 0; times < 2; times++)
+            onto(planes + 8 * numbers[p], back + 6 * numbers[p], points + 3 * p);
+    free(jets);
+    free(places);
+    free(piece);
+    return state;
+}

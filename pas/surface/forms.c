@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #define BLOCK 64
+#define LANES 16 /* points that are looked for among faces at once */
 
 #if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
 #define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
@@ -137,27 +138,36 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
     return 0;
 }
 
-/* The multiples of points at which their rays leave the region, and through which face. */
+/* The multiples of points at which their rays leave the region, and through which face: that with the largest of the
+   least weights, the first of several. */
+FAST
 int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face)
 {
-    for (whole p = 0; p < count; p++) {
-        const double x = points[3 * p], y = points[3 * p + 1], z = points[3 * p + 2];
-        double best = 0, total = 0;
-        whole chosen = -1;
+    for (whole start = 0; start < count; start += LANES) {
+        const whole size = count - start < LANES ? count - start : LANES;
+        double x[LANES] = {0}, y[LANES] = {0}, z[LANES] = {0}, best[LANES], total[LANES];
+        whole chosen[LANES] = {0};
+        for (whole r = 0; r < size; r++) {
+            x[r] = points[3 * (start + r)];
+            y[r] = points[3 * (start + r) + 1];
+            z[r] = points[3 * (start + r) + 2];
+        }
         for (whole f = 0; f < faces; f++) {
-            double w[3];
-            for (int i = 0; i < 3; i++)
-                w[i] = weights[9 * f + 3 * i] * x + weights[9 * f + 3 * i + 1] * y + weights[9 * f + 3 * i + 2] * z;
-            double least = w[0] < w[1] ? w[0] : w[1];
-            least = least < w[2] ? least : w[2];
-            if (chosen < 0 || least > best) {
-                best = least;
-                chosen = f;
-                total = w[0] + w[1] + w[2];
+            const double *w = weights + 9 * f;
+            for (int r = 0; r < LANES; r++) {
+                const double a = w[0] * x[r] + w[1] * y[r] + w[2] * z[r], b = w[3] * x[r] + w[4] * y[r] + w[5] * z[r];
+                const double c = w[6] * x[r] + w[7] * y[r] + w[8] * z[r], lower = a < b ? a : b;
+                const double least = lower < c ? lower : c, sum = a + b + c;
+                const int better = f == 0 || least > best[r];
+                best[r] = better ? least : best[r];
+                total[r] = better ? sum : total[r];
+                chosen[r] = better ? f : chosen[r];
             }
         }
-        multiples[p] = 1.0 / total;
-        face[p] = chosen;
+        for (whole r = 0; r < size; r++) {
+            multiples[start + r] = 1.0 / total[r];
+            face[start + r] = chosen[r];
+        }
     }
     return 0;
 }

@@ -1,7 +1,7 @@
 """Forms on triangles and faces that rays leave through in compiled code, where there is some.
 
-The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `rings` and
-`radial_field`, which do the same with numpy.
+The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`
+and `radial_field`, which do the same with numpy.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.tables import Rows
 from pas.mesh.field import Integers
 
-SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in ("forms", "rays", "rests", "windings", "drawn")), SOURCE)
+NAMES = ("forms", "rays", "rests", "windings", "drawn", "radial")
+SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in NAMES), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
@@ -72,6 +73,41 @@ class CompiledForms:
         multiples, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
         self._call("pas_leaving", len(weights), weights, len(points), points, multiples, faces)
         return multiples, faces
+
+    def near(
+        self, faces: Faces, rows: tuple[Rows, Rows], points: Floats, limits: tuple[int, float, float]
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """Where the rays through points (N, 3) meet the surface, and which of them (N,) graze it.
+
+        See `pas.surface.radial_field.RadialField`.  The first of `rows` are those of the parts of each degree, the
+        others those of values and gradients.
+        """
+        result, grazed = np.empty((len(points), 3)), np.empty(len(points), dtype=np.bool_)
+        parts, jets = ((some.degrees, some.starts, some.coefficients) for some in rows)
+        given = (*faces, len(rows[0].starts), rows[0].degrees.shape[1], *parts, *jets)
+        self._call("pas_near", *given, len(points), points, *limits, result, grazed)
+        return result, grazed
+
+    def around(
+        self,
+        faces: Faces,
+        rows: Rows,
+        skeleton: tuple[Floats, Floats],
+        points: Floats,
+        otherwise: Floats,
+        limits: tuple[int, float, float, float],
+    ) -> Floats:
+        """See `pas.surface.radial_field.RadialField`: where rays from the skeleton meet the surface, (N, 3)."""
+        result, tables = np.array(otherwise, order="C"), (rows.degrees, rows.starts, rows.coefficients)
+        given = (*faces, len(rows.starts), *tables, len(skeleton[0]), *skeleton, len(points), points)
+        self._call("pas_around", *given, *limits, result)
+        return result
+
+    def once(self, profiles: Floats, leave: Floats, shares: Floats) -> bool:
+        """Whether profiles (n + 1, N) change their sign once at these shares (S,) of where rays leave (N,)."""
+        once = np.empty(1, dtype=np.intp)
+        self._call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
+        return bool(once[0])
 
     def states(self, up: Integers, forms: Floats, corners: Floats, bound: float, roundings: float) -> NDArray[np.int8]:
         """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of."""
@@ -159,6 +195,22 @@ class CompiledForms:
         result, tables = np.empty((len(points), 3)), (rows.degrees, rows.starts, rows.coefficients)
         given = (len(rows.starts), *tables, *places, len(points), points, numbers, *limits)
         self._call("pas_on_rings", *given, result)
+        return result
+
+    def slid(
+        self,
+        faces: Faces,
+        rows: Rows,
+        walls: tuple[Floats, Floats, Floats],
+        points: Floats,
+        numbers: Integers,
+        limits: tuple[int, float, float],
+    ) -> Floats:
+        """See `pas.surface.local_field`: points (N, 3) moved along gradients, onto walls of given numbers (N,) where
+        there are any."""
+        result, tables = np.array(points, order="C"), (rows.degrees, rows.starts, rows.coefficients)
+        given = (*faces, len(rows.starts), *tables, len(walls[0]), *walls, numbers)
+        self._call("pas_slid", *given, *limits, len(result), result)
         return result
 
     def rays(

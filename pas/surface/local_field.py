@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
-from pas.mesh.rows import dots
+from pas.mesh.rows import dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
 from pas.surface.patch_field import PatchField
@@ -92,9 +92,21 @@ class LocalField(PatchField):
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
         if not len(points):
             return points
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].slid(kernel[1], self._jets.ordered, self._planes, points, rim, self._limits)
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
+
+    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
+        """Distances (N,) of points (N, 3) in walls or edges of given numbers (N,) from the surface there, to first
+        order."""
+        jets, across = self._jets_at(points), self._planes[1][rim]
+        g = jets[1:].T
+        for way in (across[:, 0], across[:, 1]):
+            g = g - dots(g, way)[:, None] * way
+        return np.asarray(np.abs(jets[0]) / np.maximum(norms(g), 1e-300))
 
     @cached_property
     def _planes(self) -> tuple[Floats, Floats, Floats]:
@@ -108,7 +120,15 @@ class LocalField(PatchField):
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            none = self._planes[0][:0], self._planes[1][:0], self._planes[2][:0]
+            return kernel[0].slid(kernel[1], self._jets.ordered, none, points, np.empty(0, dtype=np.intp), self._limits)
         return self._slid(points, None)
+
+    @cached_property
+    def _limits(self) -> tuple[int, float, float]:
+        return STEPS, SETTLED, FARTHEST * self.reach
 
     def _slid(self, points: Floats, fixed: Floats | None) -> Floats:
         """Points (N, 3) moved onto the surface at right angles to two `fixed` orthonormal directions (N, 2, 3) or 0."""

@@ -146,24 +146,28 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
 
     `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
     """
-    found, numbers = [np.empty(0)], [np.empty(0, dtype=np.intp)]
-    normals, loose = sheet.normals, sheet.loose
-    for across, vertices in rims:
-        owner = np.flatnonzero(vertices[sheet.triangles].any(axis=1))
-        marks, corners = vertices[sheet.triangles[owner]], sheet.corners[owner]
-        along = normals - (normals @ across.T) @ across
-        for depth in range(CUTS + 1):
-            least, several = _on_sides(sheet.stage, corners, marks, along[owner], loose[owner])
-            again = several & (least <= 0) & (depth < CUTS)
-            found.append(least[~again])
-            numbers.append(owner[~again])
-            if not again.any():
-                break
-            owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
-            marks = quarters(marks[again].astype(float)) == 1  # the middle of a side is on the wall if both ends are
-            kept = marks.any(axis=1)
-            owner, corners, marks = owner[kept], corners[kept], marks[kept]
-    return np.concatenate(found), np.concatenate(numbers)
+    if not rims:
+        return np.empty(0), np.empty(0, dtype=np.intp)
+    rows = [np.flatnonzero(vertices[sheet.triangles].any(axis=1)) for _, vertices in rims]
+    owner, rim = np.concatenate(rows), np.repeat(np.arange(len(rims)), [len(own) for own in rows])
+    marks = np.concatenate([vertices[sheet.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
+    normals = [sheet.normals[own] for own in rows]
+    ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, rims, strict=True)]
+    along, loose, corners, part = np.concatenate(ways), sheet.loose[owner], sheet.corners[owner], np.arange(len(owner))
+    found: list[tuple[Floats, Integers]] = []
+    for depth in range(CUTS + 1):
+        least, several = _on_sides(sheet.stage, corners, marks, along[part], loose[part])
+        again = several & (least <= 0) & (depth < CUTS)
+        found.append((least[~again], part[~again]))
+        if not again.any():
+            break
+        part, corners = np.repeat(part[again], 4), quarters(corners[again])
+        marks = quarters(marks[again].astype(float)) == 1  # the middle of a side is on the wall if both ends are
+        kept = marks.any(axis=1)
+        part, corners, marks = part[kept], corners[kept], marks[kept]
+    least, part = (np.concatenate(column) for column in zip(*found, strict=True))
+    order = np.argsort(rim[part], kind="stable")
+    return least[order], owner[part[order]]
 
 
 def _on_sides(

@@ -123,11 +123,11 @@ def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.
         place = points[used[~inside[used]][0]]
         return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
     middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
-    touches = np.zeros(len(points), dtype=bool)
+    touches, every = np.zeros(len(points), dtype=bool), np.concatenate([points, middles])
     for face, number in enumerate(stage.wall_of.tolist()):
-        on = stage.on_face(face, points)
-        touches |= on
-        wall[stage.on_face(face, middles)] = number
+        on = stage.on_face(face, every)
+        touches |= on[: len(points)]
+        wall[on[len(points) :]] = number
     if (wall < 0).any():
         place = middles[wall < 0][0]
         return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", _point(stage, place)), []

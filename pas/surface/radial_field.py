@@ -14,6 +14,7 @@ from pas.algebra.monomials import Floats, exponents
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.graded import Graph
+from pas.mesh.rows import dots
 from pas.mesh.star import first
 from pas.surface.kernels import compiled
 from pas.surface.patch_field import PatchField
@@ -59,6 +60,8 @@ class RadialField(PatchField):
         self.outer = len(self._weights), self._weights, self._piece
         self.rims = surface.placed.rings
         self._rings = Rings(self.rims)
+        middles = np.array([ring.middle for ring in self.rims]).reshape(-1, 3)
+        self._skeleton = middles, dots(middles, middles)
 
     @cached_property
     def first(self) -> Graph | None:
@@ -120,13 +123,25 @@ class RadialField(PatchField):
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
         return self._rings.at(points, rim)
 
+    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
+        """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""
+        result = np.zeros(len(points))
+        for number in np.unique(rim).tolist():
+            result[rim == number] = self.rims[number].distances(points[rim == number])
+        return result
+
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on the rays through points, from the skeleton where those from 0 graze it."""
-        found = self.met(points)
-        g = self._jets_at(found)[1:]
-        square = (found * found).sum(axis=1) * (g * g).sum(axis=0)
-        steep = np.flatnonzero(~((found * g.T).sum(axis=1) > STEEP * np.sqrt(square)))
-        found[steep] = self._around(points[steep], found[steep])
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            rows = self._parts.ordered, self._jets.ordered
+            found, grazed = kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP))
+        else:
+            found = self.met(points)
+            g = self._jets_at(found)[1:].T
+            grazed = ~(dots(found, g) > STEEP * np.sqrt(dots(found, found) * dots(g, g)))
+        if grazed.any():
+            found[grazed] = self._around(points[grazed], found[grazed])
         return found
 
     def _around(self, points: Floats, otherwise: Floats) -> Floats:
@@ -136,13 +151,17 @@ class RadialField(PatchField):
         a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
         those given `otherwise`.
         """
-        foot = self._feet(points)
-        way = way_ = points - foot
+        kernel = self._kernel(len(points))
+        if kernel is not None:
+            limits = STEPS, SETTLED, OUTWARDS, AWAY**2
+            return kernel[0].around(kernel[1], self._jets.ordered, self._skeleton, points, otherwise, limits)
+        feet = foot = self._feet(points)
+        ways = way = points - foot
         low, high, share = np.zeros(len(points)), np.full(len(points), np.inf), np.ones(len(points))
         result, rows = share.copy(), np.arange(len(points))
         for _ in range(STEPS):
             jets = self._jets_at(foot + share[:, None] * way)
-            value, slope = jets[0], (jets[1:].T * way).sum(axis=1)
+            value, slope = jets[0], dots(jets[1:].T, way)
             below = value < 0
             low, high = np.where(below, share, low), np.where(below, high, share)
             with np.errstate(all="ignore"):
@@ -156,19 +175,20 @@ class RadialField(PatchField):
                 break
             rows, share, low, high = rows[moving], step[moving], low[moving], high[moving]
             foot, way = foot[moving], way[moving]
-        foot = self._feet(points)
-        found = foot + result[:, None] * (points - foot)
-        lost = ~(((found - points) ** 2).sum(axis=1) <= AWAY**2 * (way_ * way_).sum(axis=1))
+        found = feet + result[:, None] * ways
+        moved = found - points
+        lost = ~(dots(moved, moved) <= AWAY**2 * dots(ways, ways))
         found[lost] = otherwise[lost]
         return np.asarray(found)
 
     def _feet(self, points: Floats) -> Floats:
         """The nearest points (N, 3) of the skeleton."""
-        best, least = np.zeros_like(points), (points * points).sum(axis=1)
-        for ring in self.rims:
-            along = np.clip(points @ ring.middle / (ring.middle @ ring.middle), 0.0, 1.0)
-            foot = along[:, None] * ring.middle
-            distance = ((points - foot) ** 2).sum(axis=1)
+        best, least = np.zeros_like(points), dots(points, points)
+        for middle, square in zip(*self._skeleton, strict=True):
+            along = np.clip(dots(points, middle[None]) / square, 0.0, 1.0)
+            foot = along[:, None] * middle
+            way = points - foot
+            distance = dots(way, way)
             nearer = distance < least
             best[nearer], least = foot[nearer], np.minimum(least, distance)
         return best
@@ -176,7 +196,10 @@ class RadialField(PatchField):
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
         profiles, leave = self.profiles(points)
-        shares = np.linspace(0.0, 1.0, SAMPLES + 1)[:, None] * leave
+        samples, kernel = np.linspace(0.0, 1.0, SAMPLES + 1), self._kernel(len(points))
+        if kernel is not None:
+            return kernel[0].once(profiles, leave, samples)
+        shares = samples[:, None] * leave
         values = np.zeros_like(shares)
         for row in profiles[::-1]:
             values = values * shares + row

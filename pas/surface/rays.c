@@ -7,8 +7,11 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
-#define LANES 16   /* points at once, and the highest degree but one */
+#define MOST 16    /* the highest degree but one */
+#define LANES 8    /* points at once */
+#define WIDE 4     /* of them in a register: of wider ones compilers make none where the machine has none */
 #define DEEPEST 40 /* halvings of a part */
 #define STEPS 60   /* of Newton's method */
 #define CLOSE 1e-6 /* the last of them over the part: the next, on the polynomial itself, is about its square */
@@ -24,22 +27,31 @@
 
 typedef ptrdiff_t whole;
 
+/* Numbers that the compiler keeps in as few registers as the machine lets it. */
+typedef double Lanes __attribute__((vector_size(WIDE * sizeof(double))));
+
 /* Horner's rule as in pas/algebra/horner.c, at LANES points. */
 FAST
-static void at_points(whole n, const double *c, const double *x, const double *y, const double *z, double *values)
+static void at_points(whole n, const double *c, const Lanes (*points)[2], double *values)
 {
-    double f[LANES] = {0}, g[LANES] = {0}, h[LANES];
+    const Lanes x = points[0][0], y = points[1][0], z = points[2][0], none = {0};
+    const Lanes u = points[0][1], v = points[1][1], w = points[2][1];
+    Lanes f = none, g = none, h, p = none, q = none, r;
     for (whole i = 0; i <= n; i++) {
         for (whole j = 0; j <= i; j++) {
-            for (int r = 0; r < LANES; r++) h[r] = *c;
-            c++;
-            for (whole k = 1; k <= j; k++, c++)
-                for (int r = 0; r < LANES; r++) h[r] = h[r] * z[r] + *c;
-            for (int r = 0; r < LANES; r++) g[r] = j == 0 ? h[r] : g[r] * y[r] + h[r];
+            h = r = *c++ - none; /* all of them the coefficient */
+            for (whole k = 1; k <= j; k++, c++) {
+                h = h * z + *c;
+                r = r * w + *c;
+            }
+            g = j == 0 ? h : g * y + h;
+            q = j == 0 ? r : q * v + r;
         }
-        for (int r = 0; r < LANES; r++) f[r] = i == 0 ? g[r] : f[r] * x[r] + g[r];
+        f = i == 0 ? g : f * x + g;
+        p = i == 0 ? q : p * u + q;
     }
-    for (int r = 0; r < LANES; r++) values[r] = f[r];
+    memcpy(values, &f, sizeof f);
+    memcpy(values + WIDE, &p, sizeof p);
 }
 
 /* The same for four polynomials of one degree at one point; their coefficients stand side by side. */
@@ -70,7 +82,8 @@ typedef struct {
     const double *maps; /* (4, 4, cells): of each barycentric coordinate the factors of x, y, z and the constant */
     const whole *piece_of;
     const double *tables, *sizes, *jets; /* of each piece, with signs, without, and with derivatives side by side */
-    const double *nodes, *to_bernstein;
+    Lanes nodes[MOST / WIDE], to_bernstein[MOST][MOST / WIDE]; /* of each value its share in the coefficients */
+    double binomials[MOST][MOST];
     const double *largest; /* the sizes of polynomials at coordinates as large as `farthest` */
     double growth, tolerance, reach, farthest;
     int first;
@@ -128,20 +141,24 @@ static whole stretches(const Scene *s, const double *o, const double *d)
 }
 
 /* The Bernstein form on a stretch. */
+FAST
 static void form_on(const Scene *s, const Span *span, const double *o, const double *d, double *form)
 {
-    const whole n = s->degree, piece = s->piece_of[span->cell], count = (n + 1) * (n + 2) * (n + 3) / 6;
-    double x[LANES], y[LANES], z[LANES], values[LANES];
-    for (int r = 0; r < LANES; r++) {
-        const double t = span->enter + s->nodes[r <= n ? r : n] * (span->leave - span->enter);
-        x[r] = o[0] + t * d[0];
-        y[r] = o[1] + t * d[1];
-        z[r] = o[2] + t * d[2];
+    const whole n = s->degree, piece = s->piece_of[span->cell];
+    const double *table = s->tables + piece * ((n + 1) * (n + 2) * (n + 3) / 6);
+    double values[MOST];
+    for (whole part = 0; part * LANES <= n; part++) {
+        const Lanes t = span->enter + s->nodes[2 * part] * (span->leave - span->enter);
+        const Lanes u = span->enter + s->nodes[2 * part + 1] * (span->leave - span->enter);
+        const Lanes points[3][2] = {{o[0] + t * d[0], o[0] + u * d[0]},
+                                    {o[1] + t * d[1], o[1] + u * d[1]},
+                                    {o[2] + t * d[2], o[2] + u * d[2]}};
+        at_points(n, table, points, values + part * LANES);
     }
-    at_points(n, s->tables + piece * count, x, y, z, values);
-    for (whole i = 0; i <= n; i++) {
-        form[i] = 0;
-        for (whole k = 0; k <= n; k++) form[i] += s->to_bernstein[i * (n + 1) + k] * values[k];
+    for (whole part = 0; part * WIDE <= n; part++) {
+        Lanes total = {0};
+        for (whole k = 0; k <= n; k++) total += s->to_bernstein[k][part] * values[k];
+        memcpy(form + part * WIDE, &total, sizeof total);
     }
 }
 
@@ -159,41 +176,37 @@ static double error_on(const Scene *s, const Span *span, const double *o, const 
         within &= far[i] <= s->farthest;
     }
     if (close || !within) {
-        double x[LANES], y[LANES], z[LANES], values[LANES];
-        for (int r = 0; r < LANES; r++) {
-            x[r] = far[0];
-            y[r] = far[1];
-            z[r] = far[2];
-        }
-        at_points(n, s->sizes + piece * count, x, y, z, values);
+        const Lanes none = {0}, x = far[0] - none, y = far[1] - none, z = far[2] - none, points[3][2] = {{x, x}, {y, y}, {z, z}};
+        double values[LANES];
+        at_points(n, s->sizes + piece * count, points, values);
         size = values[0];
     }
     return s->growth * ((2 * n + 8) * UNIT + 3 * 4 * UNIT * off / MARGIN) * size;
 }
 
-static double bernstein_at(whole n, const double *form, double t)
+static double bernstein_at(whole n, const double *times, const double *form, double t)
 {
     const double rest = 1 - t;
-    double power = 1, times = 1, result = form[0];
+    double power = 1, result = form[0];
     for (whole i = 1; i <= n; i++) {
         power *= t;
-        times = times * (n - i + 1) / i;
-        result = result * rest + times * power * form[i];
+        result = result * rest + times[i] * power * form[i];
     }
     return result;
 }
 
 /* The root in [0, 1] of a monotone form whose ends differ in sign. */
-static double root_of(whole n, const double *form)
+static double root_of(const Scene *s, const double *form)
 {
-    double slopes[LANES], low = 0, high = 1, share = form[0] / (form[0] - form[n]);
+    const whole n = s->degree;
+    double slopes[MOST], low = 0, high = 1, share = form[0] / (form[0] - form[n]);
     const int falling = form[0] >= 0;
     for (whole i = 0; i < n; i++) slopes[i] = n * (form[i + 1] - form[i]);
     for (int step = 0; step < STEPS; step++) {
-        const double value = bernstein_at(n, form, share);
+        const double value = bernstein_at(n, s->binomials[n], form, share);
         if ((value >= 0) == falling) low = share;
         else high = share;
-        double after = share - value / bernstein_at(n - 1, slopes, share);
+        double after = share - value / bernstein_at(n - 1, s->binomials[n - 1], slopes, share);
         if (!(after >= low && after <= high)) after = (low + high) / 2;
         const double way = fabs(after - share);
         share = after;
@@ -217,7 +230,7 @@ static double polished(const Scene *s, const Span *span, const double *o, const 
 }
 
 typedef struct {
-    double low, width, form[LANES];
+    double low, width, form[MOST];
 } Part;
 
 typedef struct {
@@ -267,7 +280,7 @@ static whole on_stretch(const Scene *s, const Span *span, const double *o, const
         if (state == 3 || number > DEEPEST || part.width < 0x1p-39) return -2;
         if (state == 1) {
             const int rising = part.form[n] > part.form[0];
-            const double share = root_of(n, part.form);
+            const double share = root_of(s, part.form);
             if (note(found, polished(s, span, o, d, part.low, part.width, share, rising), rising ? 1 : -1)) return -1;
             hits++;
             continue;
@@ -296,7 +309,7 @@ static int shoot(const Scene *s, whole count, const double *o, const double *d, 
     double reached = NAN;
     for (whole i = 0; i < count; i++) {
         const Span *span = s->spans + i;
-        double form[LANES];
+        double form[MOST];
         const double error = error_on(s, span, o, d, close);
         form_on(s, span, o, d, form);
         int start = sign_of(form[0], error), end = sign_of(form[n], error), hit = 0;
@@ -327,9 +340,17 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
              const double *largest, whole count, const double *origins, const double *directions, whole room, whole *rays,
              double *parameters, whole *sides, whole *exact, whole *number)
 {
-    Scene s = {numbers[0], numbers[1], maps, piece_of, tables, sizes, jets, nodes, to_bernstein, largest, bounds[0],
-               bounds[1], bounds[2], bounds[3], numbers[2] != 0, malloc((numbers[0] + 1) * sizeof(double)),
-               malloc((numbers[0] + 1) * sizeof(double)), malloc((numbers[0] + 1) * sizeof(Span))};
+    const whole cells = numbers[0], n = numbers[1];
+    Scene s = {.cells = cells, .degree = n, .maps = maps, .piece_of = piece_of, .tables = tables, .sizes = sizes,
+               .jets = jets, .largest = largest, .growth = bounds[0], .tolerance = bounds[1], .reach = bounds[2],
+               .farthest = bounds[3], .first = numbers[2] != 0, .enter = malloc((cells + 1) * sizeof(double)),
+               .leave = malloc((cells + 1) * sizeof(double)), .spans = malloc((cells + 1) * sizeof(Span))};
+    for (whole k = 0; k < MOST; k++) {
+        s.nodes[k / WIDE][k % WIDE] = nodes[k <= n ? k : n];
+        s.binomials[k][0] = 1;
+        for (whole i = 1; i <= k; i++) s.binomials[k][i] = s.binomials[k][i - 1] * (k - i + 1) / i;
+        for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / WIDE][i % WIDE] = to_bernstein[i * (n + 1) + k];
+    }
     Found found = {room, 0, 0, rays, sides, parameters};
     int state = s.enter && s.leave && s.spans ? 0 : -1;
     for (whole r = 0; state == 0 && r < count; r++) {
