@@ -162,7 +162,7 @@ static void form_on(const Scene *s, const Span *span, const double *o, const dou
     }
 }
 
-/* By how much its coefficients may be off: by the polynomial's size there, or, where that is not `close`, in the cells. */
+/* By how much its coefficients may be off: by the polynomial's size there, or, where not `close`, in the cells. */
 static double error_on(const Scene *s, const Span *span, const double *o, const double *d, int close)
 {
     const whole n = s->degree, piece = s->piece_of[span->cell], count = (n + 1) * (n + 2) * (n + 3) / 6;
@@ -176,7 +176,8 @@ static double error_on(const Scene *s, const Span *span, const double *o, const 
         within &= far[i] <= s->farthest;
     }
     if (close || !within) {
-        const Lanes none = {0}, x = far[0] - none, y = far[1] - none, z = far[2] - none, points[3][2] = {{x, x}, {y, y}, {z, z}};
+        const Lanes none = {0}, x = far[0] - none, y = far[1] - none, z = far[2] - none;
+        const Lanes points[3][2] = {{x, x}, {y, y}, {z, z}};
         double values[LANES];
         at_points(n, s->sizes + piece * count, points, values);
         size = values[0];
@@ -334,7 +335,8 @@ static int shoot(const Scene *s, whole count, const double *o, const double *d, 
 }
 
 /* `numbers` holds how many cells, the degree, and whether only first crossings are wanted; `bounds` the growth of errors,
-   the tolerance of cells, the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are counted in `number`, of `room`. */
+   the tolerance of cells, the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The
+   crossings found are counted in `number`, of `room`. */
 int pas_rays(const whole *numbers, const double *bounds, const double *maps, const whole *piece_of, const double *tables,
              const double *sizes, const double *jets, const double *nodes, const double *to_bernstein,
              const double *largest, whole count, const double *origins, const double *directions, whole room, whole *rays,

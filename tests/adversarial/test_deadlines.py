@@ -29,7 +29,13 @@ from pas.render.parts import draw_parts
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
-SHORT = {"ParametricBlend.all_polynomial_solutions", "Submodule.contains", "Submodule.normal_form", "pas.write_cells"}
+SHORT = {
+    "Layout.mesh",
+    "ParametricBlend.all_polynomial_solutions",
+    "Submodule.contains",
+    "Submodule.normal_form",
+    "pas.write_cells",
+}
 """Calls of long ones on what is small, and of other functions of the same name."""
 
 COMMON = {"write"}
