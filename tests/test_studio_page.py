@@ -628,7 +628,8 @@ def test_what_is_copied_and_exported_is_what_is_seen(page, tmp_path):
     space = {}
     exec(compile(page.ask("navigator.clipboard.readText()"), "copied", "exec"), space)
     seen = np.array(page.ask("studio.state.scene.surface.map((p) => Array.from(p.values))"))
-    assert (seen == [patch.dense(4) for patch in space["shape"].surface.patches]).all()
+    wanted = np.array([patch.dense(4) for patch in space["shape"].surface.patches])
+    assert (seen == wanted).all(), np.abs(seen - wanted).max()
     with page.page.expect_download() as download:
         page.page.click("text=Export")
     assert download.value.suggested_filename == "pipes.pas.json"

@@ -112,6 +112,8 @@ def gives_up(name: str, count: int, folder: Path, clock: TickingClock) -> None:
         pytest.importorskip("OCP")
     case, out, lines = LONG_CALLS[name], folder / "out", list[str]()
     out.mkdir()
+    case.call(case.make(folder), out, seconds=FOREVER)  # the first one in a process fills tables that are kept
+    written(out)
     problem, before = case.make(folder), clock.looks
     case.call(problem, out, seconds=FOREVER)
     looks, whole = clock.looks - before, written(out)
