@@ -95,8 +95,8 @@ class Session:
             try:
                 await asyncio.wait_for(self._moved.wait(), REST)
             except TimeoutError:
-                await self._prove_once(request)
                 self._begin(self._ahead(request["document"]))
+                await self._prove_once(request)
 
     async def _follow(self, request: Request) -> None:
         asked = ("move", request["document"], str(request.get("scene", "")), bool(request.get("mesh")))
