@@ -97,7 +97,7 @@ def test_matrix_is_that_of_the_polynomial():
 
 @pytest.mark.parametrize("text", CLOSED)
 @given(motions, st.tuples(numbers, numbers, numbers, st.integers(-6, 6)))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12, deadline=None, derandomize=True)
 def test_sections_lie_on_both(text, motion, plane):
     """Whatever the position, a section is a curve on both, or an error that says what it is."""
     f = moved(text, motion)
