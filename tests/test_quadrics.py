@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy
 from flint import fmpq_mat
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import pas
@@ -97,7 +97,8 @@ def test_matrix_is_that_of_the_polynomial():
 
 @pytest.mark.parametrize("text", CLOSED)
 @given(motions, st.tuples(numbers, numbers, numbers, st.integers(-6, 6)))
-@settings(max_examples=12, deadline=None, derandomize=True)
+@example((-2, -3, 0, 0, 0, 0), (-3, -1, -3, 0))  # of the paraboloid an ellipse of 13 761: a distance is a length
+@settings(max_examples=12, deadline=None)
 def test_sections_lie_on_both(text, motion, plane):
     """Whatever the position, a section is a curve on both, or an error that says what it is."""
     f = moved(text, motion)
@@ -113,8 +114,9 @@ def test_sections_lie_on_both(text, motion, plane):
     assert residual(f, points) < 1e-12 and residual(h, points) < 1e-12
     assert smooth(curve) < 1e-6
     if curve.closed:
-        np.testing.assert_allclose(points[0], points[-1], atol=1e-12 * (1 + np.abs(points).max()))
-        assert curve.bounds().angle < 1e-9 and curve.bounds().distance < 1e-9
+        size = 1 + np.abs(points).max()
+        np.testing.assert_allclose(points[0], points[-1], atol=1e-12 * size)
+        assert curve.bounds().angle < 1e-9 and curve.bounds().distance < 1e-11 * size
 
 
 @pytest.mark.parametrize(
