@@ -111,6 +111,7 @@ def test_tubes_and_shells_compose_move_and_survive_files(tmp_path):
     "make, error, words",
     [
         (lambda: solid.ball((0, 0, 0), 1).shell(0), ValueError, "thickness must be a positive number"),
+        (lambda: solid.ball((0, 0, 0), 1).shell("3/2"), pas.GeometryError, "thicker than the part"),
         (lambda: solid.ball((0, 0, 0), 1).shell(1.5), pas.GeometryError, r"thicker than the part.*below (1|0\.9)"),
         (lambda: solid.ball((0, 0, 0), 1).shell(0.1, open=["lid"]), pas.GeometryError, "no face 'lid' to open"),
         (lambda: solid.ball((0, 0, 0), 1).shell(0.1, open=["ball"]), pas.GeometryError, "at least one face"),

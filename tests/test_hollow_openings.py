@@ -172,5 +172,7 @@ def test_an_inner_side_that_pokes_out_of_a_plate():
     moved = [("z + 1/8", clips[0]), ("(x - 1/4)^2 + y^2 - 49/64", clips[1])]
     with pytest.raises(pas.NotProvedError, match="the wall is not proved"):
         outer.hollow(inner=moved)
+    with pytest.raises(pas.GeometryError, match=r"inner\[0\] must have the clip of contact 1, x\^2 \+ y\^2 - 4"):
+        outer.hollow(inner=[("z + 1/8", "x^2 + y^2 - 3"), ("x^2 + y^2 - 49/64", clips[1])])
     given = [inner_contact(contact, EIGHTH) for contact in outer.surface.contacts]
     assert outer.hollow(inner=given).certificate.proved

@@ -190,8 +190,9 @@ def _place(compiler: str, sources: tuple[Path, ...]) -> Path:
 
 
 def _headers(sources: tuple[Path, ...]) -> list[Path]:
-    """The headers that stand beside some sources, which may include them."""
-    return [header for folder in dict.fromkeys(s.parent for s in sources) for header in sorted(folder.glob("*.h"))]
+    """The headers that stand beside some sources, or beside `SOURCE`, which they may include."""
+    folders = dict.fromkeys(source.parent for source in (SOURCE, *sources))
+    return [header for folder in folders for header in sorted(folder.glob("*.h"))]
 
 
 def _make(place: Path, compiler: str, sources: tuple[Path, ...]) -> None:

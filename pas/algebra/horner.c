@@ -6,13 +6,9 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#define BLOCK 64
+#include "kernel.h"
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
+#define BLOCK 64
 
 FAST
 void pas_horner(int n, ptrdiff_t points, const double *coefficients,

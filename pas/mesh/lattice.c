@@ -7,16 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../algebra/kernel.h"
+
 #define BLOCK 16
 #define PARTS 8
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
-
-typedef ptrdiff_t whole;
 
 /* Blocks of rows (m, BLOCK) from rows (count, m) that begin at `start`; the last stands for those that are missing. */
 static void gather(whole count, whole start, whole m, const double *rows, double *block)

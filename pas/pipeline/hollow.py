@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.rational import Exact, exact, plain, rational
-from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
+from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -213,6 +213,12 @@ def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
+    for i, join in enumerate(outer.surface.joins):
+        if join.opening and found[i].clip.primitive() != contacts[i].clip.primitive():
+            raise GeometryError(
+                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}: both sides of a wall end on "
+                "one cone at an opening"
+            )
     return found
 
 

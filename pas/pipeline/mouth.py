@@ -48,7 +48,6 @@ class Mouth:
     middle: Vector
     radius: fmpq
     join: Join
-    scale: fmpq
 
     @classmethod
     def of(cls, surface: PiecewiseSurface, number: int) -> Mouth:
@@ -59,12 +58,12 @@ class Mouth:
         if contact.surface.degree == 1:
             x, y, z = (contact.surface.diff(i).raw(0, 0, 0) for i in range(3))
             low, rim = -contact.surface.raw(*center), contact.rim
-            return cls(number + 1, contact, center, (x, y, z), low, rim.center, exact(rim.radii[0]), join, scale)
+            return cls(number + 1, contact, center, (x, y, z), low, rim.center, exact(rim.radii[0]), join)
         length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
         heights = join.curve() @ (join.nappe[0] / length)
         low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))
         x, y, z = (fmpq(round(float(c) / length * FINE), FINE) for c in join.nappe[0])
-        return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join, scale)
+        return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join)
 
     @property
     def flat(self) -> bool:

@@ -182,10 +182,13 @@ class Blend(Shape):
     def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
         """The solid inside the surface, with its neighbours continued by `length` and capped.
 
-        `length` is in the model's units (by default half of the region's size; 0 ends the solid at the
-        clips), `names` are the neighbours' faces ("neighbour 1", ... by default), whose caps are named
-        after them ("neighbour 1 end").  The contacts are its joints.  Raises `GeometryError` where
-        a clip is no plane or the surface has no region.
+        `length` is in the model's units (by default half of the region's size; 0 ends the solid at the clips), `names`
+        are the neighbours' faces ("neighbour 1", ... by default), whose caps are named after them ("neighbour 1 end").
+        The contacts are its joints.  Around an opening a plate goes on as a slab and another surface as a piece up to a
+        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see `pas.pipeline.mouth`).
+
+        Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no
+        region, and where the one around an opening does not go on as one sheet so far.
         """
         return body(self.surface, length, names)
 

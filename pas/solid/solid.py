@@ -21,7 +21,7 @@ from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike
+from pas.algebra.rational import Exact, VectorLike, rational, to_float
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
@@ -126,7 +126,7 @@ class Solid(Shape):
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
         self,
-        thickness: float,
+        thickness: Exact,
         open: Sequence[str] = (),
         tolerance: float | None = None,
         *,
@@ -142,11 +142,12 @@ class Solid(Shape):
 
             solid.box((0, 0, 0), (4, 3, 2)).shell(0.1, open=["box z+"])
         """
-        if not 0 < thickness < np.inf:
+        size = to_float(rational(thickness, "thickness"))
+        if not 0 < size < np.inf:
             raise ValueError(f"thickness must be a positive number, not {thickness}")
         if isinstance(open, str):
             raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
-        return replace(self, tree=shelled(self, float(thickness), open, self._tolerance(tolerance)), _cache={})
+        return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), _cache={})
 
     def renamed(self, name: str) -> Solid:
         """The solid with all its faces, walls included, under one name."""

@@ -7,35 +7,9 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
+#include "field.h"
 
-#define JETS 4
 #define BENDS 10
-
-typedef ptrdiff_t whole;
-
-int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, const whole *piece_of, double *values);
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
-
-/* Polynomials of pieces: the function and its derivatives. */
-typedef struct {
-    whole pieces;
-    const whole *degrees, *starts;
-    const double *tables;
-} Rows;
-
-/* The numbers of the pieces of points; all 0 without faces.  `multiples` (count) is room. */
-static void find(whole faces, const double *weights, const whole *piece_of, whole count, const double *points,
-                 double *multiples, whole *pieces)
-{
-    if (faces) pas_leaving(faces, weights, count, points, multiples, pieces);
-    for (whole p = 0; p < count; p++) pieces[p] = faces ? piece_of[pieces[p]] : 0;
-}
 
 static inline double at_least(double value, double least) { return value < least ? least : value; }
 
@@ -69,13 +43,11 @@ int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pi
              const whole *starts, const double *tables, whole count, const double *points, double *values,
              double *gradients, double *bends)
 {
+    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
     double *room = malloc((BENDS * count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = room && piece ? 0 : -1;
-    if (state == 0) {
-        find(faces, weights, piece_of, count, points, room, piece);
-        state = pas_mixed(pieces, BENDS, degrees, starts, tables, count, points, piece, room);
-    }
+    if (state == 0) state = values_at(&field, BENDS, count, points, room, piece, room);
     if (state == 0) {
         for (whole p = 0; p < count; p++) values[p] = room[p];
         transposed(count, room + count, gradients);
@@ -94,13 +66,11 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
               const double *all_tables, whole count, const double *points, const char *still, double left, double close,
               double *moved, double *gradients, double *bends, char *lost)
 {
+    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *values = malloc((count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = jets && values && piece ? 0 : -1;
-    if (state == 0) {
-        find(faces, weights, piece_of, count, points, values, piece);
-        state = pas_mixed(pieces, JETS, degrees, starts, tables, count, points, piece, jets);
-    }
+    if (state == 0) state = values_at(&field, JETS, count, points, jets, piece, jets);
     if (state == 0) {
         for (whole p = 0; p < count; p++) {
             const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
@@ -126,13 +96,11 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
 int pas_distances(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
                   const whole *starts, const double *tables, whole count, const double *points, double *distances)
 {
+    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = jets && piece ? 0 : -1;
-    if (state == 0) {
-        find(faces, weights, piece_of, count, points, jets, piece);
-        state = pas_mixed(pieces, JETS, degrees, starts, tables, count, points, piece, jets);
-    }
+    if (state == 0) state = values_at(&field, JETS, count, points, jets, piece, jets);
     for (whole p = 0; state == 0 && p < count; p++) {
         const double x = jets[count + p], y = jets[2 * count + p], z = jets[3 * count + p];
         distances[p] = fabs(jets[p]) / at_least(sqrt(x * x + y * y + z * z), 1e-300);
@@ -148,15 +116,13 @@ int pas_closed(whole faces, const double *weights, const whole *piece_of, whole 
                const whole *starts, const double *tables, whole count, whole steps, double close, double *points,
                double *gradients)
 {
+    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
     whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
     int state = jets && places && piece ? 0 : -1;
     for (whole p = 0; state == 0 && p < count; p++) rows[p] = p;
     for (whole step = 0; state == 0 && left && step < steps; step++) {
-        for (whole k = 0; k < left; k++)
-            for (int i = 0; i < 3; i++) places[3 * k + i] = points[3 * rows[k] + i];
-        find(faces, weights, piece_of, left, places, jets, piece);
-        state = pas_mixed(pieces, JETS, degrees, starts, tables, left, places, piece, jets);
+        state = jets_of(&field, left, rows, points, places, piece, jets);
         whole moving = 0;
         for (whole k = 0; state == 0 && k < left; k++) {
             const double g[3] = {jets[left + k], jets[2 * left + k], jets[3 * left + k]};
@@ -244,6 +210,7 @@ int pas_slid(whole faces, const double *weights, const whole *piece_of, whole pi
              const double *back, const whole *numbers, whole steps, double settled, double farthest, whole count,
              double *points)
 {
+    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
     whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
     int state = jets && places && piece ? 0 : -1;
@@ -252,10 +219,7 @@ int pas_slid(whole faces, const double *weights, const whole *piece_of, whole pi
         if (walls) onto(planes + 8 * numbers[p], back + 6 * numbers[p], points + 3 * p);
     }
     for (whole step = 0; state == 0 && left && step < steps; step++) {
-        for (whole k = 0; k < left; k++)
-            for (int i = 0; i < 3; i++) places[3 * k + i] = points[3 * rows[k] + i];
-        find(faces, weights, piece_of, left, places, jets, piece);
-        state = pas_mixed(pieces, JETS, degrees, starts, tables, left, places, piece, jets);
+        state = jets_of(&field, left, rows, points, places, piece, jets);
         whole moving = 0;
         for (whole k = 0; state == 0 && k < left; k++) {
             const whole p = rows[k];

@@ -6,19 +6,10 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "../algebra/kernel.h"
+
 #define BLOCK 64
 #define LANES 16 /* points that are looked for among faces at once */
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
-
-typedef ptrdiff_t whole;
-
-void pas_horner(int n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
-                double *values);
 
 /* Rows of a matrix (rows, columns) times blocks of numbers (columns, BLOCK). */
 FAST

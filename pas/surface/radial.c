@@ -7,40 +7,9 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#define JETS 4
+#include "field.h"
+
 #define BLOCK 64
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
-
-typedef ptrdiff_t whole;
-
-int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, const whole *piece_of, double *values);
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
-
-/* Faces by their weights, each of a piece, and some polynomials of each piece. */
-typedef struct {
-    whole faces;
-    const double *weights;
-    const whole *piece_of;
-    whole pieces;
-    const whole *degrees, *starts;
-    const double *tables;
-} Field;
-
-/* Values (polynomials, count) at points, and the multiples of these (count) at which their rays leave. */
-static int values_at(const Field *field, whole polynomials, whole count, const double *points, double *leave,
-                     whole *pieces, double *values)
-{
-    pas_leaving(field->faces, field->weights, count, points, leave, pieces);
-    for (whole p = 0; p < count; p++) pieces[p] = field->piece_of[pieces[p]];
-    return pas_mixed(field->pieces, polynomials, field->degrees, field->starts, field->tables, count, points, pieces,
-                     values);
-}
 
 static double dot(const double *u, const double *v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 

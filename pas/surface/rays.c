@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../algebra/kernel.h"
+
 #define MOST 16    /* the highest degree but one */
 #define LANES 8    /* points at once */
 #define WIDE 4     /* of them in a register: of wider ones compilers make none where the machine has none */
@@ -18,14 +20,6 @@
 #define UNDECIDED 4.0
 #define UNIT 0x1p-53
 #define MARGIN 0.125
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
-
-typedef ptrdiff_t whole;
 
 /* Numbers that the compiler keeps in as few registers as the machine lets it. */
 typedef double Lanes __attribute__((vector_size(WIDE * sizeof(double))));

@@ -6,15 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../algebra/kernel.h"
+
 #define BLOCK 16
-
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
-#define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define FAST
-#endif
-
-typedef ptrdiff_t whole;
 
 enum { RISES, SURE, OPEN };
 
