@@ -5,7 +5,8 @@ the long loops of this package look at the clock through `checkpoint`: past the 
 `LimitError`, which says what was being done and what helps; on the way they report to `progress`, not
 more often than twice a second and only after the first second.  Without a limit nothing is said.
 
-Long public functions are `limited`: they take `seconds` and `progress` themselves.
+Long public functions are `limited`: they take `seconds` and `progress` themselves, and their linear algebra runs on
+one thread.
 
 Nothing is half-done afterwards: results are built aside and handed over whole.  Between two looks at the clock
 lies one call of a library or one pass over large arrays, some tenths of a second as a rule.
@@ -24,6 +25,7 @@ from numbers import Real
 from typing import Any, ParamSpec, TypeVar
 
 from pas.errors import LimitError
+from pas.threads import one_thread
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -94,7 +96,8 @@ def limited(work: str, advice: str) -> Callable[[Callable[P, R]], Callable[P, R]
 
         @wraps(function)
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
-            with _limit(kwargs.get("seconds"), kwargs.get("progress"), work, advice):  # type: ignore[arg-type]
+            seconds, progress = kwargs.get("seconds"), kwargs.get("progress")
+            with one_thread(), _limit(seconds, progress, work, advice):  # type: ignore[arg-type]
                 checkpoint()
                 return function(*args, **kwargs)
 

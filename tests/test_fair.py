@@ -34,12 +34,45 @@ def space():
     return pas.solutions(pipes(UNEQUAL), 2, 5)
 
 
-def landscape_of(space, energy, limits=STRICT, rays=None):
+def landscape_of(space, energy, limits=STRICT, rays=False):
     """The landscape from the first clean member of a space, and that member."""
     fairing = space.fairing(energy)
     search = Search(Exchange(MemberProgramme(fairing, pas.Wishes()), fairing.guard, LADDER[0]), 16)
     stage, _, _ = search.settled()
     return fairing.landscape(limits, stage.unknowns, rays), stage.unknowns
+
+
+def test_rays_that_are_kept_serve_another_energy_as_new_ones_do(space):
+    first, member = landscape_of(space, pas.CurvatureVariation())
+    fairing = space.fairing(pas.CurvatureVariation(9))
+    kept = fairing.landscape(STRICT, member)
+    assert kept.sight is first.sight and kept.energy == pas.CurvatureVariation(9)
+    assert fairing.landscape(LIMITS, member).sight is not first.sight
+    new = fairing.landscape(STRICT, member)
+    assert new.sight is not first.sight
+    assert kept.first.objective == new.first.objective
+    for one, other in zip(kept.linearised(kept.first), new.linearised(new.first), strict=True):
+        assert np.array_equal(one, other)
+    assert fairing.landscape(STRICT, 1.1 * member).sight is not new.sight
+
+
+@dataclass(frozen=True)
+class Wrong(pas.Energy):
+    """Its slopes are not those of its residuals."""
+
+    kind: ClassVar[str] = "wrong"
+
+    def residuals(self, points, sizes):
+        return points.shape[:, :1]
+
+    def slopes(self, points, sizes):
+        return np.zeros((len(points), 1, QUANTITIES))
+
+
+def test_a_wrong_energy_is_seen_along_rays_that_are_kept(space):
+    _, member = landscape_of(space, pas.CurvatureVariation())
+    with pytest.raises(ValueError, match="slopes of the energy 'wrong' disagree"):
+        space.fairing(Wrong()).landscape(STRICT, member)
 
 
 @dataclass(frozen=True)

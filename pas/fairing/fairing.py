@@ -34,6 +34,9 @@ from pas.surface.fairness_limits import FairnessLimits
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
+_LAST: list[tuple[WorkingBasis, FairnessLimits, bytes, bool, Landscape]] = []
+"""The last landscape with what it was asked for; no more, as its tables take tens of megabytes."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -68,8 +71,9 @@ class Fairing:
         """The same for another energy, with the basis, guard rows and rays that there are."""
         other = copy(self)
         other.energy = energy
-        for name in ("quadratic_part", "hessian"):
-            vars(other).pop(name, None)
+        vars(other).pop("quadratic_part", None)
+        if not (self.energy.on_surface and energy.on_surface):  # else the way begins from the same form
+            vars(other).pop("hessian", None)
         return other
 
     @cached_property
@@ -130,8 +134,16 @@ class Fairing:
         return PiecewiseSurface.in_place(self.placed, self.basis.combine(working), self.degree)
 
     def landscape(self, limits: FairnessLimits, start: Floats, live: bool = False) -> Landscape:
-        """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`."""
-        return Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, live)
+        """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`.
+
+        The last one of the process is kept: the same rays serve another energy, such as another tension.
+        """
+        for basis, *asked, landscape in _LAST:
+            if basis is self.basis and asked == [limits, start.tobytes(), live]:
+                return landscape.seen_by(self.energy)
+        landscape = Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, live)
+        _LAST[:] = [(self.basis, limits, start.tobytes(), live, landscape)]
+        return landscape
 
     def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None, patient: bool = True) -> Choice:
         """The member that meets the wishes best, proved or guarded as they say.

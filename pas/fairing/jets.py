@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.surface.geometry import FIRST, JETS, SECOND, THIRD, Geometry
+from pas.surface.geometry import JETS, ORDERS, SECOND, THIRD, Geometry
 
 COLUMNS = 12
 """Entries of a jet in the frame of a point: g1 g2 gn, H11 H12 H22 H1n H2n, F111 F112 F122 F222."""
@@ -56,22 +56,23 @@ class MovingGeometry(Geometry):
         variation *= inverse
         return normal, shape, variation
 
-    def frame_to_jet(self) -> Floats:
-        """The framed jet as a linear function of the jet: (12, 20, N)."""
+    def frame_to_jet(self) -> tuple[Floats, Floats, Floats]:
+        """The framed jet as linear functions of the jet's first, second and third derivatives, in the order of `JETS`:
+        (3, 3, N), (5, 6, N) and (4, 10, N)."""
         f = self.axes
-        matrix = np.zeros((COLUMNS, len(JETS), len(self.length)))
-        matrix[:3, FIRST] = f
+        count = f.shape[2]
         seconds, thirds = _folds()
-        pairs = {(a, b): (f[a, :, None] * f[b]).reshape(9, -1) for a, b in _PAIRS}
-        for row, pair in enumerate(_PAIRS, 3):
-            matrix[row] = seconds @ pairs[pair]
-        for row, (a, b, c) in enumerate(_TRIPLES, 8):
-            matrix[row] = thirds @ (pairs[a, b][:, None] * f[c]).reshape(27, -1)
-        return matrix
+        pairs = {(a, b): seconds @ (f[a, :, None] * f[b]).reshape(9, count) for a, b in _PAIRS}
+        second = np.stack([pairs[pair] for pair in _PAIRS])
+        third = np.stack([thirds @ (pairs[a, b][:, None] * f[c]).reshape(18, count) for a, b, c in _TRIPLES])
+        return f, second, third
 
 
 @cache
 def _folds() -> tuple[Floats, Floats]:
-    """The entries of a jet by those of a second and of a third derivative, all of them: (20, 9) and (20, 27)."""
-    unit = np.eye(len(JETS))
-    return unit[:, SECOND.ravel()], unit[:, THIRD.ravel()]
+    """What is equal of products is added: of two vectors to second derivatives (6, 9), of these and a vector to third
+    ones (10, 18)."""
+    pairs, triples = np.eye(len(JETS))[:, SECOND.ravel()], np.eye(len(JETS))[:, THIRD.reshape(9, 3)]
+    seconds, thirds = ORDERS == 2, ORDERS == 3
+    first = pairs[seconds].argmax(axis=1)  # one of the places of each
+    return pairs[seconds], triples[thirds][:, first].reshape(-1, 18)

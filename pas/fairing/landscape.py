@@ -141,6 +141,15 @@ class Landscape:
         other.energy = energy
         return other, replace(look, residuals=other._residuals(look.view))
 
+    def seen_by(self, energy: Energy) -> Landscape:
+        """The same rays for another energy, from the same start."""
+        if self.first is None or energy == self.energy:
+            return self
+        other, first = self.of(energy, self.first)
+        other.first = first
+        other._check(self.first.view)
+        return other
+
     def look(self, member: Floats, near: Look) -> Look | None:
         """Another member, found from one near by; None where it cannot be seen along all rays."""
         view = self.sight.view(member, near.view.distances)

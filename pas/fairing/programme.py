@@ -177,7 +177,7 @@ class MemberProgramme:
         size = float(np.abs(form).max()) or 1.0
         unit = np.linalg.norm(equations[:, :m], axis=1, keepdims=True)
         equations = equations / np.where(unit > 0, unit, 1.0)
-        lengths = np.linalg.norm(inequalities.rows, axis=1)
+        lengths = np.sqrt(np.einsum("ij,ij->i", inequalities.rows, inequalities.rows))
         lengths = np.where(lengths > 0, lengths, 1.0)
         return Programme(
             form / size,

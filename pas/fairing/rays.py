@@ -60,13 +60,10 @@ class Rays:
         profiles = self._profiles(unknowns)
         values = self._powers.T @ profiles  # (samples, rays)
         rung = (values >= -band).view(np.int8) + (values >= 0.0).view(np.int8) + (values >= band).view(np.int8)
-        steps, rays = np.divmod(np.flatnonzero(rung[:-1] != rung[1:]), values.shape[1])
-        first, second, low, high = (
-            values[steps, rays],
-            values[steps + 1, rays],
-            rung[steps, rays],
-            rung[steps + 1, rays],
-        )
+        before = np.flatnonzero(rung[:-1] != rung[1:])
+        steps, rays = np.divmod(before, values.shape[1])
+        after = before + values.shape[1]
+        first, second, low, high = values.take(before), values.take(after), rung.take(before), rung.take(after)
         found = []
         for number, level in enumerate((-band, 0.0, band)):
             here = (low > number) != (high > number)
@@ -75,7 +72,8 @@ class Rays:
         rays, shares = (np.concatenate(parts) for parts in zip(*found, strict=True))
         slopes = np.zeros(len(rays))  # of f in the share of the ray
         for power in range(self.degree, 0, -1):
-            slopes = slopes * shares + power * profiles[power, rays]
+            slopes *= shares
+            slopes += (power * profiles[power]).take(rays)
         return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
 
     def rows(self, crossings: Crossings, margin: float) -> Rows:

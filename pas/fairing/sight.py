@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,14 @@ HIT_STEPS, HIT, LONGEST_STEP = 12, 1e-8, 0.2
 MET = 1e-11
 """A step of Newton's as short as this is the last: the next would be beyond rounding."""
 
+FEW = 256
+"""Points whose derivatives are worked out together; of more, those of each piece: large tables leave the caches."""
+
 GRAZING = 1e-3
 """The least cosine between ray and normal at which a surface is looked at."""
+
+BY_ORDER = ((slice(0, 3), slice(1, 4)), (slice(3, 8), slice(4, 10)), (slice(8, COLUMNS), slice(10, len(JETS))))
+"""Where derivatives of first, second and third order stand in a framed jet and in a jet."""
 
 AREA = QUANTITIES
 """The logarithm of the area comes after the quantities of `SurfacePoints`."""
@@ -64,11 +71,9 @@ class Sight:
     def jets(self) -> Floats:
         """The jets of the monomials at the rays' directions: (N, 20, C(n+3, 3))."""
         indices, factors = derivatives(self.basis.degree)
-        table = self._monomials.T
-        result = np.empty((len(table), *factors.shape))
-        for row, (index, factor) in enumerate(zip(indices, factors, strict=True)):
-            result[:, row] = table[:, index] * factor
-        return result
+        result = np.ascontiguousarray(self._monomials.T).take(indices.ravel(), axis=1)
+        result *= factors.ravel()
+        return result.reshape(-1, *factors.shape)
 
     def view(self, member: Floats, near: Floats) -> View | None:
         """What is to be seen of a member, found from distances near by; None where a ray misses or grazes it."""
@@ -113,16 +118,19 @@ class Sight:
 
     def _evaluated(self, member: Floats, t: Floats, times: NDArray[np.intp]) -> Floats:
         """The jets of a member at distances, with the monomials of each as often as `times` says."""
-        result = np.empty((len(t), len(JETS)))
-        powers = self.power_table(t)
+        result = np.empty((len(JETS), len(t)))
+        monomials = self._monomials * self.power_table(t)
         for piece, here in self.rays.slices:
             forms = derived(member @ self.basis.coefficients[piece], self.basis.degree)
-            result[here] = ((forms * times) @ (self._monomials[:, here] * powers[:, here])).T
-        return result
+            result[:, here] = (forms * times) @ monomials[:, here]
+        return result.T
 
     def power_table(self, t: Floats) -> Floats:
         """The powers of distances by which monomials are multiplied there: (C(n+3, 3), N)."""
-        return (t ** np.arange(self.basis.degree + 1)[:, None])[self.degrees]
+        powers = np.ones((self.basis.degree + 1, len(t)))
+        for below, power in pairwise(powers):
+            np.multiply(below, t, out=power)
+        return powers[self.degrees]
 
     def _seen(self, geometry: MovingGeometry, t: Floats) -> SurfacePoints:
         s = self.scale
@@ -144,16 +152,18 @@ class Sight:
         normal, shape, variation = geometry.changes()
         inner = (geometry.axes * directions).sum(axis=1)
         steepness = geometry.length * inner[2]
-        by_jet = np.zeros((AREA + 1, COLUMNS + 1, len(t)))  # the last column is the movement along the ray
-        by_jet[:3, COLUMNS] = self.scale * directions
-        by_jet[3:6, :COLUMNS] = normal
-        by_jet[6, 2] = 1 / self.slope
-        by_jet[7:10, :COLUMNS] = shape / self.scale
-        by_jet[10:14, :COLUMNS] = variation / self.scale**2
-        by_jet[AREA, :2] = -inner[:2] / steepness
-        by_jet[AREA, COLUMNS] = 2 / t
+        by_jet = np.zeros((len(t), AREA + 1, COLUMNS + 1))  # the last column is the movement along the ray
+        last = by_jet.transpose(1, 2, 0)
+        last[:3, COLUMNS] = self.scale * directions
+        last[3:6, :COLUMNS] = normal
+        last[6, 2] = 1 / self.slope
+        last[7:10, :COLUMNS] = shape / self.scale
+        last[10:14, :COLUMNS] = variation / self.scale**2
+        last[AREA, :2] = -inner[:2] / steepness
+        last[AREA, COLUMNS] = 2 / t
         along = self._jets_along(view.member, view.distances)[points]
-        return Change(self, points, t, _points_first(by_jet), _points_first(geometry.frame_to_jet()), along, steepness)
+        frames = tuple(map(_points_first, geometry.frame_to_jet()))
+        return Change(self, points, t, by_jet, frames, along, steepness)
 
 
 def _points_first(table: Floats) -> Floats:
@@ -164,21 +174,25 @@ def _points_first(table: Floats) -> Floats:
 class Change:
     """The derivatives of what is seen at some points (K,) by the member, as products multiplied out when needed.
 
-    `by_jet` (K, 15, 13): quantities and log of area by framed jets and by the movement along the ray.
+    `by_jet` (K, 15, 13): quantities and log of area by framed jets and by the movement along the ray; `frames`: the
+    framed jets by the derivatives of first, second and third order, (K, 3, 3), (K, 5, 6) and (K, 4, 10).
     """
 
     sight: Sight
     points: NDArray[np.intp]
     distances: Floats
     by_jet: Floats
-    frame_to_jet: Floats
+    frames: tuple[Floats, ...]
     jets_along: Floats
     steepness: Floats
 
     def some(self, chosen: NDArray[np.intp]) -> Change:
         """The same for some of the points, by rising numbers."""
-        arrays = (self.distances, self.by_jet, self.frame_to_jet, self.jets_along, self.steepness)
-        return Change(self.sight, self.points[chosen], *(array[chosen] for array in arrays))
+        frames = tuple(frame[chosen] for frame in self.frames)
+        t, by_jet, along, steepness = (
+            array[chosen] for array in (self.distances, self.by_jet, self.jets_along, self.steepness)
+        )
+        return Change(self.sight, self.points[chosen], t, by_jet, frames, along, steepness)
 
     def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.
@@ -187,19 +201,26 @@ class Change:
         """
         basis = self.sight.basis
         gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
-        for piece, here in self.sight.rays.slices:
-            first, last = np.searchsorted(self.points, (here.start, here.stop))
-            if first < last:
-                rows = self._by_coefficient(slopes, slice(first, last))
-                by_member = rows @ basis.coefficients[piece].T
-                gram += by_member.T @ by_member
-                gradient += values[first:last].ravel() @ by_member
+        ends = [
+            (p, *np.searchsorted(self.points, (here.start, here.stop)).tolist()) for p, here in self.sight.rays.slices
+        ]
+        parts = [part for part in ends if part[2] > part[1]]
+        for group in [parts] if len(self.points) < FEW else [[part] for part in parts]:
+            here = slice(group[0][1], group[-1][2])
+            rows = self._by_coefficient(slopes, here)
+            tables = [(basis.coefficients[p], rows[a - here.start : b - here.start]) for p, a, b in group]
+            by_member = np.concatenate([c @ of_piece.reshape(-1, c.shape[1]).T for c, of_piece in tables], axis=1)
+            gram += by_member @ by_member.T
+            gradient += by_member @ values[here].ravel()
         return (gram + gram.T) / 2, gradient
 
     def _by_coefficient(self, slopes: Floats, here: slice) -> Floats:
-        """The derivatives (K R, C(n+3, 3)) of residuals at points of one piece by its coefficients."""
+        """The derivatives (K, R, C(n+3, 3)) of residuals at points that follow one another by the coefficients of their
+        pieces."""
         by_frame = np.matmul(slopes[here], self.by_jet[here])
-        by_jet = np.matmul(by_frame[:, :, :COLUMNS], self.frame_to_jet[here])
+        by_jet = np.zeros((*by_frame.shape[:2], len(JETS)))
+        for (framed, entries), frame in zip(BY_ORDER, self.frames, strict=True):
+            np.matmul(by_frame[:, :, framed], frame[here], out=by_jet[:, :, entries])
         moved = np.matmul(by_jet, self.jets_along[here, :, None])[:, :, 0] + by_frame[:, :, COLUMNS]
         by_jet[:, :, 0] -= moved / self.steepness[here, None]
         distances = self.distances[here]
@@ -207,4 +228,4 @@ class Change:
         all_points = len(self.points) == len(self.sight.jets)
         by_coefficient = np.matmul(by_jet, self.sight.jets[here if all_points else self.points[here]])
         by_coefficient *= self.sight.power_table(distances).T[:, None, :]
-        return by_coefficient.reshape(-1, by_coefficient.shape[2])
+        return by_coefficient
