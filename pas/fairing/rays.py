@@ -16,9 +16,13 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
 from pas.fairing.guard import Guard, Rows, lattice_weights
+from pas.fairing.kernels import Crossed, compiled
 
 SAMPLES = 32
 """Values of f on each ray between which its zeros are looked for; halved steps found the same."""
+
+CHUNK = 1024
+"""Rays whose values are worked out together: those of more leave the caches."""
 
 
 @dataclass(frozen=True)
@@ -53,27 +57,13 @@ class Rays:
         self._degrees = np.equal.outer(np.arange(self.degree + 1), degrees).astype(float)
         self._lengths = np.sqrt((self.ends * self.ends).sum(axis=1))
         self._shares = np.arange(SAMPLES + 1) / SAMPLES
-        self._powers = self._shares ** np.arange(self.degree + 1)[:, None]
 
     def crossings(self, unknowns: Floats, band: float) -> Crossings:
         """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
         profiles = self._profiles(unknowns)
-        values = self._powers.T @ profiles  # (samples, rays)
-        rung = (values >= -band).view(np.int8) + (values >= 0.0).view(np.int8) + (values >= band).view(np.int8)
-        before = np.flatnonzero(rung[:-1] != rung[1:])
-        steps, rays = np.divmod(before, values.shape[1])
-        after = before + values.shape[1]
-        first, second, low, high = values.take(before), values.take(after), rung.take(before), rung.take(after)
-        found = []
-        for number, level in enumerate((-band, 0.0, band)):
-            here = (low > number) != (high > number)
-            a, b = first[here] - level, second[here] - level
-            found.append((rays[here], self._shares[steps[here]] + a / (a - b) / SAMPLES))
-        rays, shares = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        slopes = np.zeros(len(rays))  # of f in the share of the ray
-        for power in range(self.degree, 0, -1):
-            slopes *= shares
-            slopes += (power * profiles[power]).take(rays)
+        kernel = compiled(profiles.size * SAMPLES)
+        found = kernel and kernel(profiles, self._shares, band)
+        rays, shares, slopes = found or crossed(profiles, self._shares, band)
         return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
 
     def rows(self, crossings: Crossings, margin: float) -> Rows:
@@ -91,6 +81,39 @@ class Rays:
             terms = self._degrees * (unknowns @ self.guard.basis.coefficients[piece])
             blocks.append(terms @ self._monomials[piece])
         return np.concatenate(blocks, axis=1)
+
+
+def crossed(profiles: Floats, shares: Floats, band: float) -> Crossed:
+    """Where polynomials, columns of `profiles` (n + 1, N), pass -band, 0 and band between shares (S,) that are evenly
+    apart from 0 on: by rising columns, shares and levels."""
+    parts = [_crossed(profiles[:, start : start + CHUNK], shares, band) for start in range(0, profiles.shape[1], CHUNK)]
+    if not parts:
+        return np.empty(0, dtype=np.intp), np.empty(0), np.empty(0)
+    rays, found, slopes = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return rays + np.repeat(CHUNK * np.arange(len(parts)), [len(part[0]) for part in parts]), found, slopes
+
+
+def _crossed(profiles: Floats, shares: Floats, band: float) -> Crossed:
+    levels, steps = np.array([-band, 0.0, band]), shares[:, None]
+    values = steps * profiles[-1]
+    values += profiles[-2]
+    for row in profiles[-3::-1]:
+        values *= steps
+        values += row
+    rung = (values >= -band).view(np.int8) + (values >= 0.0).view(np.int8) + (values >= band).view(np.int8)
+    before, rays = np.divmod(np.flatnonzero(rung[:-1] != rung[1:]), profiles.shape[1])
+    order = np.argsort(rays, kind="stable")
+    before, rays = before[order], rays[order]
+    low, high = rung[before, rays, None], rung[before + 1, rays, None]
+    which, level = np.nonzero((low > range(3)) != (high > range(3)))
+    rays, before = rays[which], before[which]
+    a, b = values[before, rays] - levels[level], values[before + 1, rays] - levels[level]
+    found = shares[before] + a / (a - b) * shares[1]
+    slopes = np.zeros(len(rays))
+    for power in range(len(profiles) - 1, 0, -1):
+        slopes *= found
+        slopes += (power * profiles[power]).take(rays)
+    return rays, found, slopes
 
 
 def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
