@@ -142,6 +142,17 @@ def test_no_surface_is_said():
         empty.triangulate(1e-2)
 
 
+def test_a_surface_that_is_too_sharp_for_a_mesh_is_said_to_be():
+    given = (((0, 1, 0), "1/2", "3/2"), ((-1, 1, 0), "3/5", 1))
+    cones = [pas.Cone(axis=a, radius=r, slope="1/8", clip=c) for a, r, c in given]
+    surface = pas.blend(cones, 1).surface
+    words = (
+        r"no good mesh .* near \(-0\.4\d+, 1\.3\d*, .*\) it is \d\d\.\d times as sharp as its neighbours.*clip=\"auto\""
+    )
+    with pytest.raises(pas.MeshError, match=words):
+        surface.mesh(1e-2)
+
+
 def test_split_keeps_area_and_orientation():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     triangles = np.array([[0, 1, 2], [1, 3, 2]])

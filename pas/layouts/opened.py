@@ -92,7 +92,7 @@ def _ended(item: Endless, plate: Polynomial, edge: Rim, number: int) -> Endless:
     met = np.array(to_floats(_sum(item.point, item.axis, foot)))
     axis, normal = np.array(to_floats(item.axis)), plate.dense(1)[1:4]
     length = float(np.linalg.norm(axis))
-    lean = float(abs(axis @ normal) / (length * np.linalg.norm(normal)))
+    lean = min(1.0, float(abs(axis @ normal) / (length * np.linalg.norm(normal))))  # above by rounding
     radius = item.width(to_float(foot))
     room = edge.radii[0] - float(np.linalg.norm(met - to_floats(edge.center))) - radius / lean
     if room <= 0:

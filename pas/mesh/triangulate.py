@@ -55,13 +55,19 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None, aim
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
     than `most` triangles.
     """
-    why = "there is no surface in the region: the function does not change sign"
+    why = ""
     for first in field.beginnings:
         try:
             return _from(field, first.graph, tolerance, most, aim)
         except ArithmeticError as error:
             why = f"no good mesh was found: {error}{first.trouble}"
-    raise MeshError(why)
+    if not why:
+        raise MeshError("there is no surface in the region: the function does not change sign")
+    raise FoldedError(why)
+
+
+class FoldedError(MeshError):
+    """No good mesh was found, at any tolerance."""
 
 
 @dataclass(frozen=True)

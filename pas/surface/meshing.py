@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.errors import MeshError
+from pas.errors import GeometryError, MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.star import star
-from pas.mesh.triangulate import triangulate
+from pas.mesh.triangulate import FoldedError, triangulate
 from pas.surface.surface_mesh import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 FINER = (1.0, 0.5, 0.25)
 """Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
+
+SHARP = 10.0
+"""Times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed."""
 
 
 def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None, quality: Quality) -> SurfaceMesh:
@@ -50,5 +53,23 @@ def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None, ai
                 raise
             break
     lattice = surface.cell_field
-    with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-        return triangulate(lattice, tolerance / lattice.scale, most, aim)
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is folded, and refused
+            return triangulate(lattice, tolerance / lattice.scale, most, aim)
+    except FoldedError as error:
+        raise MeshError(f"{error}{_sharpest(surface)}") from None
+
+
+def _sharpest(surface: PiecewiseSurface) -> str:
+    """Where a surface bends much more than its neighbours, and what makes room, in words."""
+    try:
+        fair = surface.fairness()
+    except GeometryError:
+        return ""
+    if not fair.sharpness > SHARP:
+        return ""
+    x, y, z = (f"{v:.4g}" for v in fair.sharpest)
+    return (
+        f"; near ({x}, {y}, {z}) it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips that are "
+        'farther out, as clip="auto" finds them, leave more room'
+    )
