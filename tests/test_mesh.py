@@ -142,6 +142,15 @@ def test_no_surface_is_said():
         empty.triangulate(1e-2)
 
 
+def test_a_long_thin_arm_beside_the_centre():
+    """Some rays from the centre leave through its end without having met the surface."""
+    arms = [
+        pas.Pipe(axis=(2, 1, -1), radius="1/4", clip=2, point=(0, "1/10", 0)),
+        pas.Cone(axis=(1, -1, 2), radius="1/3", slope="-1/5", clip="auto"),
+    ]
+    assert pas.blend(arms, 2).mesh(tolerance=2e-2).certificate.holds
+
+
 def test_a_surface_that_is_too_sharp_for_a_mesh_is_said_to_be():
     given = (((0, 1, 0), "1/2", "3/2"), ((-1, 1, 0), "3/5", 1))
     cones = [pas.Cone(axis=a, radius=r, slope="1/8", clip=c) for a, r, c in given]

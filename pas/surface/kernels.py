@@ -75,9 +75,9 @@ class CompiledForms:
         return multiples, faces
 
     def near(
-        self, faces: Faces, rows: tuple[Rows, Rows], points: Floats, limits: tuple[int, float, float]
+        self, faces: Faces, rows: tuple[Rows, Rows], points: Floats, limits: tuple[int, float, float, float]
     ) -> tuple[Floats, NDArray[np.bool_]]:
-        """Where the rays through points (N, 3) meet the surface, and which of them (N,) graze it.
+        """Where the rays through points (N, 3) meet the surface, and which of them (N,) graze or miss it.
 
         See `pas.surface.radial_field.RadialField`.  The first of `rows` are those of the parts of each degree, the
         others those of values and gradients.

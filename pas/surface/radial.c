@@ -132,11 +132,11 @@ int pas_around(whole faces, const double *weights, const whole *piece_of, whole 
 }
 
 /* Points (count, 3) moved along rays from 0, and which of them are on rays at a cosine with the surface's normal of at
-   most `steep`; the first polynomials are the parts of each degree, the others values and gradients. */
+   most `steep`, or further from the surface than a share `off` of their way; the first polynomials are the parts of each degree, the others values and gradients. */
 int pas_near(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
              const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
-             double *result, char *grazed)
+             double off, double *result, char *grazed)
 {
     const Field field = {faces, weights, piece_of, pieces, all_degrees, all_starts, all_tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *leave = malloc((count + 1) * sizeof(double));
@@ -148,7 +148,8 @@ int pas_near(whole faces, const double *weights, const whole *piece_of, whole pi
     if (state == 0) state = values_at(&field, JETS, count, result, leave, own, jets);
     for (whole p = 0; state == 0 && p < count; p++) {
         const double g[3] = {jets[count + p], jets[2 * count + p], jets[3 * count + p]}, *place = result + 3 * p;
-        grazed[p] = !(dot(place, g) > steep * sqrt(dot(place, place) * dot(g, g)));
+        const double size = sqrt(dot(place, place) * dot(g, g));
+        grazed[p] = !(dot(place, g) > steep * size && fabs(jets[p]) <= off * size);
     }
     free(jets);
     free(leave);

@@ -38,6 +38,10 @@ OUTWARDS = 1.5
 STEEP = 0.4
 """Cosine between the surface's normal and a ray from the centre below which one from the skeleton is taken."""
 
+OFF = 1e-6
+"""Distance from the surface, over that from the centre, beyond which a ray from the centre ends without having met it:
+it leaves through a contact's curve."""
+
 AWAY = 10.0
 """How far, over the distance from the skeleton, such rays are followed at most."""
 
@@ -131,15 +135,17 @@ class RadialField(PatchField):
         return result
 
     def near(self, points: Floats) -> Floats:
-        """The surface's points (N, 3) on the rays through points, from the skeleton where those from 0 graze it."""
+        """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""
         kernel = self._kernel(len(points))
         if kernel is not None:
             rows = self._parts.ordered, self._jets.ordered
-            found, grazed = kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP))
+            found, grazed = kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP, OFF))
         else:
             found = self.met(points)
-            g = self._jets_at(found)[1:].T
-            grazed = ~(dots(found, g) > STEEP * np.sqrt(dots(found, found) * dots(g, g)))
+            value, *slope = self._jets_at(found)
+            g = np.stack(slope, axis=1)
+            size = np.sqrt(dots(found, found) * dots(g, g))
+            grazed = ~((dots(found, g) > STEEP * size) & (np.abs(value) <= OFF * size))
         if grazed.any():
             found[grazed] = self._around(points[grazed], found[grazed])
         return found
