@@ -78,6 +78,10 @@ class SheetField(Field, Protocol):
     def rims(self) -> Sequence[RimCurve]:
         """The curves on which it ends."""
 
+    @property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of `rims` of given numbers (N,) moved onto these."""
 

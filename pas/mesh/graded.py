@@ -106,8 +106,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
 
 def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
     """The rims (E,) of edges (E, 2) on the boundary: that of an end, or between two fixed ends the nearest."""
-    fixed = np.array([curve.fixed for curve in field.rims], dtype=bool)
-    ends = rim[edges]
+    fixed, ends = field.fixed[:-1], rim[edges]
     result = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
     both = np.flatnonzero(fixed[result])
     if len(both):
@@ -201,7 +200,7 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     for step in range(THINNINGS):
         checkpoint(f"coarsening the first triangles ({len(graph.triangles)})")
         sizes = _sizes(field, graph, tolerance)
-        fixed = _fixed(field, graph.rim)
+        fixed = field.fixed[graph.rim]
         left, triangles = collapsed(graph.points, graph.edges, graph.normals, graph.rim, fixed, sizes)
         few = len(graph.points) - len(left) <= FEW * len(graph.points)
         graph = Graph(graph.points[left], triangles, graph.rim[left], graph.normals[left], graph.bends[left])
@@ -257,7 +256,8 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """Flipped and smoothed once."""
     edges = flipped_edges(graph.points, graph.triangles, graph.normals)
-    graph, triangles = replace(graph, triangles=edges.triangles), edges.triangles
+    triangles = edges.triangles
+    graph = Graph(graph.points, triangles, graph.rim, graph.normals, graph.bends)
     vars(graph)["edges"] = edges
     new = _drawn(field, _moved(field, graph, tolerance), triangles, graph.rim)
     points = settled(graph.points, new.points, triangles, graph.normals)
@@ -270,7 +270,7 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
-    edges, fixed, kernel = graph.edges, _fixed(field, graph.rim), compiled(len(graph.triangles))
+    edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled(len(graph.triangles))
     if kernel is not None:
         longest, every = LONGEST * field.reach, (edges.every, len(edges.inner))
         limits = 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
@@ -341,9 +341,3 @@ def distances(
         ends = graph.points[edges.rim]
         along[len(edges.inner) :] = field.rim_distances((ends[:, 0] + ends[:, 1]) / 2, rims)
     return inside, along
-
-
-def _fixed(field: SheetField, rim: Integers) -> np.ndarray:
-    """Which points (N,) stay where they are."""
-    fixed = np.array([*(curve.fixed for curve in field.rims), False], dtype=bool)
-    return np.asarray(fixed[rim])

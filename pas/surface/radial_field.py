@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.tables import PieceTables
@@ -70,6 +71,11 @@ class RadialField(PatchField):
             return first(self)
         except ArithmeticError:
             return None
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+        return np.array([*(ring.fixed for ring in self.rims), False])
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""
