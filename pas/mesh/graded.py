@@ -105,14 +105,13 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
 
 
 def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
-    """The rims (E,) of edges (E, 2) on the boundary: that of an end, or between two fixed ends the nearest."""
-    fixed, ends = field.fixed[:-1], rim[edges]
+    """The rims (E,) of edges (E, 2) on the boundary, directed as in their triangles: that of an end, or what the field
+    says of two fixed ends."""
+    fixed, ends = field.fixed, rim[edges]
     result = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
     both = np.flatnonzero(fixed[result])
     if len(both):
-        walls = np.flatnonzero(~fixed)
-        middles = points[edges[both]].mean(axis=1)
-        result[both] = walls[np.argmin([field.rims[w].off(middles) for w in walls.tolist()], axis=0)]
+        result[both] = field.between(points[edges[both]], ends[both])
     return result
 
 
@@ -238,10 +237,12 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
     on_rim = np.flatnonzero((graph.rim[pairs] >= 0).all(axis=1))
     if len(on_rim):
         border = graph.edges.rim
-        keys = np.sort(border.min(axis=1) * size + border.max(axis=1))
+        keys = border.min(axis=1) * size + border.max(axis=1)
+        order = np.argsort(keys)
         ends = pairs[on_rim].min(axis=1) * size + pairs[on_rim].max(axis=1)
-        there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
-        rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
+        at = order[np.minimum(np.searchsorted(keys[order], ends), len(keys) - 1)]
+        there = keys[at] == ends
+        rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, border[at[there]])
     fresh = points[size:].copy()
     if drawn:
         new = _drawn(field, fresh, triangles, rim[size:])
@@ -294,6 +295,8 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
         if reached <= tolerance:
             if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
+            if not field.within(graph.points):
+                raise ArithmeticError("the mesh leaves the region")
             world, deviation = field.world(graph.points), max(reached, nearest) * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
         counts.append(int((inside > tolerance).sum() + (along > tolerance).sum()))

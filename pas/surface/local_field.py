@@ -16,7 +16,7 @@ from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
-from pas.surface.patch_field import PatchField
+from pas.surface.patch_field import INSIDE, PatchField
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -27,8 +27,8 @@ STEPS = 20
 SETTLED = 1e-9
 """Length of a step, in local units, that ends it: the next is about its square."""
 
-INSIDE = 1e-11
-"""In barycentric coordinates: how far outside the region a point may be by rounding."""
+ON_PLANE = 1e-12
+"""In local units: how far corners of the region may be beyond the plane of a wall by rounding, if that is convex."""
 
 FARTHEST = 0.2
 """Length of a step at most, over the region's reach."""
@@ -93,7 +93,37 @@ class LocalField(PatchField):
 
     def within(self, points: Floats) -> bool:
         """Whether all points (N, 3) are in the region, but for rounding."""
-        return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
+        if not self._convex:
+            return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
+        return bool((self._heights(points) <= INSIDE).all())
+
+    @cached_property
+    def _convex(self) -> bool:
+        """Whether the region is all that is behind its walls."""
+        return not self.surface.local.open and bool((self._heights(self.vertices) <= ON_PLANE).all())
+
+    def _heights(self, points: Floats) -> Floats:
+        """How far points (N, 3) are beyond each wall (W, N)."""
+        planes = self._planes[0][: self.walls, 0]
+        return np.asarray(planes[:, :3] @ points.T - planes[:, 3:])
+
+    def between(self, ends: Floats, rims: Integers) -> Integers:
+        """See `pas.mesh.field.SheetField`: of two walls in which both ends are, that where the curve is in the region,
+        with the surface to its left."""
+        result = np.empty(len(ends), dtype=np.intp)
+        for row, (pair, (first, second)) in enumerate(zip(ends, (rims - self.walls).tolist(), strict=True)):
+            common = np.array(sorted({*self.edges[first]} & {*self.edges[second]}), dtype=np.intp)
+            result[row] = common[0] if len(common) == 1 else self._between(pair, common)
+        return result
+
+    def _between(self, ends: Floats, walls: Integers) -> int:
+        """The same of one edge (2, 3), and the walls that are in question, or none."""
+        if not len(walls):
+            return int(self.nearest_walls(ends.mean(axis=0)[None])[0])
+        curve = self.on_rims(np.tile(ends.mean(axis=0), (len(walls), 1)), walls)
+        left = cross(self.gradients(curve), np.tile(ends[1] - ends[0], (len(walls), 1)))
+        fits = (dots(left, self._planes[0][walls, 0, :3]) < 0) & [self.within(point[None]) for point in curve]
+        return int(walls[np.argmax(fits)])
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
