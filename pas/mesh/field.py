@@ -247,6 +247,9 @@ class FaceField(Field, Protocol):
         Each has these points among its special ones.
         """
 
+    def needed(self) -> FaceField:
+        """The same boundary without functions that others are proved to imply; itself if there are none."""
+
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
 
