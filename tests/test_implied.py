@@ -22,6 +22,7 @@ CUBIC = solid.implicit("z - x^3")
         ("x*y - 1/4", "x - 1/2", "y - 1/2", True),
         ("z - 99/100", "x - 1", "z - x^3", False),
         ("1 - z", "x - 1", "z - x^3", False),
+        ("z - 1", "1 - x", "z - x^3", False),
         ("x - 3/4", "y - 1/2", "z - x^3", False),
         ("z - 1/8", "x - 1/2", "x^3 - z", False),
         ("x - y", "x - 1/2", "1/4 - y", False),
