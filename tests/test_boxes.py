@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import pas
+from pas.mesh.radial import Edges
 
 TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"
 BOX = ((-2, -2, -2), (2, 2, 2))
@@ -131,3 +132,64 @@ def test_a_mesh_follows_through_the_walls():
     assert (np.abs(moved.points[moved.boundary]).max(axis=1) == 1).all()
     with pytest.raises(ValueError, match="tolerance must be a positive number"):
         mesh.follow(moved.surface, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "tolerance", "euler"),
+    [
+        ("x^2 + y^2 - z^2 - 1/50", 3e-3, 0),
+        ("x^2 + y^2 - z^2 - 1/50", 1e-2, 0),
+        ("x^2 + (y - 1/3)^2 - z^2 - 1/50", 1e-2, 0),
+        ("x^2 + (y - 1/4)^2 - z^2 - 1/500", 3e-3, 0),
+        ("x^2 + y^2 + z^2 - 4 - 1/100", 3e-3, -4),
+    ],
+)
+def test_curves_that_just_leave_a_wall_or_the_box(text, tolerance, euler):
+    """Arcs between two points of one edge are in the wall in which they are in the box, and small holes are not
+    closed by what is outside."""
+    mesh = pas.Polynomial(text).surface(*BOX).mesh(tolerance)
+    assert (np.abs(mesh.points) <= 2).all()
+    assert mesh.certificate.holds, mesh.certificate
+    assert mesh.euler_characteristic == euler
+
+
+def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
+    """Of a part of a ball at an edge of the box: both arcs are in the box, and the direction tells which is meant."""
+    surface = pas.Polynomial("(x - 6/5)^2 + (y - 6/5)^2 + z^2 - 1/4").surface((-1,) * 3, (1,) * 3)
+    mesh, field = surface.mesh(1e-3), surface.cell_field
+    rim = mesh.points[Edges(mesh.triangles, len(mesh.points)).rim]
+    ends = np.array([1, 1, -np.sqrt(0.17)]), np.array([1, 1, np.sqrt(0.17)])
+    for axis in (0, 1):
+        along = rim[(rim[..., axis] == 1).all(axis=1)]  # the edges of the arc in one wall, all in one direction
+        up = along[:, 1, 2] > along[:, 0, 2]
+        assert up.all() or not up.any()
+        wall = int(field.nearest_walls(along.mean(axis=1)[:1] / field.scale)[0])
+        off = [curve.off(ends[0][None] / field.scale)[0] for curve in field.rims[field.walls :]]
+        edge = int(np.argmin(off))
+        assert wall in field.edges[edge]
+        pair = np.array([ends if up.all() else ends[::-1]]) / field.scale
+        assert field.between(pair, np.full((1, 2), field.walls + edge)).tolist() == [wall]
+
+
+@pytest.mark.parametrize(
+    "region", [pas.SingleCell((-1, 0, -1), (1, 1, "3/2")), pas.SingleCell((-1, -1, -1), (1, 1, 1))]
+)
+def test_points_of_convex_regions_are_placed_as_those_of_all(region):
+    surface = pas.PiecewiseSurface.from_polynomials(region, (), 0, ["x + y/2 + z/3 - 1/3"])
+    stage, field = surface.stage, surface.cell_field
+    assert stage.convex
+    points = np.random.default_rng(3).uniform(
+        stage.corners.min((0, 1)) - 0.1, stage.corners.max((0, 1)) + 0.1, (400, 3)
+    )
+    points = np.concatenate([points, stage.corners.reshape(-1, 3), stage.corners[:, :3].mean(axis=1)])
+    points[100:200, 0] = stage.corners[..., 0].max()
+    inside, on = stage.placed(points)
+    within = [field.within(point[None]) for point in points]
+    vars(stage)["convex"] = vars(field)["_convex"] = False
+    other, others = stage.placed(points)
+    kept = [rows[inside[rows]] for rows in on]  # outside the region it is not asked
+    assert inside.any()
+    assert not inside.all()
+    assert np.array_equal(inside, other)
+    assert all(np.array_equal(a, b) for a, b in zip(kept, others, strict=True))
+    assert within == [field.within(point[None]) for point in points] == inside.tolist()

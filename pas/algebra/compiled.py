@@ -89,6 +89,9 @@ class Functions:
         held = []  # copies, which live until the function is done
         for value in arguments:  # in one pass without calls: meshes make a hundred such calls, each of microseconds
             if isinstance(value, np.ndarray):
+                if not value.size:
+                    given.append(NOWHERE)
+                    continue
                 if value.dtype.char not in _TAKEN or not value.flags.c_contiguous:
                     held.append(value := _held(value))
                 try:
@@ -114,6 +117,11 @@ def _held(array: NDArray[Any]) -> NDArray[Any]:
 
 
 _addressof, _from_buffer = ctypes.addressof, ctypes.c_char.from_buffer
+_NOTHING = ctypes.c_double()
+
+NOWHERE = ctypes.addressof(_NOTHING)
+"""The address that stands for that of an empty array, from which nothing is read."""
+
 _TAKEN = {np.dtype(kind).char for kind in (np.float64, np.intp, np.bool_)}
 
 

@@ -157,7 +157,7 @@ def compiling(work: int, made: Callable[[], bool]) -> bool:
 
     Raises `ValueError` where the environment asks for a kernel that there is not.
     """
-    wanted = os.environ.get(VARIABLE, "")
+    wanted = os.environ[VARIABLE] if VARIABLE in os.environ else ""  # noqa: SIM401  # `get` takes three times as long
     if wanted not in ("", "numpy", "compiled"):
         raise ValueError(f"the environment variable {VARIABLE} must be numpy or compiled, not {wanted!r}")
     _Work.done += work

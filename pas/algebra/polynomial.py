@@ -220,7 +220,7 @@ class Polynomial:
         return bool(self.raw == other.raw)
 
     def __hash__(self) -> int:
-        return hash(frozenset(self.coefficients().items()))
+        return hash(frozenset(self.raw.to_dict().items()))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _rebuilt, (self.coefficients(),)

@@ -155,10 +155,11 @@ def nearby_forms(
         return np.empty((0, 0)), UNIT_ROUNDOFF
     tables = {id(p): _polar_table(p, degree) for p in {id(p): p for p in polynomials}.values()}  # most are many times
     table = np.stack([tables[id(p)] for p in polynomials], axis=1)
-    places = np.array([[(1.0, *to_floats(corner)) for corner in s] for s in simplices]).transpose(1, 2, 0)
+    corners = {id(c): (1.0, *to_floats(c)) for c in {id(c): c for s in simplices for c in s}.values()}
+    places = np.array([[corners[id(c)] for c in s] for s in simplices]).transpose(1, 2, 0)
     with np.errstate(all="ignore"):  # what is not finite is rounded
-        forms = np.stack(list(_blossom(table, degree, places)), axis=1)
-        sizes = np.stack(list(_blossom(np.abs(table), degree, np.abs(places))), axis=1)
+        both = np.concatenate([table, np.abs(table)], axis=1), np.concatenate([places, np.abs(places)], axis=2)
+        forms, sizes = np.split(np.stack(list(_blossom(both[0], degree, both[1])), axis=1), 2)
         largest = np.abs(forms).max(axis=1)
         errors = 2 * (5 * degree + 3) * UNIT_ROUNDOFF * sizes.max(axis=1) / largest + UNIT_ROUNDOFF
         forms /= largest[:, None]

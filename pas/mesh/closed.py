@@ -32,7 +32,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
 from pas.mesh.remesh import flip, pair_normals, project, smooth
 from pas.mesh.rows import any_of
-from pas.mesh.shells import mesh_apart
+from pas.mesh.shells import mesh_apart, together
 from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
 
@@ -128,7 +128,22 @@ def _whole(field: FaceField, tolerance: float, octree: Octree, quality: Quality)
 def _triangulated(
     field: FaceField, tolerance: float, octree: Octree | None = None, quality: Quality = Quality.BALANCED
 ) -> tuple[Labelled, float]:
-    """The mesh and its measured distance; where long triangles do not come out, without them."""
+    """The mesh and its measured distance; where it does not come out, without functions that others imply."""
+    try:
+        return _made(field, tolerance, octree, quality)
+    except MeshError as refusal:
+        needed = field.needed()
+        if needed is field:
+            raise
+        try:
+            mesh, reached = _made(needed, tolerance, None, quality)
+        except MeshError:
+            raise refusal from None  # which names all faces that meet there
+        return together(field, [needed], [mesh]), reached
+
+
+def _made(field: FaceField, tolerance: float, octree: Octree | None, quality: Quality) -> tuple[Labelled, float]:
+    """The same of one field; where long triangles do not come out, without them."""
     first, plain = first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field.without_lines()
     try:
         return _refined(first, plain if quality is Quality.ANGLES else field, tolerance, quality)

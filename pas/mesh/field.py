@@ -78,6 +78,17 @@ class SheetField(Field, Protocol):
     def rims(self) -> Sequence[RimCurve]:
         """The curves on which it ends."""
 
+    @property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+
+    def between(self, ends: Floats, rims: Integers) -> Integers:
+        """The curves (E,) on which edges (E, 2, 3) between fixed points of `rims` (E, 2) are, directed so that the
+        surface, seen from outside, is to their left."""
+
+    def within(self, points: Floats) -> bool:
+        """Whether all points (N, 3) are in the region, but for rounding."""
+
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of `rims` of given numbers (N,) moved onto these."""
 
@@ -162,9 +173,6 @@ class CellField(SheetField, Protocol):
         """The numbers of the walls nearest to points (N, 3) on the boundary: of the faces, not of their planes, which
         may pass through curves on other walls."""
 
-    def within(self, points: Floats) -> bool:
-        """Whether all points (N, 3) are in the region, but for rounding."""
-
     @property
     def feature_size(self) -> float:
         """The radius of the smallest feature that a mesh must show."""
@@ -238,6 +246,9 @@ class FaceField(Field, Protocol):
 
         Each has these points among its special ones.
         """
+
+    def needed(self) -> FaceField:
+        """The same boundary without functions that others are proved to imply; itself if there are none."""
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""

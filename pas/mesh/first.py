@@ -38,6 +38,9 @@ PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
+SUPERFLUOUS = 3
+"""Lattices in which a boundary does not come out, after which it is tried without functions that others imply."""
+
 FEW = 0.002
 """Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
 time than more cubes."""
@@ -75,6 +78,8 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None,
     try:
         return _first_mesh(field, tolerance, start, even)
     except _InVainError as refusal:
+        if field.needed() is not field:
+            raise
         try:
             return _first_mesh(field, tolerance, first_lattice(field, OTHER_PARTS), even)
         except MeshError:
@@ -161,6 +166,8 @@ class _Effort:
         """Count a lattice; raises `MeshError` where finer ones are in vain, or too much was spent."""
         self.cubes += octree.count
         self.bad = (*self.bad, len(places))[-PATIENCE:]
+        if len(self.bad) == SUPERFLUOUS and self.field.needed() is not self.field:
+            raise _InVainError(str(_refusal(find_trouble(self.field, places, octree.spacing), octree, reason)))
         spent = self.cubes > self.most
         if spent or (len(self.bad) == PATIENCE and 2 * self.bad[-1] > self.bad[0]):
             found = find_trouble(self.field, places, octree.spacing)

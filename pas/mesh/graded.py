@@ -105,15 +105,13 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
 
 
 def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
-    """The rims (E,) of edges (E, 2) on the boundary: that of an end, or between two fixed ends the nearest."""
-    fixed = np.array([curve.fixed for curve in field.rims], dtype=bool)
-    ends = rim[edges]
+    """The rims (E,) of edges (E, 2) on the boundary, directed as in their triangles: that of an end, or what the field
+    says of two fixed ends."""
+    fixed, ends = field.fixed, rim[edges]
     result = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
     both = np.flatnonzero(fixed[result])
     if len(both):
-        walls = np.flatnonzero(~fixed)
-        middles = points[edges[both]].mean(axis=1)
-        result[both] = walls[np.argmin([field.rims[w].off(middles) for w in walls.tolist()], axis=0)]
+        result[both] = field.between(points[edges[both]], ends[both])
     return result
 
 
@@ -201,7 +199,7 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     for step in range(THINNINGS):
         checkpoint(f"coarsening the first triangles ({len(graph.triangles)})")
         sizes = _sizes(field, graph, tolerance)
-        fixed = _fixed(field, graph.rim)
+        fixed = field.fixed[graph.rim]
         left, triangles = collapsed(graph.points, graph.edges, graph.normals, graph.rim, fixed, sizes)
         few = len(graph.points) - len(left) <= FEW * len(graph.points)
         graph = Graph(graph.points[left], triangles, graph.rim[left], graph.normals[left], graph.bends[left])
@@ -239,10 +237,12 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
     on_rim = np.flatnonzero((graph.rim[pairs] >= 0).all(axis=1))
     if len(on_rim):
         border = graph.edges.rim
-        keys = np.sort(border.min(axis=1) * size + border.max(axis=1))
+        keys = border.min(axis=1) * size + border.max(axis=1)
+        order = np.argsort(keys)
         ends = pairs[on_rim].min(axis=1) * size + pairs[on_rim].max(axis=1)
-        there = keys[np.minimum(np.searchsorted(keys, ends), len(keys) - 1)] == ends
-        rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, pairs[on_rim[there]])
+        at = order[np.minimum(np.searchsorted(keys[order], ends), len(keys) - 1)]
+        there = keys[at] == ends
+        rim[size + on_rim[there]] = rims_of_edges(field, points, graph.rim, border[at[there]])
     fresh = points[size:].copy()
     if drawn:
         new = _drawn(field, fresh, triangles, rim[size:])
@@ -257,7 +257,8 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
     """Flipped and smoothed once."""
     edges = flipped_edges(graph.points, graph.triangles, graph.normals)
-    graph, triangles = replace(graph, triangles=edges.triangles), edges.triangles
+    triangles = edges.triangles
+    graph = Graph(graph.points, triangles, graph.rim, graph.normals, graph.bends)
     vars(graph)["edges"] = edges
     new = _drawn(field, _moved(field, graph, tolerance), triangles, graph.rim)
     points = settled(graph.points, new.points, triangles, graph.normals)
@@ -270,7 +271,7 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
-    edges, fixed, kernel = graph.edges, _fixed(field, graph.rim), compiled(len(graph.triangles))
+    edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled(len(graph.triangles))
     if kernel is not None:
         longest, every = LONGEST * field.reach, (edges.every, len(edges.inner))
         limits = 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
@@ -294,6 +295,8 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
         if reached <= tolerance:
             if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
+            if not field.within(graph.points):
+                raise ArithmeticError("the mesh leaves the region")
             world, deviation = field.world(graph.points), max(reached, nearest) * field.scale
             return Mesh.smooth(world, graph.triangles, graph.normals, deviation=deviation)
         counts.append(int((inside > tolerance).sum() + (along > tolerance).sum()))
@@ -341,9 +344,3 @@ def distances(
         ends = graph.points[edges.rim]
         along[len(edges.inner) :] = field.rim_distances((ends[:, 0] + ends[:, 1]) / 2, rims)
     return inside, along
-
-
-def _fixed(field: SheetField, rim: Integers) -> np.ndarray:
-    """Which points (N,) stay where they are."""
-    fixed = np.array([*(curve.fixed for curve in field.rims), False], dtype=bool)
-    return np.asarray(fixed[rim])

@@ -52,8 +52,11 @@ class Subdivision:
 
     def __init__(self, field: CellField) -> None:
         self.field, self.parts = field, 1
-        weights = np.random.default_rng(0).integers(1 << 62, size=len(field.vertices)) | 1
-        self.keys, self.points, self.forms = weights[field.cells], field.vertices[field.cells], field.forms
+        self.keys, self.points, self.forms = (
+            _weights(len(field.vertices))[field.cells],
+            field.vertices[field.cells],
+            field.forms,
+        )
         kept = _kept(self.forms)
         self.keys, self.points, self.forms = self.keys[kept], self.points[kept], self.forms[kept]
 
@@ -119,6 +122,12 @@ class Subdivision:
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
         return Lattice(points, values, joined[any_of(negative) & ~all_of(negative)])
+
+
+@cache
+def _weights(count: int) -> Integers:
+    """Odd numbers (count,), drawn once: vertices' keys."""
+    return np.random.default_rng(0).integers(1 << 62, size=count) | 1
 
 
 def _kept(forms: Floats) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ GROUPS = 8
 
 def unit_rows(vectors: Floats) -> Floats:
     """The vectors (..., 3) at length one; those of length 0 stay."""
-    x, y, z = (vectors[..., i] for i in range(3))
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     return np.asarray(vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-300)[..., None])
 
 

@@ -142,8 +142,6 @@ def _from(field: CellField, graph: Graph, tolerance: float, most: int | None, ai
     """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
     coarse = aim * tolerance * fineness(field, tolerance) ** 2
     graph = remeshed(field, coarsened(field, graph, coarse), coarse)
-    if not field.within(graph.points):
-        raise ArithmeticError("the mesh leaves the region")
     return finished(field, graph, tolerance, most)
 
 

@@ -13,7 +13,8 @@ from typing import Any
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, plain, vector
 from pas.errors import GeometryError
-from pas.partition.cells import Partition, plane_through, written
+from pas.partition.cells import Partition, written
+from pas.partition.planes import plane_through
 
 UNIT = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 """A tetrahedron to begin with."""

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import (
     Vector,
     VectorLike,
@@ -46,6 +46,7 @@ from pas.partition.frame import Frame
 from pas.partition.layout import Layout
 from pas.partition.location import Location
 from pas.partition.outline import outline
+from pas.partition.planes import Whole, linear, normal, over_one
 
 Indices = tuple[int, ...]
 
@@ -108,6 +109,10 @@ class Partition:
         self.center = None if center is None else vector(center, "center")
         self.pieces = tuple((i,) for i in range(len(self.cells))) if pieces is None else tuple(map(tuple, pieces))
         self._check_indices()
+        self._check()
+
+    def _check(self) -> None:
+        """That the cells are a region around the centre; raises `GeometryError`."""
         for i, cell in enumerate(self.cells):
             if _volume(*(self.vertices[v] for v in cell)) == 0:
                 raise GeometryError(f"cell {i + 1} of the partition is flat")
@@ -175,6 +180,7 @@ class Partition:
         image.vertices = tuple(frame.local_point(v) for v in self.vertices)
         image.center = None if self.center is None else frame.local_point(self.center)
         image.title, image.cells, image.pieces = self.title, self.cells, self.pieces
+        image.__dict__["_owners"] = self._owners  # which do not depend on coordinates
         return image
 
     def _bare(self) -> Partition:
@@ -217,6 +223,12 @@ class Partition:
     def outer_faces(self) -> tuple[OuterFace, ...]:
         """The faces that bound the region, but for those of the sides of an open one."""
         return tuple(face for face in self._boundary if not self._through_center(face))
+
+    @cached_property
+    def wall_of(self) -> NDArray[np.intp]:
+        """The number of each outer face's plane, (outer faces,): faces in one plane have one number."""
+        numbers: dict[Polynomial, int] = {}
+        return np.array([numbers.setdefault(face.plane, len(numbers)) for face in self.outer_faces], dtype=np.intp)
 
     @cached_property
     def sides(self) -> tuple[OuterFace, ...]:
@@ -299,15 +311,21 @@ class Partition:
 
     def _plane(self, triangle: Indices, cell: int) -> Polynomial:
         """The plane of a face, negative in `cell`, with coprime integer coefficients."""
-        plane = plane_through(*self.corners(triangle))
-        return -plane if self._side(triangle, cell) > 0 else plane
+        denominator, points = self._whole
+        a, b, c = (points[v] for v in triangle)
+        return linear(normal(a, b, c), a, denominator, -self._side(triangle, cell))
 
     def _side(self, triangle: Indices, cell: int) -> int:
         """On which side of a face's plane a cell lies: 1 or -1."""
         opposite = next(v for v in self.cells[cell] if v not in triangle)
-        a, b, c = self.corners(triangle)
-        value = _volume(a, b, c, self.vertices[opposite])
+        a, b, c, d = (self._whole[1][v] for v in (*triangle, opposite))
+        value = sum(n * (y - x) for n, x, y in zip(normal(a, b, c), a, d, strict=True))
         return 1 if value > 0 else -1
+
+    @cached_property
+    def _whole(self) -> tuple[int, list[Whole]]:
+        """A common denominator of the vertices' coordinates, and the vertices times it."""
+        return over_one(self.vertices)
 
 
 def _middle(points: Sequence[Vector]) -> Vector:
@@ -316,16 +334,6 @@ def _middle(points: Sequence[Vector]) -> Vector:
     step = fmpq(2) ** (binary_exponent(max(high - low for low, high in ends)) - 4)
     x, y, z = (fmpq(round(to_float((low + high) / (2 * step)))) * step for low, high in ends)
     return x, y, z
-
-
-def plane_through(a: Vector, b: Vector, c: Vector) -> Polynomial:
-    """The plane through three points, as a linear polynomial with coprime integer coefficients."""
-    normal = cross(minus(b, a), minus(c, a))
-    raw = sum((n * (g - o) for n, g, o in zip(normal, GENERATORS, a, strict=True)), GENERATORS[0] * 0)
-    if raw.is_zero():
-        raise GeometryError("three points of a face are on one line")
-    plane = Polynomial.from_raw(raw).primitive()
-    return plane if plane.raw.coeffs()[0] * raw.coeffs()[0] > 0 else -plane
 
 
 def written(point: Vector) -> list[str]:

@@ -19,6 +19,7 @@ from pas.errors import GeometryError
 from pas.mesh.field import FaceField, Wall
 from pas.solid.distance import followed_by
 from pas.solid.hidden import PlanesInside
+from pas.solid.implied import needed
 from pas.solid.pieces import polynomials_of
 from pas.solid.program import Program
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
@@ -105,6 +106,20 @@ class SolidField:
                 fields = [SolidField(t, box, seams, known[_on(f, known)]) for t, f in ((part, inner), (others, outer))]
                 return [surface for found in fields for surface in found.touching()]
         return [self]
+
+    def needed(self) -> SolidField:
+        """The boundary of the same solid without conditions that others imply; itself if there are none."""
+        return self if self._needed is None else self._needed
+
+    @cached_property
+    def _needed(self) -> SolidField | None:
+        tree, box, seams, special = self._made_of
+        found, around = needed(tree, box)
+        if found == tree:
+            return None
+        result = SolidField(found, box, seams, special)  # in the same local coordinates
+        result.box = result.program.local(around)
+        return result
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
-from pas.mesh.rows import dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
-from pas.surface.patch_field import PatchField
+from pas.surface.patch_field import INSIDE, PatchField
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -27,8 +27,8 @@ STEPS = 20
 SETTLED = 1e-9
 """Length of a step, in local units, that ends it: the next is about its square."""
 
-INSIDE = 1e-11
-"""In barycentric coordinates: how far outside the region a point may be by rounding."""
+ON_PLANE = 1e-12
+"""In local units: how far corners of the region may be beyond the plane of a wall by rounding, if that is convex."""
 
 FARTHEST = 0.2
 """Length of a step at most, over the region's reach."""
@@ -46,19 +46,24 @@ class LocalField(PatchField):
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces
         self.faces = [surface.local.points[list(face.vertices)] for face in outer]
-        planes, of = np.unique([_unit_plane(face) for face in outer], axis=0, return_inverse=True)
-        self._wall_of = of.ravel()
-        self.walls = len(planes)
-        pairs = {
-            tuple(sorted(map(int, (self._wall_of[i], self._wall_of[j]))))
-            for i, j in combinations(range(len(outer)), 2)
-            if self._wall_of[i] != self._wall_of[j] and len({*outer[i].vertices} & {*outer[j].vertices}) == 2
-        }
-        self.edges: list[tuple[int, int]] = sorted((i, j) for i, j in pairs)
-        self.rims = [Wall(self, planes[[i]]) for i in range(len(planes))]
+        wall_of = surface.local.wall_of.tolist()
+        known = {wall: _unit_plane(face) for wall, face in dict(zip(wall_of, outer, strict=True)).items()}
+        found = [known[wall] for wall in wall_of]
+        numbers = {plane: i for i, plane in enumerate(sorted(dict.fromkeys(found)))}
+        planes, self.walls = np.array([*numbers]), len(numbers)
+        self._wall_of = np.array([numbers[plane] for plane in found], dtype=np.intp)
+        sides = [(wall, {*face.vertices}) for wall, face in zip(self._wall_of.tolist(), outer, strict=True)]
+        pairs = {(min(i, j), max(i, j)) for (i, a), (j, b) in combinations(sides, 2) if i != j and len(a & b) == 2}
+        self.edges: list[tuple[int, int]] = sorted(pairs)
+        self.rims = [Wall(self, planes[[i]]) for i in range(self.walls)]
         self.rims += [Wall(self, planes[list(pair)]) for pair in self.edges]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are edges, and, at the end, that what is on none is not fixed, (R + 1,)."""
+        return np.array([*(curve.fixed for curve in self.rims), False])
 
     @cached_property
     def forms(self) -> Floats:
@@ -74,12 +79,51 @@ class LocalField(PatchField):
         """The numbers of the walls (N,) whose faces are nearest to points (N, 3)."""
         if not len(points):
             return np.empty(0, dtype=np.intp)
-        nearest = np.argmin([_distances(points, face) for face in self.faces], axis=0)
-        return np.asarray(self._wall_of[nearest])
+        return np.asarray(self._wall_of[np.argmin(_distances(points, *self._triangles), axis=0)])
+
+    @cached_property
+    def _triangles(self) -> tuple[Floats, Floats]:
+        """The outer faces (F, 3, 3), and from points' differences to a face's first corner to the shares of the other
+        corners (F, 2, 3)."""
+        faces = np.array(self.faces)
+        first, second = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
+        normals = cross(first, second)
+        shares = np.stack([cross(second, normals), cross(normals, first)], axis=1)
+        return faces, shares / dots(normals, normals)[:, None, None]
 
     def within(self, points: Floats) -> bool:
         """Whether all points (N, 3) are in the region, but for rounding."""
-        return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
+        if not self._convex:
+            return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
+        return bool((self._heights(points) <= INSIDE).all())
+
+    @cached_property
+    def _convex(self) -> bool:
+        """Whether the region is all that is behind its walls."""
+        return not self.surface.local.open and bool((self._heights(self.vertices) <= ON_PLANE).all())
+
+    def _heights(self, points: Floats) -> Floats:
+        """How far points (N, 3) are beyond each wall (W, N)."""
+        planes = self._planes[0][: self.walls, 0]
+        return np.asarray(planes[:, :3] @ points.T - planes[:, 3:])
+
+    def between(self, ends: Floats, rims: Integers) -> Integers:
+        """See `pas.mesh.field.SheetField`: of two walls in which both ends are, that where the curve is in the region,
+        with the surface to its left."""
+        result = np.empty(len(ends), dtype=np.intp)
+        for row, (pair, (first, second)) in enumerate(zip(ends, (rims - self.walls).tolist(), strict=True)):
+            common = np.array(sorted({*self.edges[first]} & {*self.edges[second]}), dtype=np.intp)
+            result[row] = common[0] if len(common) == 1 else self._between(pair, common)
+        return result
+
+    def _between(self, ends: Floats, walls: Integers) -> int:
+        """The same of one edge (2, 3), and the walls that are in question, or none."""
+        if not len(walls):
+            return int(self.nearest_walls(ends.mean(axis=0)[None])[0])
+        curve = self.on_rims(np.tile(ends.mean(axis=0), (len(walls), 1)), walls)
+        left = cross(self.gradients(curve), np.tile(ends[1] - ends[0], (len(walls), 1)))
+        fits = (dots(left, self._planes[0][walls, 0, :3]) < 0) & [self.within(point[None]) for point in curve]
+        return int(walls[np.argmax(fits)])
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
@@ -113,9 +157,11 @@ class LocalField(PatchField):
         """Of each wall and edge two planes (R, 2, 4), orthonormal directions (R, 2, 3) that span their normals, and the
         ways (R, 2, 3) onto both; zeros where there is one."""
         planes, across, back = (np.zeros((len(self.rims), 2, columns)) for columns in (4, 3, 3))
-        for row, curve in enumerate(self.rims):
-            size = len(curve.planes)
-            planes[row, :size], across[row, :size], back[row, :size] = curve.planes, curve.across, curve.back
+        for size, rows in ((1, slice(self.walls)), (2, slice(self.walls, None))):
+            planes[rows, :size] = [curve.planes for curve in self.rims[rows]] or np.empty((0, size, 4))
+            normals = planes[rows, :size, :3]
+            across[rows, :size] = np.linalg.qr(normals.transpose(0, 2, 1))[0].transpose(0, 2, 1)
+            back[rows, :size] = np.linalg.pinv(normals).transpose(0, 2, 1)
         return planes, across, back
 
     def near(self, points: Floats) -> Floats:
@@ -171,11 +217,6 @@ class Wall:
         """Orthonormal directions (k, 3) that span the normals."""
         return np.linalg.qr(self.planes[:, :3].T)[0].T
 
-    @cached_property
-    def back(self) -> Floats:
-        """From distances from the planes (N, k) to the shortest ways onto all of them."""
-        return np.asarray(np.linalg.pinv(self.planes[:, :3]).T, dtype=float)
-
     def distances(self, points: Floats) -> Floats:
         """Distances |f| / |grad f| (N,) of points in the plane, to first order."""
         jets = self.field.jets(points)
@@ -194,11 +235,12 @@ def _unit_plane(face: OuterFace) -> tuple[float, ...]:
     return tuple(round(value, 14) for value in (*(s / length for s in slope), -constant / length))
 
 
-def _distances(points: Floats, triangle: Floats) -> Floats:
-    """How far points (N, 3) are from a triangle (3, 3): from the point of it with the nearest barycentric coordinates
-    that are not negative."""
-    edges = (triangle[1:] - triangle[0]).T
-    shares = np.linalg.lstsq(edges, (points - triangle[0]).T, rcond=None)[0]
-    weights = np.maximum(np.stack([1 - shares.sum(axis=0), *shares]), 0)
-    nearest = (weights / weights.sum(axis=0)).T @ triangle
-    return np.asarray(np.linalg.norm(points - nearest, axis=1))
+def _distances(points: Floats, triangles: Floats, shares_of: Floats) -> Floats:
+    """How far points (N, 3) are from triangles (F, 3, 3), (F, N): from the point of each with the nearest barycentric
+    coordinates that are not negative.  For `shares_of` see `LocalField._triangles`."""
+    way = points.T - triangles[:, 0, :, None]
+    shares = shares_of @ way
+    weights = np.maximum(np.concatenate([1 - shares.sum(axis=1, keepdims=True), shares], axis=1), 0)
+    weights /= weights.sum(axis=1, keepdims=True)
+    apart = points.T - triangles.transpose(0, 2, 1) @ weights
+    return np.asarray((apart * apart).sum(axis=1))

@@ -13,7 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.rows import cross, dots
+from pas.mesh.rows import any_of, cross, dots
 from pas.surface.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
 from pas.surface.triangle_forms import TriangleForms, on_corners
 
@@ -61,13 +61,16 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     Others may be apart as well.  The margin `CLEAR` is for rounding, and for corners on walls that are off these.
     """
     found = np.zeros(len(simplices), dtype=bool)
+    if not len(found):
+        return found
     planes = [(corners[:, 0], normals), (corners[:, 0], -normals)]
     for i in range(3):
         way = corners[:, (i + 1) % 3] - corners[:, i]
         planes.append((corners[:, i], cross(way, normals) / np.maximum(np.sqrt(dots(way, way)), 1e-300)[:, None]))
     for point, out in planes:
-        heights = [dots(simplices[:, k] - point, out) for k in range(simplices.shape[1])]
-        found |= np.minimum.reduce(heights) > CLEAR
+        x, y, z = (corner - p[:, None] for corner, p in zip(simplices.transpose(2, 0, 1), point.T, strict=True))
+        heights = x * out[:, :1] + y * out[:, 1:2] + z * out[:, 2:]
+        found |= heights.min(axis=1) > CLEAR
     return found
 
 
@@ -148,7 +151,8 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     """
     if not rims:
         return np.empty(0), np.empty(0, dtype=np.intp)
-    rows = [np.flatnonzero(vertices[sheet.triangles].any(axis=1)) for _, vertices in rims]
+    ends = sheet.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in rims], axis=0)[sheet.triangles]))]
+    rows = [some[any_of(vertices[ends])] for _, vertices in rims]
     owner, rim = np.concatenate(rows), np.repeat(np.arange(len(rims)), [len(own) for own in rows])
     marks = np.concatenate([vertices[sheet.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
     normals = [sheet.normals[own] for own in rows]
@@ -180,11 +184,10 @@ def _on_sides(
     for maker, near in zip(stage.makers, touched, strict=True):
         gradients = maker.gradients(corners[near])
         slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
-        for pattern in np.unique(code[near]).tolist():
-            here = np.flatnonzero(code[near] == pattern)
-            marked = on_corners(stage.degree - 1, (pattern & 1 > 0, pattern & 2 > 0, pattern & 4 > 0))
-            slope = np.einsum("tx,xkt->kt", along[near[here]], gradients[:, marked][..., here]).min(axis=0)
-            least[near[here]] = np.minimum(least[near[here]], slope - slack[here])
+        way = along[near].T
+        slopes = way[0] * gradients[0] + way[1] * gradients[1] + way[2] * gradients[2]
+        slopes[~on_corners(stage.degree - 1)[code[near]].T] = np.inf
+        least[near] = np.minimum(least[near], slopes.min(axis=0) - slack)
     return least, _times(touched, len(corners)) > 1
 
 
@@ -281,7 +284,7 @@ def _signs(stage: Stage, corners: Floats, ways: Floats, sign: int) -> np.ndarray
     result = np.ones(len(corners), dtype=bool)
     for maker, near in zip(stage.makers, stage.touched(corners, LARGER), strict=True):
         rows = near[result[near]]
-        for closer in (False, True):
+        for closer in (False, True) if len(rows) else ():
             low, high = maker.ranges(corners[rows], closer)
             rows = rows[~((low if sign > 0 else -high) > maker.value_error)]
         result[rows] = False

@@ -26,13 +26,10 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
-from pas.mesh.topology import same_places
 from pas.surface.graph_proofs import certify_graph
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
@@ -104,7 +101,9 @@ def _vertices(sheet: Sheet) -> Verdict:
     values, gradients = stage.jets(sheet.points)
     with np.errstate(all="ignore"):
         off = np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0))
-    worst = int(np.nanargmax(off)) if not np.isnan(off).all() else 0
+    worst = int(off.argmax())
+    if np.isnan(off[worst]) and not np.isnan(off).all():
+        worst = int(np.nanargmax(off))
     if off[worst] <= OFF:
         reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
@@ -115,19 +114,17 @@ def _vertices(sheet: Sheet) -> Verdict:
 def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
     claim, stage, points = BORDER, sheet.stage, sheet.points
-    inside = np.zeros(len(points), dtype=bool)
-    for cell in range(len(stage.corners)):
-        inside |= stage.barycentric(points, np.array([cell]))[0].min(axis=0) >= -1e-11
+    middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
+    inside, on = stage.placed(np.concatenate([points, middles]))
     used = np.flatnonzero(np.bincount(sheet.triangles.ravel(), minlength=len(points)))
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
         return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
-    middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
-    touches, every = np.zeros(len(points), dtype=bool), np.concatenate([points, middles])
-    for face, number in enumerate(stage.wall_of.tolist()):
-        on = stage.on_face(face, every)
-        touches |= on[: len(points)]
-        wall[on[len(points) :]] = number
+    touches = np.zeros(len(points), dtype=bool)
+    for number, rows in enumerate(on):
+        first = np.searchsorted(rows, len(points))
+        touches[rows[:first]] = True
+        wall[rows[first:] - len(points)] = number
     if (wall < 0).any():
         place = middles[wall < 0][0]
         return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", _point(stage, place)), []
@@ -145,13 +142,12 @@ def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
     for number in np.unique(wall).tolist():
         on[number] = np.zeros(len(sheet.points), dtype=bool)
         on[number][edges.rim[wall == number]] = True
-    normal = {n: stage.walls[stage.wall_of == n][0, :3] for n in on}
-    result = [(normal[n][None], vertices) for n, vertices in on.items()]
-    for i, j in combinations(on, 2):
-        both = on[i] & on[j]
-        if both.any():
-            result.append((np.linalg.qr(np.stack([normal[i], normal[j]]).T)[0].T, both))
-    return result
+    normals = stage.planes[:, :3]
+    result = [(normals[[n]], vertices) for n, vertices in on.items()]
+    pairs = [(i, j, both) for i, j in combinations(on, 2) if (both := on[i] & on[j]).any()]
+    planes = normals[np.array([pair[:2] for pair in pairs], dtype=np.intp).reshape(-1, 2)]
+    across = np.linalg.qr(planes.transpose(0, 2, 1))[0].transpose(0, 2, 1)
+    return [*result, *((way, both) for way, (_, _, both) in zip(across, pairs, strict=True))]
 
 
 def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
@@ -165,13 +161,14 @@ def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]
         return undecided("the region has no centre from which to count", np.empty((0, 3)))
     if not stage.meets_smoothly:
         return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
-    middles = sheet.corners.mean(axis=1)
     flat = ~(found.least > 0)
     if flat.any():
-        return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", middles[flat])
+        places = sheet.corners[flat].mean(axis=1)
+        return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", places)
     steep, numbers = along_walls(sheet, rims)
     if not (steep > 0).all():
-        return undecided("the surface may be tangential to a wall", middles[numbers[~(steep > 0)]])
+        places = sheet.corners[numbers[~(steep > 0)]].mean(axis=1)
+        return undecided("the surface may be tangential to a wall", places)
     parts = _rests(sheet, found.most * (1 + 2 * SCALED))
     left = np.concatenate([part.open for part in parts])
     if len(left):
@@ -193,7 +190,8 @@ def _spread(places: Floats, most: int = 8) -> Floats:
 def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
     """Where the flow may rest, in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = sheet.stage.size, most.max()
-    boxes = Boxes(sheet.corners.min(axis=1), sheet.corners.max(axis=1))
+    a, b, c = (sheet.corners[:, i] for i in range(3))
+    boxes = Boxes(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
@@ -217,10 +215,19 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
 
     Those with a common corner are in one.
     """
-    sizes, corners = [part.shape[1] for part in parts for _ in part], np.concatenate([p.reshape(-1, 3) for p in parts])
-    owner, corner = np.repeat(np.arange(len(sizes)), sizes), len(sizes) + same_places(corners)[1]
-    links = coo_array((np.ones(len(owner)), (owner, corner)), shape=(int(corner.max()) + 1,) * 2)
-    union = connected_components(links, directed=False)[1][: len(sizes)].tolist()
+    simplices = [simplex for part in parts for simplex in part.tolist()]
+    union = list(range(len(simplices)))
+    owner: dict[tuple[float, ...], int] = {}
+    for number, simplex in enumerate(simplices):
+        for corner in simplex:
+            first, second = number, owner.setdefault(tuple(corner), number)
+            while union[first] != first:
+                union[first] = first = union[union[first]]
+            while union[second] != second:
+                union[second] = second = union[union[second]]
+            union[max(first, second)] = min(first, second)
+    for number, first in enumerate(union):
+        union[number] = union[first]  # which is not larger, so it is known already
     extents = np.concatenate([np.ptp(part, axis=1).sum(axis=1) for part in parts])
     groups: dict[int, list[int]] = {}
     for number in np.argsort(-extents, kind="stable").tolist():

@@ -6,7 +6,7 @@ worked out exactly there before they are rounded.  What depends on the surface a
 
 from __future__ import annotations
 
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
 from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
+from pas.partition.cells import OuterFace
 from pas.partition.frame import Frame
 from pas.surface.proofs import face_verdict
 from pas.surface.rests import Leaves, leaves
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
+
+OUTSIDE = 1e-11
+"""In local units, or barycentric coordinates: how far points of the region may be outside, by rounding."""
 
 ROUNDINGS = 64
 """Of a triangle's unit normal, over its longest edge squared and its area; and of points that are moved."""
@@ -82,12 +86,14 @@ class Stage:
     @cached_property
     def exact(self) -> list[tuple[Vector, ...]]:
         """The corners of the cells, exact."""
-        return [tuple(self.frame.local_point(v) for v in self.partition.corners(cell)) for cell in self.partition.cells]
+        points = [self.frame.local_point(v) for v in self.partition.vertices]
+        return [tuple(points[v] for v in cell) for cell in self.partition.cells]
 
     @cached_property
     def corners(self) -> Floats:
         """The corners of the cells (C, 4, 3)."""
-        return np.array([[to_floats(v) for v in cell] for cell in self.exact])
+        points = np.array([to_floats(self.frame.local_point(v)) for v in self.partition.vertices])
+        return points[np.array(self.partition.cells)]
 
     @cached_property
     def center(self) -> Floats | None:
@@ -107,11 +113,15 @@ class Stage:
         else:
             forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
         ends = [i for i, a in enumerate(homogeneous_exponents(self.degree, 4)) if max(a) == self.degree]
-        for row, (patch, cell) in enumerate(zip(patches, cells, strict=True)):
-            corner = int(np.abs(forms[row, ends]).argmax())
+        largest = np.abs(forms[:, ends]).argmax(axis=1).tolist()
+        known: dict[tuple[int, int], float] = {}  # by the numbers of the objects, of which many are the same
+        for row, (patch, cell, corner) in enumerate(zip(patches, cells, largest, strict=True)):
             value = forms[row, ends[corner]]
             if abs(value) * SCALED > 2 * error:
-                forms[row] *= float(patch.at(cell[corner])) / value
+                key = id(patch), id(cell[corner])
+                if key not in known:
+                    known[key] = float(patch.at(cell[corner]))
+                forms[row] *= known[key] / value
             else:
                 exact = b_form(on_simplex(patch.raw, cell), self.degree, 3)
                 forms[row] = [to_float(c) for c in exact]
@@ -132,10 +142,15 @@ class Stage:
         maps = self._maps[cells]
         return np.asarray(maps[:, :, :3] @ points.T + maps[:, :, 3:])
 
+    @property
+    def faces(self) -> tuple[OuterFace, ...]:
+        """The outer faces, with planes in the surface's own local coordinates, which are there already."""
+        return self.surface.local.outer_faces
+
     @cached_property
     def walls(self) -> Floats:
         """The planes (W, 4) of the outer faces, unit normals outwards and offsets."""
-        faces, cells = self.partition.outer_faces, self.partition.cells
+        faces, cells = self.faces, self.partition.cells
         owners = self.corners[[face.cell for face in faces]]
         places = np.array([[cells[face.cell].index(v) for v in face.vertices] for face in faces]).reshape(-1, 3)
         a, b, c = (owners[np.arange(len(faces)), column] for column in places.T)
@@ -147,9 +162,18 @@ class Stage:
     @cached_property
     def wall_of(self) -> Integers:
         """The number of each outer face's plane (W,): faces in one plane have one number."""
-        numbers: dict[Polynomial, int] = {}
-        faces = self.partition.outer_faces
-        return np.array([numbers.setdefault(face.plane, len(numbers)) for face in faces], dtype=np.intp)
+        return self.surface.local.wall_of
+
+    @cached_property
+    def planes(self) -> Floats:
+        """The planes (P, 4) by their numbers."""
+        return self.walls[np.unique(self.wall_of, return_index=True)[1]]
+
+    @cached_property
+    def convex(self) -> bool:
+        """Whether the region is all that is behind its outer faces' planes: none of its vertices is beyond one."""
+        heights = self.planes[:, :3] @ self.corners.reshape(-1, 3).T - self.planes[:, 3:]
+        return not self.partition.open and bool((heights <= ON_WALL).all())
 
     @cached_property
     def room(self) -> float:
@@ -162,14 +186,20 @@ class Stage:
         """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`."""
         return 0.0 if self.center is None else (LARGER - 1) * self.room
 
-    def on_face(self, face: int, points: Floats) -> np.ndarray:
-        """Which points (N, 3) are on an outer face."""
-        plane = self.walls[face]
-        near = np.abs(points @ plane[:3] - plane[3]) <= ON_WALL
-        cell = np.array([self.partition.outer_faces[face].cell])
-        rows = np.flatnonzero(near)
-        near[rows] = self.barycentric(points[rows], cell)[0].min(axis=0) >= -BESIDE
-        return near
+    def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
+        """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
+        one of these, in order."""
+        heights = self.planes[:, :3] @ points.T - self.planes[:, 3:]
+        near = [np.flatnonzero(np.abs(height) <= ON_WALL) for height in heights]
+        if self.convex:
+            return heights.max(axis=0) <= OUTSIDE, near
+        inside = np.zeros(len(points), dtype=bool)
+        for cell in range(len(self.corners)):
+            inside |= self.barycentric(points, np.array([cell]))[0].min(axis=0) >= -OUTSIDE
+        for number, rows in enumerate(near):
+            cells = np.array([face.cell for face, n in zip(self.faces, self.wall_of, strict=True) if n == number])
+            near[number] = rows[self.barycentric(points[rows], cells).min(axis=1).max(axis=0) >= -BESIDE]
+        return inside, near
 
     def touched(self, corners: Floats, larger: float = 1.0) -> list[Integers]:
         """Of each piece, of the region or of one so many times as large, which triangles (T, 3, 3) may have a point in
@@ -206,32 +236,43 @@ class Stage:
     @cached_property
     def meets_smoothly(self) -> bool:
         """Whether the pieces are proved to meet with continuous gradients."""
+        if len(self.patches) == 1:
+            return True
         faces = range(len(self.partition.interior_faces))
         return not faces or (self.surface.order > 0 and all(face_verdict(self.surface, i).proved for i in faces))
 
     @cached_property
     def strata(self) -> list[tuple[Floats, Floats]]:
         """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
-        cells = self.partition.cells
-        faces = self.partition.outer_faces
         result = [(self.cell_forms[0], self.corners)]
-        parts: list[set[tuple[int, tuple[int, ...]]]] = [set(), set(), set()]
-        parts[0] = {(face.cell, tuple(face.vertices)) for face in faces}
-        for i, j in combinations(range(len(faces)), 2):
-            common = tuple(sorted(set(faces[i].vertices) & set(faces[j].vertices)))
-            if len(common) == 2 and self.wall_of[i] != self.wall_of[j]:
-                parts[1].add((faces[i].cell, common))
-        ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
-        parts[2] = {(cell, (v,)) for v, cell in ends.items()}
-        for part in parts:
-            forms, corners = [], []
-            for cell, vertices in sorted(part):
-                at = [k for k, v in enumerate(cells[cell]) if v in vertices]
-                forms.append(self.cell_forms[0][cell][_on_corners(self.degree, tuple(at))])
-                corners.append(self.corners[cell][at])
-            if forms:
-                result.append((np.array(forms), np.array(corners)))
+        faces = tuple(
+            (wall, face.cell, face.vertices) for wall, face in zip(self.wall_of.tolist(), self.faces, strict=True)
+        )
+        for cells, at in _strata(self.partition.cells, faces):
+            ons = np.array([_on_corners(self.degree, tuple(corners)) for corners in at.tolist()])
+            result.append((self.cell_forms[0][cells[:, None], ons], self.corners[cells[:, None], at]))
         return result
+
+
+Parts = tuple[tuple[int, ...], ...]
+
+
+@lru_cache(maxsize=64)
+def _strata(cells: Parts, faces: tuple[tuple[int, int, tuple[int, ...]], ...]) -> list[tuple[Integers, Integers]]:
+    """The outer faces, the edges between walls and their ends, of tetrahedra and of faces with their walls, cells and
+    vertices: of each kind of which there are some, in which cells (N,) they are, and which corners (N, k) of these."""
+    parts: list[set[tuple[int, tuple[int, ...]]]] = [{(cell, vertices) for _, cell, vertices in faces}, set(), set()]
+    for (wall, cell, vertices), (other, _, others) in combinations(faces, 2):
+        common = tuple(sorted(set(vertices) & set(others)))
+        if len(common) == 2 and wall != other:
+            parts[1].add((cell, common))
+    ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
+    parts[2] = {(cell, (v,)) for v, cell in ends.items()}
+    found = []
+    for part in filter(None, parts):
+        at = [[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in sorted(part)]
+        found.append((np.array([cell for cell, _ in sorted(part)]), np.array(at)))
+    return found
 
 
 @cache

@@ -25,6 +25,10 @@ CLOSING, CLOSE = 6, 1e-11
 LEFT = 0.1
 """Share of a step along the gradient that the next one would have, above which points are not near the surface."""
 
+INSIDE = 1e-11
+"""How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
+where its ray leaves."""
+
 EACH = 4
 """Polynomials like f that are evaluated for jets up to second derivatives, about."""
 

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.tables import PieceTables
@@ -17,7 +18,7 @@ from pas.mesh.graded import Graph
 from pas.mesh.rows import dots
 from pas.mesh.star import first
 from pas.surface.kernels import compiled
-from pas.surface.patch_field import PatchField
+from pas.surface.patch_field import INSIDE, PatchField
 from pas.surface.rings import Rings
 
 if TYPE_CHECKING:
@@ -74,6 +75,19 @@ class RadialField(PatchField):
             return first(self)
         except ArithmeticError:
             return None
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+        return np.array([*(ring.fixed for ring in self.rims), False])
+
+    def between(self, ends: Floats, rims: Integers) -> Integers:
+        """See `pas.mesh.field.SheetField`: none, as rings have no ends."""
+        return np.full(len(ends), -1)
+
+    def within(self, points: Floats) -> bool:
+        """Whether all points (N, 3) are in the region, but for rounding: rays leave it there or farther away."""
+        return bool((self.leaving(points)[0] >= 1 - INSIDE).all())
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points (N, 3)."""

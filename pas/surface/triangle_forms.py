@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from itertools import product
+from itertools import combinations_with_replacement
 from math import comb, factorial, prod
 
 import numpy as np
 from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
 
 from pas.algebra.compiled import order_of_rule
 from pas.algebra.kernels import horner
@@ -103,11 +104,9 @@ class TriangleForms:
 
     def bend(self, reach: Floats) -> float:
         """A bound of second derivatives along unit vectors where the coordinates' sizes are up to `reach` (3,)."""
-        powers, total = np.array(exponents(self.degree)), 0.0
-        for i, j in product(range(3), repeat=2):
-            factors = powers[:, i] * (powers[:, j] - (i == j))
-            left = np.maximum(powers - (np.arange(3) == i) - (np.arange(3) == j).astype(int), 0)
-            total += float((np.abs(self._value[0]) * factors) @ np.prod(reach**left, axis=1)) ** 2
+        sizes, total = np.abs(self._value[0]), 0.0
+        for times, factors, left in _second_derivatives(self.degree):
+            total += times * float((sizes * factors) @ np.prod(reach**left, axis=1)) ** 2
         return (1 + SAFE) * float(np.sqrt(total))
 
     def values(self, corners: Floats) -> Floats:
@@ -145,6 +144,17 @@ def _rounding(tables: Floats, degree: int, reach: float) -> float:
 
 
 @cache
+def _second_derivatives(degree: int) -> list[tuple[int, Integers, Integers]]:
+    """Of each pair of variables, met once or twice, what coefficients are multiplied with in the second derivative
+    (m,), and the powers (m, 3) that are left."""
+    powers, units = np.array(exponents(degree)), np.eye(3, dtype=np.intp)
+    return [
+        (1 + (i != j), powers[:, i] * (powers[:, j] - (i == j)), np.maximum(powers - units[i] - units[j], 0))
+        for i, j in combinations_with_replacement(range(3), 2)
+    ]
+
+
+@cache
 def lattice(degree: int) -> tuple[Floats, Floats, float]:
     """The lattice points' barycentric coordinates (m, 3), the matrix (m, m) from values there to B-coefficients in the
     order of `homogeneous_exponents(degree, 3)`, and its largest row sum of sizes."""
@@ -172,7 +182,9 @@ def elevation(degree: int, higher: int) -> Floats:
 
 
 @cache
-def on_corners(degree: int, corners: tuple[bool, bool, bool]) -> Integers:
-    """Which B-coefficients are those on the side or at the corner of a triangle that the marked corners span."""
-    indices = homogeneous_exponents(degree, 3)
-    return np.array([i for i, a in enumerate(indices) if all(on or not e for e, on in zip(a, corners, strict=True))])
+def on_corners(degree: int) -> NDArray[np.bool_]:
+    """Which B-coefficients (8, m) are those on the side or at the corner of a triangle that some corners span: those of
+    the numbers k for which the bit 2^k is set."""
+    used = np.array(homogeneous_exponents(degree, 3)) > 0
+    marked = np.arange(8)[:, None] >> np.arange(3) & 1 > 0
+    return np.asarray((marked[:, None] | ~used).all(axis=2))

@@ -1,0 +1,106 @@
+"""Conditions that others imply: what is proved of them, and meshes of solids whose faces meet by threes in a curve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pas import MeshError, Polynomial, solid
+from pas.solid.implied import implied, needed, without_implied
+from pas.solid.tree import atoms
+
+CUBE = solid.box((-1, -1, -1), (1, 1, 1))
+CUBIC = solid.implicit("z - x^3")
+
+
+@pytest.mark.parametrize(
+    ("g", "h", "k", "expected"),
+    [
+        ("z - 1", "x - 1", "z - x^3", True),
+        ("1/2 - x", "1/8 - z", "z - x^3", True),  # by a multiple that is no number
+        ("x + y - 1", "x - 1/2", "y - 1/2", True),
+        ("x*y - 1/4", "x - 1/2", "y - 1/2", True),
+        ("z - 99/100", "x - 1", "z - x^3", False),
+        ("1 - z", "x - 1", "z - x^3", False),
+        ("z - 1", "1 - x", "z - x^3", False),
+        ("x - 3/4", "y - 1/2", "z - x^3", False),
+        ("z - 1/8", "x - 1/2", "x^3 - z", False),
+        ("x - y", "x - 1/2", "1/4 - y", False),
+    ],
+)
+def test_what_is_implied_in_the_unit_cube(g, h, k, expected):
+    conditions = [Polynomial(text) for text in (g, h, k)]
+    assert implied(*conditions) is expected
+    assert implied(conditions[0], conditions[2], conditions[1]) is expected
+
+
+SOLIDS = {
+    "below": (CUBE & CUBIC, 4),
+    "above": (CUBE - CUBIC, 4),
+    "along the other axis": (CUBE & solid.implicit("z - y^3"), 4),
+    "beside": (solid.box((-1, 0, -1), (1, 2, 1)) & CUBIC, 4),
+    "moved and larger": ((CUBE & CUBIC).scale(3).translate((7, "1/3", -2)).mirror((1, 0, 0)), 4 * 27),
+    "by inequalities": (solid.implicit("z - x^3", "1 - x", "1 + x", "1 - y", "1 + y", "1 + z", "1 - z"), 4),
+    "with a hole": ((CUBE & CUBIC) - solid.cylinder((0, 0, -2), (0, 0, 2), "1/2", "hole"), 4 - np.pi / 4),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
+    shape, volume = SOLIDS[name]
+    extent = float(np.ptp(shape.box, axis=0).max())
+    mesh = shape.mesh(5e-3 * extent)
+    assert mesh.is_closed
+    assert mesh.components == 1
+    assert mesh.volume == pytest.approx(volume, rel=4e-3)
+    assert mesh.deviation <= 5e-3 * extent
+    assert set(mesh.face_areas) <= {*shape.faces, *(f for f in mesh.face_areas if f.endswith(" = 0"))}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_without_what_is_implied_it_is_the_same_set(name):
+    shape, _ = SOLIDS[name]
+    field = shape.field
+    rest = field.needed()
+    assert rest is not field
+    assert rest is field.needed()
+    low, high = field.box
+    points = np.random.default_rng(1).uniform(low - 0.2 * (high - low), high + 0.2 * (high - low), (20_000, 3))
+    inside = field.inside(field.signs(points))
+    assert inside.any()
+    assert np.array_equal(inside, rest.inside(rest.signs(points)))
+    assert rest.scale == field.scale
+    assert (rest.box[0] <= points[inside].min(axis=0)).all()
+    assert (rest.box[1] >= points[inside].max(axis=0)).all()
+
+
+def test_what_is_left_out():
+    shape = CUBE & CUBIC
+    names = [atom.face for atom in atoms(needed(shape.tree, shape.box)[0])]
+    assert names == ["box x+", "box y-", "box y+", "box z-", "surface"]
+    both = shape | solid.ball(("3/2", 0, 0), "1/4")
+    assert [atom.face for atom in atoms(without_implied(both.tree, both.box))] == [*names, "ball"]
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        CUBE,
+        solid.ball((0, 0, 0), 1),
+        CUBE & solid.implicit("z - x^3 + 1/10"),
+        CUBE - solid.ball((1, 1, 1), 1),
+        solid.cylinder((0, 0, 0), (0, 0, 1), 1) | CUBE,
+    ],
+    ids=["box", "ball", "crossing", "corner cut out", "union"],
+)
+def test_what_is_needed_is_kept(shape):
+    assert shape.field.needed() is shape.field
+    assert needed(shape.tree, shape.box)[0] == shape.tree
+
+
+def test_a_refusal_names_all_faces_that_meet():
+    """A wedge in a direction in which its edge is too sharp for a lattice: the first refusal says more."""
+    shape = (CUBE & solid.half_space("z - 3*x + 2")).mirror((1, 2, 0))
+    assert shape.field.needed() is not shape.field
+    with pytest.raises(MeshError, match=r"the faces 'box x.', 'box z.' and 'plane' touch, or meet in one curve"):
+        shape.mesh(1e-2)
