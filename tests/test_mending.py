@@ -159,7 +159,7 @@ def test_places_are_the_same_by_numpy_and_by_compiled_code(monkeypatch):
     if compiled() is None:
         pytest.skip("there is no C compiler")
     points, triangles, normals, free = rough()
-    stars, found = Stars.of(triangles, free), []
+    stars, found = Stars.of(triangles, np.arange(len(triangles)), free), []
     floors = np.full(len(stars.rows), 0.1)
     asked = Asked(0.9, np.where(free[stars.first], 1.0, 0.1), floors)
     for kernel in ("numpy", "compiled"):
@@ -175,3 +175,39 @@ def test_places_are_the_same_by_numpy_and_by_compiled_code(monkeypatch):
 def test_sines_of_the_smallest_angles():
     corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [3**0.5, 0, 0], [0, 0, 1]]], dtype=float)
     assert sines(*corners.transpose(1, 0, 2))[0] == pytest.approx([0.5**0.5, 0.5])
+
+
+def test_a_surface_with_many_necks_has_no_angle_below_twenty_degrees():
+    """Chmutov's sextic: where it comes near to itself edges were halved again and again, down to 8 degrees."""
+    text = "32*(x^6 + y^6 + z^6) - 48*(x^4 + y^4 + z^4) + 18*(x^2 + y^2 + z^2) - 3 + 1/4"
+    surface, tolerance = pas.Polynomial(text).surface(["-6/5"] * 3, ["6/5"] * 3), 2.4e-4
+    mesh = surface.mesh(tolerance)
+    assert mesh.smallest_angles.min() > 18
+    assert np.percentile(mesh.smallest_angles, 1) > 28
+    assert len(mesh.triangles) < 428_000
+    assert mesh.is_manifold and mesh.is_closed
+
+    def distance(points):
+        jets = surface.evaluator.jets(points)
+        return np.abs(jets[..., 0]) / np.linalg.norm(jets[..., 1:], axis=-1)
+
+    corners = mesh.points[mesh.triangles]
+    assert distance(mesh.points).max() < 1e-12
+    assert distance(corners.mean(axis=1)).max() <= mesh.deviation * (1 + 1e-9)
+    for i in range(3):
+        assert distance((corners[:, i] + corners[:, i - 1]) / 2).max() <= mesh.deviation * (1 + 1e-9)
+    assert mesh.deviation <= tolerance
+    assert np.abs(np.linalg.norm(mesh.point_normals, axis=1) - 1).max() < 1e-12
+
+
+@pytest.mark.parametrize("text", ["x*y - z/3", "x^2 + 2*y^2 - z^2 - 1/4 + x/7"])
+def test_vertices_at_walls_stay(text, monkeypatch):
+    """What is mended more eagerly ends where it ended, and in the box."""
+    surface = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3)
+    plain = surface.mesh(2e-4)
+    monkeypatch.setattr("pas.mesh.sheets.GOOD", 0.6)
+    mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(2e-4)
+    assert np.array_equal(mesh.points[np.unique(mesh.boundary)], plain.points[np.unique(plain.boundary)])
+    assert not np.array_equal(mesh.points, plain.points)
+    assert (np.abs(mesh.points) <= 1).all() and mesh.is_manifold
+    assert np.percentile(mesh.smallest_angles, 1) > np.percentile(plain.smallest_angles, 1)

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.places import Asked, Stars, all_sines, at_vertices, better_places, sines
-from pas.mesh.rows import all_of, dots, norms
+from pas.mesh.radial import Edges
+from pas.mesh.rows import all_of, any_of, dots, norms
 
 BESIDE = 0.1
 """How much triangles with fixed corners count: they may be slender for ever, and their neighbours not."""
@@ -31,6 +32,10 @@ give at least."""
 
 ENOUGH, FAIR = 0.002, 0.8
 """Share of the triangles that may be left, and of the sine that they should have that they must."""
+
+
+CHOICES = 3
+"""Passes in which moves are chosen that have no triangle in common with those chosen before (after Luby 1986)."""
 
 
 class Ground(Protocol):
@@ -79,8 +84,10 @@ class Mending:
             if len(rows) <= ENOUGH * len(self.triangles) and self.sines[rows].min(initial=1.0) >= FAIR * self.aim:
                 break
             checkpoint(f"mending slender triangles ({len(rows)})")
-            flips = self._flip(rows)
-            moves = self._move(self.slender)
+            corners = self._marked(self.triangles[rows])
+            near = at_vertices(self.triangles, corners)  # so that all triangles at these corners are among theirs
+            flips = self._flip(corners, near)
+            moves = self._move(corners, near)
             if not flips and not moves:
                 break
             changed = True
@@ -92,10 +99,11 @@ class Mending:
         marks[vertices] = True
         return marks
 
-    def _move(self, rows: Integers) -> bool:
-        """Move corners of slender triangles; whether some did."""
-        chosen = self._marked(self.triangles[rows]) & ~self._tried
-        stars = Stars.of(self.triangles, chosen)
+    def _move(self, corners: NDArray[np.bool_], near: Integers) -> bool:
+        """Move corners (N,) of slender triangles, all of whose triangles are in rows `near`; whether some did."""
+        triangles = self.triangles[near]
+        slender = triangles[(self.sines[near] < self.aim) & all_of(self.free[triangles])]
+        stars = Stars.of(self.triangles, near, self._marked(slender) & corners & ~self._tried)
         if not len(stars.vertices):
             return False
         before, inside = self.sines[stars.rows], self.free[stars.first] & self.free[stars.second]
@@ -109,10 +117,9 @@ class Mending:
         vertices, labels = stars.vertices[mine], self.labels[stars.rows[stars.starts[mine]]]
         points, normals = self.ground.placed(places[mine], labels)
         good = self._settle(stars, mine, (points, normals), floors)
-        self._tried[vertices[~good]] = True
         moved = vertices[good]
         self.points[moved], self.normals[moved] = points[good], normals[good]
-        self._tried[self.triangles[at_vertices(self.triangles, self._marked(moved))]] = False
+        self._tried[vertices[~good]] = True
         return len(moved) > 0
 
     def _settle(self, stars: Stars, mine: Integers, to: tuple[Floats, Floats], floors: Floats) -> NDArray[np.bool_]:
@@ -130,19 +137,19 @@ class Mending:
         good = np.ones(len(mine), dtype=bool)
         good[mover[~fine]] = False
         stays = good[mover]
+        self._tried[np.concatenate([a[stays], b[stays]])] = False
         self.sines[rows[stays]] = after[stays]
         self.worst = max(self.worst, float(off[stays].max(initial=0.0)))
         return good
 
-    def _flip(self, rows: Integers) -> bool:
+    def _flip(self, corners: NDArray[np.bool_], near: Integers) -> bool:
         """Flip edges of slender triangles where that makes the worse of two better; whether there were some."""
-        corners = self._marked(self.triangles[rows])
-        near = at_vertices(self.triangles, corners)  # so that all edges at these corners are among theirs
-        pairs = _pairs(self.triangles[near], len(self.points))
-        owners, (a, b, c, d) = near[pairs.owners], pairs.ends.T
+        edges = Edges(self.triangles[near], len(self.points))
+        may = np.flatnonzero(any_of((self.sines[near] < self.aim)[edges.owners]))
+        owners, (a, b), (c, d) = near[edges.owners[may]], edges.inner[may].T, edges.apexes[may].T
         before = self.sines[owners]
         same = self.labels[owners[:, 0]] == self.labels[owners[:, 1]]
-        may = np.flatnonzero((before.min(axis=1) < self.aim) & same & (corners[c] | corners[d]) & ~pairs.has(c, d))
+        may = np.flatnonzero(same & (corners[c] | corners[d]))
         owners, before, (a, b, c, d) = owners[may], before[may], (v[may] for v in (a, b, c, d))
         new = np.stack([c, a, d, c, d, b], axis=1).reshape(-1, 2, 3)
         places = self.points[new]
@@ -152,6 +159,7 @@ class Mending:
         inside = (self._inside(self.triangles[owners], before), self._inside(new, after))
         better = (after.min(axis=1) > GAIN * before.min(axis=1)) & (inside[1] >= np.minimum(inside[0], self.aim))
         at = np.flatnonzero(better & all_of(upright))
+        at = at[~self._joined(edges.every, c[at], d[at])]
         labels = np.repeat(self.labels[owners[at, 0]], 2)
         off = self.ground.farthest(places[at].reshape(-1, 3, 3), labels).reshape(-1, 2).max(axis=1)
         at, off = at[off <= self.most], off[off <= self.most]
@@ -162,6 +170,12 @@ class Mending:
         self.worst = max(self.worst, float(off[order].max(initial=0.0)))
         self._tried[new[at]] = False
         return len(at) > 0
+
+    def _joined(self, edges: Integers, a: Integers, b: Integers) -> NDArray[np.bool_]:
+        """Which pairs of vertices (F,) are among edges (E, 2)."""
+        edges, size = edges[all_of(self._marked(np.concatenate([a, b]))[edges])], len(self.points)
+        pairs = np.stack([a, b], axis=1)
+        return np.isin(*(t.min(axis=1) * size + t.max(axis=1) for t in (pairs, edges)))
 
     def _inside(self, triangles: Integers, values: Floats) -> Floats:
         """The least sine (E,) of pairs of triangles (E, 2, 3), without those at fixed vertices."""
@@ -175,39 +189,17 @@ def _upright(across: Floats, about: Floats) -> NDArray[np.bool_]:
 
 
 def _apart(stars: Stars, wanted: NDArray[np.bool_], worst: Floats, size: int) -> NDArray[np.bool_]:
-    """Some of the wanted moves (V,), no two of which have a triangle in common: those of the worst triangles."""
+    """Some of the wanted moves (V,), no two of which have a triangle in common: those of the worst triangles first."""
     rank, every = np.empty(len(wanted)), np.full(size, np.inf)
     rank[np.argsort(np.where(wanted, worst, 2.0), kind="stable")] = np.arange(len(wanted))
-    every[stars.vertices[wanted]] = rank[wanted]
-    return np.asarray(wanted & (rank < stars.least(np.minimum(every[stars.first], every[stars.second]))))
-
-
-@dataclass(frozen=True)
-class _Pairs:
-    """Edges between two triangles: these (E, 2), the ends and the vertices opposite (E, 4); all edges' sorted keys."""
-
-    owners: Integers
-    ends: Integers
-    keys: Integers
-    size: int
-
-    def has(self, a: Integers, b: Integers) -> NDArray[np.bool_]:
-        """Which pairs of vertices (N,) are edges."""
-        wanted = np.minimum(a, b) * self.size + np.maximum(a, b)
-        at = np.minimum(np.searchsorted(self.keys, wanted), len(self.keys) - 1)
-        return np.asarray(self.keys[at] == wanted)
-
-
-def _pairs(triangles: Integers, size: int) -> _Pairs:
-    """Those of triangles (T, 3) of so many vertices."""
-    start, end, opposite = (triangles[:, [i % 3, (i + 1) % 3, (i + 2) % 3]].ravel() for i in range(3))
-    keys = np.minimum(start, end) * size + np.maximum(start, end)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    at = np.flatnonzero(keys[1:] == keys[:-1])
-    i, j = order[at], order[at + 1]
-    ends = np.stack([start[i], end[i], opposite[i], opposite[j]], axis=1)
-    return _Pairs(np.stack([i, j], axis=1) // 3, ends, keys, size)
+    chosen, open_ = np.zeros(len(wanted), dtype=bool), wanted
+    for _ in range(CHOICES):
+        every[stars.vertices[open_]], every[stars.vertices[chosen]] = rank[open_], -1.0
+        nearest = stars.least(np.minimum(every[stars.first], every[stars.second]))
+        chosen |= open_ & (rank < nearest)
+        open_ = open_ & ~chosen & (nearest >= 0)
+        every[stars.vertices] = np.inf
+    return chosen
 
 
 def _unshared(owners: Integers, ends: Integers) -> Integers:

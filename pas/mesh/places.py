@@ -43,9 +43,8 @@ class Stars:
     second: Integers
 
     @classmethod
-    def of(cls, triangles: Integers, chosen: NDArray[np.bool_]) -> Stars:
-        """Those of triangles (T, 3) about chosen vertices (N,), of which each has some."""
-        rows = at_vertices(triangles, chosen)
+    def of(cls, triangles: Integers, rows: Integers, chosen: NDArray[np.bool_]) -> Stars:
+        """Those of triangles (T, 3) about chosen vertices (N,), of which each has some, all among given rows."""
         corners = triangles[rows].ravel()
         at = np.flatnonzero(chosen[corners])
         at = at[np.argsort(corners[at], kind="stable")]
