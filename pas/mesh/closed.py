@@ -202,23 +202,23 @@ def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Qua
 
     Raises `MeshError` where the mesh itself is not sound.
     """
-    aim = AIM * tolerance
-    known = polished(known, field, tolerance, aim)
-    mesh = known.mesh
+    aim, mesh = AIM * tolerance, known.mesh
     longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
     further = None
     for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):
         further = Deviation.of(longer, field, further)
         if further.worst > tolerance:
             longer = _halved(further, field, tolerance, _far(further, tolerance))[0]
-        elif unsound(longer, field, tolerance)[0]:
+            continue
+        longer, worst = polished(longer, field, further.worst, tolerance)
+        if unsound(longer, field, tolerance)[0]:
             break
-        else:
-            return longer, further.worst
+        return longer, worst
+    mesh, worst = polished(mesh, field, known.worst, tolerance)
     reason, _ = unsound(mesh, field, tolerance)
     if reason:
         raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-    return mesh, known.worst
+    return mesh, worst
 
 
 def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:

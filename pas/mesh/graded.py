@@ -19,11 +19,13 @@ from pas.mesh.coarsen import collapsed
 from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.kernels import compiled
+from pas.mesh.measured import distances, rims_of_edges
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, flipped_edges, middles, settled, slender, upright
+from pas.mesh.radial import Edges, centred, flipped, flipped_edges, settled, slender, upright
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
+from pas.mesh.sheets import shaped
 
 COARSE = 8e-3
 """Over the region's reach: the tolerance for the triangles that are then cut."""
@@ -92,7 +94,7 @@ def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None
         measured = _cut(field, graph, fits)
         reached = _farthest(*distances(field, measured, measured.edges))
         raise too_many(field, len(measured.triangles), most, tolerance, reached)
-    return _mended(field, _cut(field, graph, m), tolerance, most)
+    return _mended(field, _cut(field, graph, m), tolerance, most, shape=True)
 
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
@@ -101,18 +103,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     graph = _placed(field, near.points, triangles, rim)
     if not upright(graph.points, triangles, graph.normals).min() >= FOLDED:
         raise ArithmeticError("some triangles are folded")
-    return _mended(field, graph, tolerance, refine.LARGEST)
-
-
-def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:
-    """The rims (E,) of edges (E, 2) on the boundary, directed as in their triangles: that of an end, or what the field
-    says of two fixed ends."""
-    fixed, ends = field.fixed, rim[edges]
-    result = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
-    both = np.flatnonzero(fixed[result])
-    if len(both):
-        result[both] = field.between(points[edges[both]], ends[both])
-    return result
+    return _mended(field, graph, tolerance, refine.LARGEST, shape=False)
 
 
 def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
@@ -284,7 +275,8 @@ def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     return graph.points + move
 
 
-def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mesh:
+def _mended(field: SheetField, graph: Graph, tolerance: float, most: int, *, shape: bool) -> Mesh:
+    """The mesh with the edges halved that are too far; with slender triangles mended, if it may change its `shape`."""
     counts: list[int] = []
     edges = graph.edges
     inside, along = distances(field, graph, edges)
@@ -293,6 +285,12 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int) -> Mes
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
         reached = _farthest(inside, along)
         if reached <= tolerance:
+            better = (
+                shaped(field, graph.points, graph.triangles, graph.normals, graph.rim, tolerance) if shape else None
+            )
+            if better is not None:
+                graph = replace(graph, points=better.points, triangles=better.triangles, normals=better.normals)
+                nearest = max(nearest, better.worst)
             if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
                 raise ArithmeticError("some triangles are folded")
             if not field.within(graph.points):
@@ -325,22 +323,3 @@ def _halved(field: SheetField, graph: Graph, far: Integers, passes: int) -> tupl
     changed = np.bincount(parents, minlength=int(parents.max()) + 1)[parents] > 1
     changed[around] |= (triangles[around] != graph.triangles[around]).any(axis=1)
     return replace(graph, triangles=triangles), changed
-
-
-def distances(
-    field: SheetField, graph: Graph, edges: Edges, changed: np.ndarray | None = None
-) -> tuple[Floats, Floats]:
-    """Distances |f| / |grad f| of the triangles' centres (T,) and the edges' middles (E,), on the rim in its plane.
-
-    Where it is given which triangles (T,) are `changed`, they are 0 for others.
-    """
-    triangles = np.arange(len(graph.triangles)) if changed is None else np.flatnonzero(changed)
-    inner = np.arange(len(edges.inner)) if changed is None else np.flatnonzero(changed[edges.owners].any(axis=1))
-    found = field.distances(middles(graph.points, (graph.triangles, triangles), (edges.inner, inner)))
-    inside, along = np.zeros(len(graph.triangles)), np.zeros(len(edges.every))
-    inside[triangles], along[inner] = found[: len(triangles)], found[len(triangles) :]
-    rims = rims_of_edges(field, graph.points, graph.rim, edges.rim)
-    if len(rims):
-        ends = graph.points[edges.rim]
-        along[len(edges.inner) :] = field.rim_distances((ends[:, 0] + ends[:, 1]) / 2, rims)
-    return inside, along

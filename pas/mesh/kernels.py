@@ -20,7 +20,7 @@ from pas.mesh.labelled_calls import LabelledCalls, room_for
 
 NAMES = (
     *("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice"),
-    *("splits", "moves", "finer"),
+    *("splits", "moves", "finer", "places"),
 )
 SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
 
@@ -219,6 +219,40 @@ class CompiledTriangles(LabelledCalls):
         given = (len(forms), forms.shape[1], len(up), up, forms, points)
         self._call("pas_risings", *given, means, least, sizes)
         return means, least, sizes
+
+    def sines(self, points: Floats, triangles: Integers) -> Floats:
+        """See `pas.mesh.places.sines`; of triangles (T, 3) alone, (T,)."""
+        result = np.empty(len(triangles))
+        self._call("pas_sines", len(triangles), triangles, points, result)
+        return result
+
+    def better_places(
+        self,
+        stars: tuple[Integers, Integers, Integers, Integers],
+        points: Floats,
+        normals: Floats,
+        values: tuple[Floats, Floats, Floats],
+        limits: tuple[float, float, float, float],
+        ways: tuple[Floats, Floats],
+    ) -> tuple[Floats, Floats, Floats]:
+        """See `pas.mesh.places.better_places`; `ways` are the shares (k,) and turns (m, 2) that are tried."""
+        (vertices, starts, first, second), (before, weights, floors) = stars, values
+        count, (shares, turns) = len(vertices), ways
+        result = np.empty((count, 3)), np.empty(count), np.empty(count)
+        given = (count, vertices, np.append(starts, len(first)), first, second, points, normals, before)
+        self._call(
+            "pas_better_places",
+            *given,
+            weights,
+            floors,
+            np.array(limits),
+            len(shares),
+            shares,
+            len(turns),
+            turns,
+            *result,
+        )
+        return result
 
     def pinched(self, triangles: Integers, size: int, among: NDArray[np.bool_] | None) -> Integers:
         """See `pas.mesh.topology.pinched`; there are so many vertices."""

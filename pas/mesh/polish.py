@@ -1,50 +1,66 @@
-"""Mending the few triangles inside faces that came out slender, away from the curves where faces meet.
+"""Mending the triangles inside faces that came out slender, away from the curves where faces meet.
 
-Refining halves edges here and there, and what lies between fine and coarse places may get a small angle.  Vertices of
-such triangles are averaged again and edges about them flipped; only what is as near and better is kept.  Triangles
-along straight lines are long on purpose, and those at a curve have the angles that the curve leaves.
+Refining halves edges here and there, and what lies between fine and coarse places gets small angles, as does what
+the first mesh had too many or too few triangles about a vertex.  Triangles along straight lines are long on purpose,
+and those at a curve have the angles that the curve leaves.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from pas.mesh.deviation import Deviation
-from pas.mesh.field import FaceField, Integers
+from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
-from pas.mesh.quality import smallest_angles
-from pas.mesh.remesh import flip, smooth
-from pas.mesh.rows import all_of
+from pas.mesh.mending import Mending
+from pas.mesh.refine import farthest_inside, inner_points
+from pas.mesh.remesh import least_norm, newton, pair_normals
+from pas.mesh.rows import norms
+from pas.mesh.shading import unit_rows
 
-GOOD = float(np.radians(15.0))
-"""Smallest angle below which a triangle inside a face is mended."""
+GOOD = 0.515
+"""Sine of the angle, 31 degrees, below which a triangle inside a face is mended."""
 
-ROUNDS, RINGS = 8, 2
-"""Of averaging, each with one more ring of vertices around what is mended, up to so many."""
+ROUNDS = 12
+"""Of moves and flips."""
 
 
-def polished(known: Deviation, field: FaceField, tolerance: float, limit: float) -> Deviation:
-    """A mesh without slender triangles inside faces, as far as they can be mended within the tolerance; how near it is.
+def polished(mesh: Labelled, field: FaceField, worst: float, tolerance: float) -> tuple[Labelled, float]:
+    """A mesh without slender triangles inside faces, as far as they can be mended within the tolerance.
 
-    Edges on faces with straight lines may be off by `limit`.
+    Those on faces with straight lines stay.  The mesh is as far off as `worst`; the result no further than what is
+    returned with it.
     """
-    bad = _slender(known.mesh, field)
-    best, least = known, len(bad)
-    for number in range(ROUNDS):
-        if not least or known.worst > tolerance:
-            break
-        mesh = known.mesh
-        near = mesh.topology.around(mesh.triangles[bad].ravel(), min(number, RINGS)) & (mesh.topology.label_count == 1)
-        about = mesh.topology.around(np.flatnonzero(near), 1)
-        known = Deviation.of(flip(smooth(mesh, field, near), field, limit=limit, near=about), field, known)
-        bad = _slender(known.mesh, field)
-        if len(bad) < least and known.worst <= tolerance:
-            best, least = known, len(bad)
-    return best
+    topology, normals = mesh.topology, pair_normals(mesh, field)
+    vertices, labels = topology.pairs.T
+    bent = (topology.label_count[vertices] == 1) & ~field.lines(labels) & normals.any(axis=1)
+    free, own = np.zeros(topology.size, dtype=bool), np.zeros((topology.size, 3))
+    free[vertices[bent]], own[vertices[bent]] = True, normals[bent]
+    mending = Mending(mesh.points.copy(), mesh.triangles.copy(), mesh.labels, own, free, _Faces(field), GOOD, tolerance)
+    if not mending.mend(ROUNDS):
+        return mesh, worst
+    known = normals.copy()
+    known[bent] = mending.normals[vertices[bent]]
+    changed = replace(topology, triangles=mending.triangles)  # each vertex stays on its faces
+    return Labelled(mending.points, changed, known), max(worst, mending.worst)
 
 
-def _slender(mesh: Labelled, field: FaceField) -> Integers:
-    """The triangles (n,) with a small angle that touch no curve, on faces without straight lines."""
-    inside = all_of((mesh.topology.label_count == 1)[mesh.triangles]) & ~field.lines(mesh.labels)
-    rows = np.flatnonzero(inside)
-    return rows[smallest_angles(mesh.points[mesh.triangles[rows]]) < GOOD]
+@dataclass(frozen=True)
+class _Faces:
+    """The faces of a set, on which vertices move."""
+
+    field: FaceField
+
+    def placed(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
+        """Points (K, 3) moved onto faces of labels (K,), and the unit normals there."""
+        moved = newton(points, self.field, labels[:, None], np.full(len(points), np.inf))
+        return moved, unit_rows(self.field.jets(moved, labels)[:, 1:])
+
+    def farthest(self, corners: Floats, labels: Integers) -> Floats:
+        """The largest distance of triangles (T, 3, 3) and their edges from faces of labels (T,), to first order."""
+        middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
+        points, times = np.concatenate([middles, inner_points(corners)]), 3 * len(corners)
+        each = np.concatenate([np.repeat(labels, 3), np.repeat(labels, len(points) // max(len(corners), 1) - 3)])
+        distances = norms(least_norm(self.field, each[:, None], points))
+        return np.maximum(distances[:times].reshape(-1, 3).max(axis=1), farthest_inside(distances[times:]))
