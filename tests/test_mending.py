@@ -16,6 +16,7 @@ from pas.mesh.deviation import Deviation
 from pas.mesh.mending import Mending
 from pas.mesh.places import Asked, Stars, all_sines, better_places, sines
 from pas.mesh.quality import smallest_angles
+from pas.mesh.sheets import shaped
 from pas.mesh.topology import euler_characteristic, is_manifold
 
 THIRTY, AIM = 0.5, 0.515
@@ -144,6 +145,18 @@ def test_edges_between_faces_stay():
     assert np.array_equal(mesh.triangles, rough()[1])
 
 
+@pytest.mark.parametrize("joined", [False, True])
+def test_no_edge_is_made_twice(joined):
+    """Between the far corners of two slender triangles there may be an edge elsewhere."""
+    points = np.array([(-1.0, 0, 0), (1, 0, 0), (0, 0.2, 0), (0, -0.2, 0), (0, 0, 5)])
+    triangles = np.array([(0, 1, 2), (1, 0, 3), (2, 3, 4)])[: 2 + joined]
+    up = np.tile((0.0, 0.0, 1.0), (len(points), 1))
+    labels, free = np.zeros(len(triangles), dtype=np.intp), np.ones(len(points), dtype=bool)
+    mesh = Mending(points, triangles.copy(), labels, up, free, Wave(), AIM, 1.0)
+    assert mesh._flip(free, np.arange(len(triangles))) is not joined
+    assert np.array_equal(mesh.triangles, triangles) is joined
+
+
 def test_no_round_makes_the_most_slender_triangle_more_slender():
     mesh, least = mending(Wave()), 0.0
     for _ in range(12):
@@ -211,3 +224,17 @@ def test_vertices_at_walls_stay(text, monkeypatch):
     assert not np.array_equal(mesh.points, plain.points)
     assert (np.abs(mesh.points) <= 1).all() and mesh.is_manifold
     assert np.percentile(mesh.smallest_angles, 1) > np.percentile(plain.smallest_angles, 1)
+
+
+def test_vertices_beside_the_boundary_stay():
+    """So that no move takes one out of the region."""
+    surface = pas.Polynomial("x*y - z/3").surface((-1,) * 3, (1,) * 3)
+    field, mesh = surface.cell_field, surface.mesh(2e-2)
+    points = (mesh.points - field.world(np.zeros((1, 3)))) / field.scale
+    edge = np.zeros(len(points), dtype=bool)
+    edge[mesh.boundary] = True
+    beside = np.zeros(len(points), dtype=bool)
+    beside[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = True
+    found = shaped(field, points, mesh.triangles, mesh.point_normals, np.where(edge, 0, -1), 1.0)
+    assert np.array_equal(found.free, ~beside)
+    assert np.array_equal(found.points[beside], points[beside])

@@ -10,6 +10,7 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
+from pas.surface.mesh_proofs import _grouped
 from pas.surface.triangle_forms import TriangleForms, elevation, lattice
 from pas.surface.windings import crossed
 from pas.verdicts import Status
@@ -284,3 +285,12 @@ def test_crossings_are_counted_with_sign():
     assert times.tolist() == [-1, 0, 0, 0]
     on_the_mesh = mesh.points[mesh.triangles[3]].mean(axis=0)
     assert not crossed(mesh.points, mesh.triangles, np.array([0.013, 0.017, 0.5]), on_the_mesh[None])[1][0]
+
+
+def test_simplices_with_common_corners_are_one_union():
+    """A triangle, an edge of it and a point of that; a chain of two edges; the largest of each first."""
+    a, b, c, d, e, f = np.eye(6)[:, :3] + np.arange(6)[:, None]
+    points, edges = np.array([[b]]), np.array([[d, e], [e, e + 9], [a, b]])
+    triangles = np.array([[a, b, c]])
+    assert _grouped([points, edges, triangles]) == [[2, 1], [4, 3, 0]]
+    assert _grouped([np.array([[a], [f]])]) == [[0], [1]]

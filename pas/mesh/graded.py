@@ -285,10 +285,8 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int, *, sha
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
         reached = _farthest(inside, along)
         if reached <= tolerance:
-            better = (
-                shaped(field, graph.points, graph.triangles, graph.normals, graph.rim, tolerance) if shape else None
-            )
-            if better is not None:
+            if shape:
+                better = shaped(field, graph.points, graph.triangles, graph.normals, graph.rim, tolerance)
                 graph = replace(graph, points=better.points, triangles=better.triangles, normals=better.normals)
                 nearest = max(nearest, better.worst)
             if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:

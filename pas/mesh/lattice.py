@@ -52,13 +52,9 @@ class Subdivision:
 
     def __init__(self, field: CellField) -> None:
         self.field, self.parts = field, 1
-        self.keys, self.points, self.forms = (
-            _weights(len(field.vertices))[field.cells],
-            field.vertices[field.cells],
-            field.forms,
-        )
-        kept = _kept(self.forms)
-        self.keys, self.points, self.forms = self.keys[kept], self.points[kept], self.forms[kept]
+        kept = _kept(field.forms)
+        cells, self.forms = field.cells[kept], field.forms[kept]
+        self.keys, self.points = _weights(len(field.vertices))[cells], field.vertices[cells]
 
     def halve(self) -> None:
         """Cut each tetrahedron into eight."""

@@ -20,8 +20,8 @@ ROUNDS = 6
 
 def shaped(
     field: SheetField, points: Floats, triangles: Integers, normals: Floats, rim: Integers, tolerance: float
-) -> Mending | None:
-    """Points (N, 3), triangles (T, 3) and normals (N, 3) that are mended within a tolerance; None where none changed.
+) -> Mending:
+    """Points (N, 3), triangles (T, 3) and normals (N, 3), those mended that can be within a tolerance.
 
     Vertices on the boundary, whose number of a `rim` (N,) is not -1, stay, and so do those next to them, so that none
     leaves the region.
@@ -30,8 +30,7 @@ def shaped(
     free[triangles[at_vertices(triangles, rim >= 0)]] = False
     labels, own = np.zeros(len(triangles), dtype=np.intp), np.where(free[:, None], normals, 0.0)
     mending = Mending(points.copy(), triangles.copy(), labels, own, free, _Sheet(field), GOOD, tolerance)
-    if not mending.mend(ROUNDS):
-        return None
+    mending.mend(ROUNDS)
     mending.normals[~free] = normals[~free]
     return mending
 

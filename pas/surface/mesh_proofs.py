@@ -30,6 +30,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
+from pas.mesh.topology import same_places
 from pas.surface.graph_proofs import certify_graph
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.surface.mesh_stage import ON_WALL, SCALED, Sheet, Stage
@@ -215,19 +216,13 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
 
     Those with a common corner are in one.
     """
-    simplices = [simplex for part in parts for simplex in part.tolist()]
-    union = list(range(len(simplices)))
-    owner: dict[tuple[float, ...], int] = {}
-    for number, simplex in enumerate(simplices):
-        for corner in simplex:
-            first, second = number, owner.setdefault(tuple(corner), number)
-            while union[first] != first:
-                union[first] = first = union[union[first]]
-            while union[second] != second:
-                union[second] = second = union[union[second]]
-            union[max(first, second)] = min(first, second)
-    for number, first in enumerate(union):
-        union[number] = union[first]  # which is not larger, so it is known already
+    from scipy.cluster.hierarchy import DisjointSet
+
+    sizes = [part.shape[1] for part in parts for _ in part]
+    corners = same_places(np.concatenate([part.reshape(-1, 3) for part in parts]))[1].tolist()
+    union, first = DisjointSet(range(len(sizes))), dict[int, int]()
+    for number, corner in zip(np.repeat(np.arange(len(sizes)), sizes).tolist(), corners, strict=True):
+        union.merge(number, first.setdefault(corner, number))
     extents = np.concatenate([np.ptp(part, axis=1).sum(axis=1) for part in parts])
     groups: dict[int, list[int]] = {}
     for number in np.argsort(-extents, kind="stable").tolist():

@@ -132,7 +132,8 @@ int pas_around(whole faces, const double *weights, const whole *piece_of, whole 
 }
 
 /* Points (count, 3) moved along rays from 0, and which of them are on rays at a cosine with the surface's normal of at
-   most `steep`, or further from the surface than a share `off` of their way; the first polynomials are the parts of each degree, the others values and gradients. */
+   most `steep`, or further from the surface than a share `off` of their way; the first polynomials are the parts of each
+   degree, the others values and gradients. */
 int pas_near(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
              const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
