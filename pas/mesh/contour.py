@@ -14,7 +14,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
 from pas.mesh.rows import all_of, any_of, cross, dots
-from pas.mesh.topology import numbered
+from pas.mesh.topology import distinct, numbered
 
 EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -44,6 +44,19 @@ def snapped(
     checkpoint()
     used, inverse = numbered(_without_doubles(corners[distinct]).ravel())
     return merged[used], inverse.reshape(-1, 3), order[first][used]
+
+
+def knotted(triangles: Integers, edges: Integers, t: Floats, snap: float, count: int) -> NDArray[np.bool_]:
+    """The nodes (count,) whose crossings within `snap` are no disc, so that merging them would change the topology."""
+    size, number = count + 1, len(edges)  # the last one collects those that do not merge
+    group = np.where(t < snap, edges[:, 0], np.where(t > 1 - snap, edges[:, 1], count))
+    ends = triangles[:, [1, 2, 0]]
+    same = group[triangles] == group[ends]
+    low, high = np.minimum(triangles, ends)[same], np.maximum(triangles, ends)[same]
+    sides = np.bincount(group[distinct(low * number + high) // max(number, 1)], minlength=size)
+    insides = np.bincount(group[triangles[same[:, 0] & same[:, 1], 0]], minlength=size)
+    members = np.bincount(group, minlength=size)
+    return np.asarray((members - sides + insides != 1) & (members > 0))[:-1]
 
 
 def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, Integers]:

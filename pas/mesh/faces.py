@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
 from pas.mesh.changes import Changes, node_numbers, side_changes
-from pas.mesh.contour import crossings, oriented, snapped
+from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
@@ -130,9 +130,7 @@ class Crossings:
         t = self.crossed[0]
         ends = self.nodes[self.edges]
         crossed = ends[:, 0] + t[:, None] * (ends[:, 1] - ends[:, 0])
-        free = self._knotted(
-            np.where(t < SNAP, self.edges[:, 0], np.where(t > 1 - SNAP, self.edges[:, 1], len(self.nodes)))
-        )
+        free = knotted(self.triangles, self.edges, t, SNAP, len(self.nodes))
         checkpoint()
         before = self._euler_characteristics(np.arange(len(self.edges)), self.triangles)
         while True:
@@ -146,16 +144,6 @@ class Crossings:
                 if not changed.any():
                     return points, triangles, source
                 free[self.edges[changed[self._components]]] = True
-
-    def _knotted(self, group: Integers) -> NDArray[np.bool_]:
-        """The nodes (N,) whose group of crossings is no disc, so that merging them would change the topology."""
-        size = len(self.nodes) + 1  # the last one collects those that do not merge
-        corners = group[self.triangles]
-        same = [corners[:, i] == corners[:, (i + 1) % 3] for i in range(3)]
-        sides = sum(np.bincount(corners[same[i], i], minlength=size) for i in range(3))
-        insides = np.bincount(corners[same[0] & same[1], 0], minlength=size)
-        characteristic = np.bincount(group, minlength=size) - sides // 2 + insides
-        return np.asarray((characteristic != 1) & (np.bincount(group, minlength=size) > 0))[:-1]
 
     def _euler_characteristics(self, source: Integers, triangles: Integers) -> Integers:
         """Of each component, for a mesh (T, 3) whose vertices come from given crossings."""

@@ -12,7 +12,7 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers, RayField
 from pas.mesh.graded import Graph, fineness, finished, looked_at, remeshed
-from pas.mesh.hull import hull
+from pas.mesh.hull import hull, icosphere
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
 from pas.mesh.radial import Edges
@@ -48,6 +48,8 @@ def first(field: RayField) -> Graph:
 
 
 def _seen(field: RayField) -> Graph:
+    if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
+        require_once(field, icosphere(LEVELS[0])[0])
     for level in LEVELS:
         checkpoint("triangulating directions")
         try:

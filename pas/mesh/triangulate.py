@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
-from pas.mesh.contour import crossings, oriented, snapped
+from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
 from pas.mesh.graded import FOLDED, Graph, coarsened, fineness, finished, looked_at, remeshed
 from pas.mesh.lattice import Lattice, Subdivision
@@ -41,9 +41,9 @@ SEARCHED = 20_000
 MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
-SNAPS = (0.42, 0.2, 0.0)
-"""Shares of an edge within which crossings merge, tried in turn on each lattice."""
-
+SNAPS = (0.42, False), (0.42, True), (0.2, False), (0.0, False)
+"""Shares of an edge within which crossings merge, tried in turn on each lattice; and whether those stay apart whose
+merging would change the topology, and all on walls."""
 
 FOLDS = 0.03
 """Share of folded triangles, and of such without area, that coarsening and smoothing may have to mend."""
@@ -153,9 +153,15 @@ def _first(field: CellField, grid: Lattice) -> Graph:
     crossed = grid.points[a] + share[:, None] * (grid.points[b] - grid.points[a])
     plain = oriented(grid.points, negative, ends, crossed, triangles)
     wanted = _topology(plain)
-    for snap in SNAPS:
+    for snap, parted in SNAPS:
         checkpoint("contouring")
-        points, triangles, _ = snapped(crossed, plain, ends, share, snap, np.zeros(len(negative), dtype=bool))
+        free = np.zeros(len(negative), dtype=bool)
+        if parted:
+            free = knotted(plain, ends, share, snap, len(negative))
+            if not free.any():
+                continue
+            free[ends[Edges(plain, len(ends)).rim]] = True  # near walls merged crossings may leave the region
+        points, triangles, _ = snapped(crossed, plain, ends, share, snap, free)
         if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:
             continue
         rim = wall_numbers(field, points, triangles)

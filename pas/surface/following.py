@@ -13,16 +13,28 @@ from pas.mesh.star import require_once, rim_numbers
 from pas.mesh.triangulate import wall_numbers
 
 if TYPE_CHECKING:
+    from pas.partition.cells import OuterFace
     from pas.surface.piecewise import PiecewiseSurface
 
 
 def around_centre(surface: PiecewiseSurface) -> bool:
-    """Whether there is a centre, inside the surface, and all contacts end on outer faces of the region."""
+    """Whether there is a centre, inside the surface, and all contacts end on outer faces of the region.
+
+    Where there are none, the middles of these must be outside.
+    """
     return (
         surface.partition.center is not None
         and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
         and all(join.confined for join in surface.joins)
+        and (len(surface.joins) > 0 or all(_outside(surface, face) for face in surface.local.outer_faces))
     )
+
+
+def _outside(surface: PiecewiseSurface, face: OuterFace) -> bool:
+    """Whether the middle of an outer face is."""
+    corners = [surface.local.vertices[v] for v in face.vertices]
+    x, y, z = (sum(c) / 3 for c in zip(*corners, strict=True))
+    return surface.patches[face.piece].at((x, y, z)) > 0
 
 
 def on_surface(surface: PiecewiseSurface, points: Floats, triangles: Integers, tolerance: float) -> Mesh:

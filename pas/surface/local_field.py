@@ -157,11 +157,15 @@ class LocalField(PatchField):
         """Of each wall and edge two planes (R, 2, 4), orthonormal directions (R, 2, 3) that span their normals, and the
         ways (R, 2, 3) onto both; zeros where there is one."""
         planes, across, back = (np.zeros((len(self.rims), 2, columns)) for columns in (4, 3, 3))
-        for size, rows in ((1, slice(self.walls)), (2, slice(self.walls, None))):
-            planes[rows, :size] = [curve.planes for curve in self.rims[rows]] or np.empty((0, size, 4))
-            normals = planes[rows, :size, :3]
-            across[rows, :size] = np.linalg.qr(normals.transpose(0, 2, 1))[0].transpose(0, 2, 1)
-            back[rows, :size] = np.linalg.pinv(normals).transpose(0, 2, 1)
+        for row, curve in enumerate(self.rims):
+            planes[row, : len(curve.planes)] = curve.planes
+        across[:, 0] = back[:, 0] = planes[:, 0, :3]
+        edges = slice(self.walls, None)
+        first, second = planes[edges, 0, :3], planes[edges, 1, :3]
+        cosine = dots(first, second)[:, None]
+        square = 1 - cosine * cosine  # of the sine: they are not parallel
+        across[edges, 1] = (second - cosine * first) / np.sqrt(square)
+        back[edges] = np.stack([first - cosine * second, second - cosine * first], axis=1) / square[:, :, None]
         return planes, across, back
 
     def near(self, points: Floats) -> Floats:
