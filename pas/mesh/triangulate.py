@@ -41,7 +41,7 @@ SEARCHED = 20_000
 MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
-SNAPS = (0.42, False), (0.42, True), (0.2, False), (0.0, False)
+SNAPS = (0.42, False), (0.3, True), (0.2, False), (0.0, False)
 """Shares of an edge within which crossings merge, tried in turn on each lattice; and whether those stay apart whose
 merging would change the topology, and all on walls."""
 
