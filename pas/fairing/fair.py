@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 LATTICES = (32, 64)
 """Subdivisions of the outer faces on whose rays members are to be clean; the finer where one is not proved."""
 
-ROUGHLY = 0.1
-"""A step along few rays that lowers the objective by a smaller share is the last of these."""
-
 CLOSER_LOOKS = 3
 """Times that a surface is looked at between the rays, and settled again where its curvature is hidden there."""
 
@@ -107,20 +104,8 @@ class FairSearch:
         for member, rows in self._starts(search):
             landscape = self.fairing.landscape(self.limits, member)
             if landscape.first is not None:
-                return self._nearer(search, State(landscape, landscape.first, rows))
+                return State(landscape, landscape.first, rows)
         return None
-
-    def _nearer(self, search: Search, state: State) -> State:
-        """Where few rays lead from there: most of the way down is as well seen along these."""
-        few = self.fairing.landscape(self.limits, state.member, live=True)
-        if few.first is None:
-            return state
-        begun = State(few, few.first, state.rows)
-        last = [begun, *Settling(search).steps(begun, enough=ROUGHLY)][-1]
-        look = state.landscape.look(last.member, state.look)
-        if look is None or look.objective >= state.look.objective:
-            return state
-        return State(state.landscape, look, last.rows)
 
     def _starts(self, search: Search) -> Iterator[tuple[Floats, Rows]]:
         if self.start is not None:

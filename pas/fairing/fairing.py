@@ -35,7 +35,7 @@ from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 _LAST: list[tuple[WorkingBasis, FairnessLimits, bytes, bool, Landscape]] = []
-"""The last landscape of each kind with what it was asked for; no more, as its tables take tens of megabytes."""
+"""The last landscape with what it was asked for; no more, as its tables take tens of megabytes."""
 
 
 @dataclass(frozen=True)
@@ -136,14 +136,13 @@ class Fairing:
     def landscape(self, limits: FairnessLimits, start: Floats, live: bool = False) -> Landscape:
         """The energy of the surface over the members, as it is seen along rays laid for one of them: few, if `live`.
 
-        The last one of each kind in the process is kept: the same rays serve another energy, such as another tension.
+        The last one of the process is kept: the same rays serve another energy, such as another tension.
         """
         for basis, *asked, landscape in _LAST:
             if basis is self.basis and asked == [limits, start.tobytes(), live]:
                 return landscape.seen_by(self.energy)
         landscape = Landscape(self.basis, self.placed, self.guard.mean_alpha, self.energy, limits, start, live)
-        _LAST[:] = [kept for kept in _LAST if kept[0] is self.basis and kept[3] != live]
-        _LAST.append((self.basis, limits, start.tobytes(), live, landscape))
+        _LAST[:] = [(self.basis, limits, start.tobytes(), live, landscape)]
         return landscape
 
     def choose(self, wishes: Wishes, start: PiecewiseSurface | None = None, patient: bool = True) -> Choice:

@@ -57,17 +57,16 @@ class Settling:
         self.search, self.programme = search, search.programme
         self.loss = 1 + LOSS if live else 0.0
 
-    def steps(self, state: State, number: int = STEPS, enough: float = ENOUGH) -> Iterator[State]:
-        """Clean members of less and less energy, until a step that lowers the objective by a share less than `enough`:
-        by default one that is as good as settled."""
+    def steps(self, state: State, number: int = STEPS) -> Iterator[State]:
+        """Clean members of less and less energy, until one is as good as settled."""
         damping = DAMPING
         for _ in range(number):
             checkpoint("making the surface fair")
             new, damping = self._step(state, damping)
             if new is None:
                 return
-            least = max(enough, HOPELESS if new.look.beyond > FAR_BEYOND * new.look.energy else 0.0)
-            done = self._objective(new.look) > (1 - least) * self._objective(state.look)
+            enough = HOPELESS if new.look.beyond > FAR_BEYOND * new.look.energy else ENOUGH
+            done = self._objective(new.look) > (1 - enough) * self._objective(state.look)
             state = new
             yield state
             if done:
