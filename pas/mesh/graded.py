@@ -76,18 +76,18 @@ class Graph:
         return Edges(self.triangles, len(self.points))
 
 
-def fineness(field: SheetField, tolerance: float) -> int:
-    """Into how many parts the edges of the first triangles are cut."""
-    return max(1, int(np.sqrt(COARSE * field.reach / tolerance)))
+def fineness(field: SheetField, tolerance: float, more: float = 0.0) -> int:
+    """Into how many parts the edges of the first triangles are cut: rounded down after so much `more` is added."""
+    return max(1, int(np.sqrt(COARSE * field.reach / tolerance) + more))
 
 
-def finished(field: SheetField, graph: Graph, tolerance: float, most: int | None = None) -> Mesh:
-    """The mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
+def finished(field: SheetField, graph: Graph, tolerance: float, m: int, most: int | None = None) -> Mesh:
+    """The mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles, with edges cut into
+    `m` parts.
 
     Raises `ArithmeticError` where triangles are folded or the tolerance is not reached, `MeshError` where there
     would be too many triangles.
     """
-    m = fineness(field, tolerance)
     most = refine.LARGEST if most is None else most
     fits = max(1, int(np.sqrt(most / len(graph.triangles))))
     if fits < m or len(graph.triangles) > most:

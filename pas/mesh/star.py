@@ -29,9 +29,10 @@ def star(field: RayField, tolerance: float, most: int | None = None, aim: float 
     """
     if field.first is None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
-    graph = remeshed(field, field.first, aim * tolerance * fineness(field, tolerance) ** 2)
+    m = fineness(field, tolerance)
+    graph = remeshed(field, field.first, aim * tolerance * m**2)
     require_once(field, graph.points[graph.rim < 0])
-    return finished(field, graph, tolerance, most)
+    return finished(field, graph, tolerance, m, most)
 
 
 def require_once(field: RayField, points: Floats) -> None:

@@ -45,6 +45,10 @@ SNAPS = (0.42, False), (0.3, True), (0.2, False), (0.0, False)
 """Shares of an edge within which crossings merge, tried in turn on each lattice; and whether those stay apart whose
 merging would change the topology, and all on walls."""
 
+MORE = 0.4
+"""Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
+be a little coarser than those of a star, which rays have to see all of."""
+
 FOLDS = 0.03
 """Share of folded triangles, and of such without area, that coarsening and smoothing may have to mend."""
 
@@ -140,9 +144,10 @@ def _finest(cells: Subdivision) -> bool:
 
 def _from(field: CellField, graph: Graph, tolerance: float, most: int | None, aim: float) -> Mesh:
     """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
-    coarse = aim * tolerance * fineness(field, tolerance) ** 2
+    m = fineness(field, tolerance, MORE)
+    coarse = aim * tolerance * m**2
     graph = remeshed(field, coarsened(field, graph, coarse), coarse)
-    return finished(field, graph, tolerance, most)
+    return finished(field, graph, tolerance, m, most)
 
 
 def _first(field: CellField, grid: Lattice) -> Graph:

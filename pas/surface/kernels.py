@@ -32,9 +32,6 @@ HIGHEST = 15
 Faces = tuple[int, Floats, Integers]
 """How many faces rays leave a region through, their weights (F, 3, 3), and pieces (F,); 0 where there is one piece."""
 
-RISES, SURE, OPEN = range(3)
-"""What is known of a polynomial on a simplex: that it rises along a direction, that it has one sign, or neither."""
-
 
 class CompiledForms:
     """The functions of the compiled library; polynomials by coefficients in the order of the rule."""
@@ -109,23 +106,28 @@ class CompiledForms:
         self._call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
         return bool(once[0])
 
-    def states(self, up: Integers, forms: Floats, corners: Floats, bound: float, roundings: float) -> NDArray[np.int8]:
-        """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of."""
-        states = np.empty(len(forms), dtype=np.bool_)
-        sizes = len(forms), forms.shape[1], corners.shape[1] - 1, len(up)
-        self._call("pas_states", *sizes, up, forms, corners, bound, roundings, states)
-        return states.view(np.int8)
+    def parted(
+        self,
+        simplices: tuple[Floats, Floats],
+        up: Integers,
+        bounds: tuple[float, float],
+        cut: bool,
+        cuts: tuple[Integers, Integers, Integers],
+    ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of.
 
-    def halved(
-        self, pairs: Integers, halves: Integers, taken: Integers, forms: Floats, corners: Floats
-    ) -> tuple[Floats, Floats]:
-        """See `pas.surface.rests.leaves`: both halves of simplices, cut at their longest of the edges `pairs` (E, 2),
-        for each of which (E, M, 2) says the means, and (E, 2, m) the coefficients, that are to be taken."""
-        count, vertices = len(forms), corners.shape[1]
-        new_forms, new_corners = np.empty((2 * count, forms.shape[1])), np.empty((2 * count, vertices, 3))
-        tables = (len(pairs), pairs, halves.shape[1], halves, taken, forms, corners)
-        self._call("pas_halved", count, forms.shape[1], vertices - 1, *tables, new_forms, new_corners)
-        return new_forms, new_corners
+        `cuts` are edges (E, 2), and for each (E, M, 2) says the means, and (E, 2, m) the coefficients, to be taken.
+        """
+        forms, corners = simplices
+        (count, size), vertices = forms.shape, corners.shape[1]
+        most = 2 * count if cut else count
+        left, sure = ((np.empty((most, size)), np.empty((most, vertices, 3))) for _ in range(2))
+        pairs, halves, taken = cuts
+        tables, sizes = (len(pairs), pairs, halves.shape[1], halves, taken), np.empty(2, dtype=np.intp)
+        given = (count, size, vertices - 1, len(up), up, *bounds, cut, *tables)
+        self._call("pas_parted", *given, forms, corners, *left, *sure, sizes)
+        first, second = sizes.tolist()
+        return (left[0][:first], left[1][:first]), (sure[0][:second], sure[1][:second])
 
     def crossed(
         self,

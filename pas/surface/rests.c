@@ -105,8 +105,8 @@ static void gather(whole count, whole start, whole m, const double *rows, double
 
 /* Of simplices (count) with forms (m) and corners (d + 1, 3) whether the function rises along a direction, its
    coefficients, off by `bound`, have one sign, or neither. */
-int pas_states(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
-               double bound, double roundings, char *states)
+static int look(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
+                double bound, double roundings, char *states)
 {
     double *block = malloc((m + 3 * d + 3) * BLOCK * sizeof(double));
     double gram[3][3][BLOCK], mean[3][BLOCK], unused[3][BLOCK], u[3][BLOCK], least[BLOCK], low[BLOCK], high[BLOCK];
@@ -134,8 +134,9 @@ int pas_states(whole count, whole m, whole d, whole lower, const whole *up, cons
 
 /* Both halves, one behind the other, of simplices with forms (m) and corners (d + 1, 3), cut in the middle of their
    longest of some edges (edges, 2), by means (means) of coefficients. */
-int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
-               const whole *taken, const double *forms, const double *corners, double *new_forms, double *new_corners)
+static int halve(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
+                 const whole *taken, const double *forms, const double *corners, double *new_forms,
+                 double *new_corners)
 {
     double *table = malloc(means * sizeof(double));
     if (!table) return -1;
@@ -168,4 +169,33 @@ int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, w
     }
     free(table);
     return 0;
+}
+
+/* Simplices with forms (m) and corners (d + 1, 3), or both halves of each, of which those that are open move to the
+   front, and those of one sign are copied; `sizes` says how many there are of both. */
+int pas_parted(whole count, whole m, whole d, whole lower, const whole *up, double bound, double roundings, whole cut,
+               whole edges, const whole *pairs, whole means, const whole *halves, const whole *taken,
+               const double *forms, const double *corners, double *open_forms, double *open_corners,
+               double *sure_forms, double *sure_corners, whole *sizes)
+{
+    const whole all = cut ? 2 * count : count, n = 3 * (d + 1);
+    char *states = malloc(all + 1);
+    int failed = !states;
+    if (!failed && cut)
+        failed = halve(count, m, d, edges, pairs, means, halves, taken, forms, corners, open_forms, open_corners);
+    if (!failed && !cut) {
+        memcpy(open_forms, forms, count * m * sizeof(double));
+        memcpy(open_corners, corners, count * n * sizeof(double));
+    }
+    if (!failed) failed = look(all, m, d, lower, up, open_forms, open_corners, bound, roundings, states);
+    sizes[0] = sizes[1] = 0;
+    for (whole t = 0; !failed && t < all; t++) {
+        if (states[t] == RISES) continue;
+        const int sure = states[t] == SURE;
+        const whole to = sizes[sure]++;
+        memmove((sure ? sure_forms : open_forms) + m * to, open_forms + m * t, m * sizeof(double));
+        memmove((sure ? sure_corners : open_corners) + n * to, open_corners + n * t, n * sizeof(double));
+    }
+    free(states);
+    return failed;
 }

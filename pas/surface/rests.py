@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
@@ -23,7 +22,7 @@ from pas.bernstein.subdivision import edges, raised
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
-from pas.surface.kernels import OPEN, RISES, SURE, compiled
+from pas.surface.kernels import compiled
 
 HALVINGS, MOST = 150, 6000
 """Halvings of a simplex, and simplices still open, at which the search ends."""
@@ -64,18 +63,16 @@ in them."""
 
 def leaves(forms: Floats, corners: Floats, degree: int, error: float = UNIT_ROUNDOFF, most: int = MOST) -> Leaves:
     """Places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`."""
-    kept, places, examined = [forms[:0]], [corners[:0]], 0
+    kept, places, examined = [], [], 0
     for halved in range(HALVINGS + 1):
         checkpoint(f"looking for critical points ({examined} simplices examined)")
-        examined += len(forms)
-        states = _states(forms, corners, degree, rounding_bound(degree, halved, error))
-        sure, left = states == SURE, states == OPEN
-        kept.append(forms[sure])
-        places.append(corners[sure])
-        forms, corners = forms[left], corners[left]
-        if not len(forms) or len(forms) > most or halved == HALVINGS or corners.shape[1] == 1:
+        bound = rounding_bound(degree, halved, error)
+        examined += len(forms) * (2 if halved else 1)
+        (forms, corners), sure = _parted(forms, corners, degree, bound, cut=halved > 0)
+        kept.append(sure[0])
+        places.append(sure[1])
+        if not len(forms) or len(forms) > most or corners.shape[1] == 1:
             break
-        forms, corners = _halved(forms, corners, degree)
     return Leaves(np.concatenate(kept), np.concatenate(places), corners, halved, error, examined)
 
 
@@ -92,10 +89,9 @@ def rests(found: Leaves, degree: int, free: Free, most: int = MOST) -> Rests:
         if not len(forms) or len(forms) > most or halved >= HALVINGS or corners.shape[1] == 1:
             break
         checkpoint(f"looking for critical points ({examined} simplices examined)")
-        forms, corners = _halved(forms, corners, degree)
-        halved, examined = halved + 1, examined + len(forms)
-        still = _states(forms, corners, degree, rounding_bound(degree, halved, found.error)) != RISES
-        forms, corners = forms[still], corners[still]
+        halved, examined = halved + 1, examined + 2 * len(forms)
+        parts = _parted(forms, corners, degree, rounding_bound(degree, halved, found.error), cut=True)
+        forms, corners = (np.concatenate(both) for both in zip(*parts, strict=True))
     left = np.concatenate([found.open.mean(axis=1), corners.mean(axis=1)])
     return Rests(np.concatenate(kept), np.concatenate(signs), left, examined)
 
@@ -104,16 +100,23 @@ def _least(forms: Floats, bound: float) -> Floats:
     return np.asarray(np.maximum(forms.min(axis=1), -forms.max(axis=1)) - bound)
 
 
-def _states(forms: Floats, corners: Floats, degree: int, bound: float) -> NDArray[np.int8]:
-    """Whether the derivative along one direction is positive on simplices, their coefficients have one sign, or
-    neither, (N,)."""
+def _parted(
+    forms: Floats, corners: Floats, degree: int, bound: float, *, cut: bool
+) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Of simplices, or of their halves if they are `cut`, those that are left open, and those of one sign.
+
+    Those along one direction in which the derivative is positive are dropped.
+    """
     up = _raised(degree, corners.shape[1])
     kernel = compiled(len(forms) * forms.shape[1])
     if kernel is not None:
-        return kernel.states(up, forms, corners, bound, ROUNDINGS * UNIT_ROUNDOFF)
-    states = np.where(_least(forms, bound) > 0, SURE, OPEN).astype(np.int8)
-    states[_rises(forms, corners, up, bound)] = RISES
-    return states
+        bounds = bound, ROUNDINGS * UNIT_ROUNDOFF
+        return kernel.parted((forms, corners), up, bounds, cut, _cuts(degree, corners.shape[1]))
+    if cut:
+        forms, corners = _halved(forms, corners, degree)
+    rises, sure = _rises(forms, corners, up, bound), _least(forms, bound) > 0
+    left, sure = ~rises & ~sure, ~rises & sure
+    return (forms[left], corners[left]), (forms[sure], corners[sure])
 
 
 @cache
@@ -161,10 +164,7 @@ def _direction(gram: list[list[Floats]], mean: list[Floats]) -> list[Floats]:
 def _halved(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
     """Both halves of each simplex, one behind the other, cut at the middle of its longest edge."""
     vertices = corners.shape[1]
-    pairs, halves, taken = _cuts(degree, vertices)
-    kernel = compiled(len(forms) * forms.shape[1])
-    if kernel is not None:
-        return kernel.halved(pairs, halves, taken, forms, corners)
+    pairs = _cuts(degree, vertices)[0]
     spans = [corners[:, a] - corners[:, b] for a, b in pairs.tolist()]
     longest = np.argmax([dots(span, span) for span in spans], axis=0)
     found, places = np.empty((2 * len(forms), forms.shape[1])), np.repeat(corners, 2, axis=0)
@@ -182,4 +182,6 @@ def _halved(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats
 def _cuts(degree: int, vertices: int) -> tuple[Integers, Integers, Integers]:
     """The edges (E, 2), and for each the means (E, M, 2) of which its halves' coefficients (E, 2, m) are some."""
     cuts = bisection(degree, vertices)
+    if not cuts:
+        return np.empty((0, 2), dtype=np.intp), np.empty((0, 0, 2), dtype=np.intp), np.empty((0, 2, 0), dtype=np.intp)
     return np.array(edges(vertices)), np.array([c.halves for c in cuts]), np.array([c.taken for c in cuts])
