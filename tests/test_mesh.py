@@ -142,13 +142,38 @@ def test_no_surface_is_said():
         empty.triangulate(1e-2)
 
 
-def test_a_long_thin_arm_beside_the_centre():
-    """Some rays from the centre leave through its end without having met the surface."""
+@pytest.mark.parametrize("degree", [5, 6])
+def test_a_long_thin_arm_beside_the_centre(degree):
+    """Some rays from the centre leave through its end without having met the surface, and meet it at distances that
+    are very different on both sides of its axis."""
     arms = [
         pas.Pipe(axis=(2, 1, -1), radius="1/4", clip=2, point=(0, "1/10", 0)),
         pas.Cone(axis=(1, -1, 2), radius="1/3", slope="-1/5", clip="auto"),
     ]
-    assert pas.blend(arms, 2).mesh(tolerance=2e-2).certificate.holds
+    mesh = pas.blend(arms, 2, degree=degree).mesh(tolerance=2e-2)
+    assert mesh.certificate.holds
+    assert np.percentile(mesh.smallest_angles, 1) > 28
+
+
+@pytest.mark.parametrize(
+    ("order", "given"),
+    [
+        (2, [((0, 2, 0), "1/5", "auto", (0, "1/12", "1/16")), ((-1, -1, -2), "1/5", "3/2", ("1/8", "1/16", "-1/10"))]),
+        (
+            1,
+            [
+                ((2, -1, 1), "1/5", "3/2", (0, "1/8", "-1/10")),
+                ((0, 1, 2), "1/4", "auto", ("-1/12", "1/8", "1/6")),
+                ((0, -2, -1), "1/3", "3/2", ("-1/8", "-1/8", 0)),
+            ],
+        ),
+    ],
+)
+def test_arms_that_pass_the_centre_by(order, given):
+    """First triangles across such an arm were split to points on its other side, and folded."""
+    mesh = pas.blend([pas.Pipe(a, r, clip=c, point=p) for a, r, c, p in given], order).mesh(2e-2)
+    assert mesh.certificate.holds
+    assert mesh.smallest_angles.min() > 15
 
 
 def test_a_surface_that_is_too_sharp_for_a_mesh_is_said_to_be():

@@ -44,6 +44,9 @@ LONG = 1.35
 
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
+REFUSALS = 4
+"""How often edges are split again without those whose middles fold triangles."""
+
 LAST, ENOUGH, SLENDER = 4, 2, 0.004
 """Smoothings at the end, and how many do where no larger share of triangles has an angle below 30 degrees."""
 
@@ -210,12 +213,32 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
         long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
         if not len(long):
             break
-        graph = _relaxed(field, _split(field, graph, long, drawn=True)[0], tolerance)
+        graph = _relaxed(field, _unfolded(field, graph, long), tolerance)
     for step in range(LAST):
         if step >= ENOUGH and slender(graph.points, graph.triangles) <= SLENDER * len(graph.triangles):
             break
         graph = _relaxed(field, graph, tolerance)
     return graph
+
+
+def _unfolded(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
+    """The mesh with points in the middle of chosen edges, but for those whose points fold triangles: around a thin arm
+    the middle of an edge may be nearer to its other side."""
+    for _ in range(REFUSALS):
+        new = _split(field, graph, chosen, drawn=True)[0]
+        folded = new.triangles[upright(new.points, new.triangles, new.normals) < FOLDED]
+        refused = np.unique(folded[folded >= len(graph.points)]) - len(graph.points)
+        if not len(refused):
+            return new
+        chosen = np.delete(_in_order(chosen, len(graph.points)), refused, axis=0)
+        if not len(chosen):
+            return graph
+    return new
+
+
+def _in_order(chosen: Integers, size: int) -> Integers:
+    """Edges (E, 2) in the order of the points that `split` puts into their middles."""
+    return chosen[np.argsort(chosen.min(axis=1) * size + chosen.max(axis=1))]
 
 
 def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tuple[Graph, Integers]:
@@ -224,7 +247,7 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
     size = len(graph.points)
     points, triangles, parents = split(graph.points, graph.triangles, chosen)
     rim = np.concatenate([graph.rim, np.full(len(points) - size, -1)])
-    pairs = chosen[np.argsort(chosen.min(axis=1) * size + chosen.max(axis=1))]  # in the order of the new points
+    pairs = _in_order(chosen, size)
     on_rim = np.flatnonzero((graph.rim[pairs] >= 0).all(axis=1))
     if len(on_rim):
         border = graph.edges.rim
