@@ -268,7 +268,8 @@ def test_rays_from_the_centre_and_its_skeleton_are_the_same_bits(both):
     field = surface.radial_field
     local = field.frame.local_points(surface.mesh(2e-2).points)
     noise = np.random.default_rng(5).normal(size=local.shape)
-    points = np.concatenate([local + scale * noise for scale in (1e-4, 0.02, 0.2)])
+    on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
+    points = np.concatenate([*(local + scale * noise for scale in (1e-4, 0.02, 0.2)), on_skeleton])
     inner = field.first.points[field.first.rim < 0]
 
     def looked():
