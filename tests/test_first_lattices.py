@@ -28,7 +28,7 @@ def test_a_neck_around_a_node_is_meshed_from_the_first_lattice():
 
 
 def test_crossings_that_are_no_disc_are_told_from_those_that_are():
-    """Of a node whose neighbours are all outside, whose star is a ball, and of one of a prism's ring of edges."""
+    """All crossings around a node are a sphere; without one triangle, a disc; those far from it do not merge."""
     corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1)])
     tetrahedra = np.array([(0, 1, 2, 3), (0, 1, 2, 4), (0, 1, 3, 4), (0, 2, 3, 4)])
     edges, triangles = crossings(np.arange(5) == 0, tetrahedra)

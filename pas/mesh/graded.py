@@ -44,9 +44,6 @@ LONG = 1.35
 
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
-REFUSALS = 4
-"""How often edges are split again without those whose middles fold triangles."""
-
 LAST, ENOUGH, SLENDER = 4, 2, 0.004
 """Smoothings at the end, and how many do where no larger share of triangles has an angle below 30 degrees."""
 
@@ -222,18 +219,17 @@ def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 
 def _unfolded(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
-    """The mesh with points in the middle of chosen edges, but for those whose points fold triangles: around a thin arm
-    the middle of an edge may be nearer to its other side."""
-    for _ in range(REFUSALS):
+    """The mesh with points in the middle of chosen edges (E, 2), but for those whose points fold triangles: around a
+    thin arm the middle of an edge may be nearer to its other side."""
+    size = len(graph.points)
+    while len(chosen):
         new = _split(field, graph, chosen, drawn=True)[0]
         folded = new.triangles[upright(new.points, new.triangles, new.normals) < FOLDED]
-        refused = np.unique(folded[folded >= len(graph.points)]) - len(graph.points)
+        refused = np.unique(folded[folded >= size]) - size
         if not len(refused):
             return new
-        chosen = np.delete(_in_order(chosen, len(graph.points)), refused, axis=0)
-        if not len(chosen):
-            return graph
-    return new
+        chosen = np.delete(_in_order(chosen, size), refused, axis=0)
+    return graph
 
 
 def _in_order(chosen: Integers, size: int) -> Integers:
