@@ -81,6 +81,12 @@ class Energy:
         """Whether it has a part that is an integral over the surface."""
         return type(self).residuals is not Energy.residuals
 
+    @property
+    def outset(self) -> Energy:
+        """The energy by which the way down its landscape begins, while that is steep: one for many that differ
+        little, so that the beginning of the way is the same for all of them."""
+        return self
+
     def products(self, members: Members) -> fmpq_mat:
         """The same for a basis of members, exact: (dimension, dimension).
 

@@ -75,6 +75,7 @@ class Search:
 
     def __init__(self, exchange: Exchange, subdivisions: int) -> None:
         self.programme, self.guard, self.margins = exchange.programme, exchange.guard, exchange.margins
+        self.subdivisions = subdivisions
         self.rays = exchange.programme.fairing.rays(subdivisions)
         self.all_edges = self.guard.edges(subdivisions, self.margins)
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError
+from pas.fairing.basis import WorkingBasis
+from pas.fairing.energy import Energy
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER, Margins, Rows
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.settling import Settling, State
+from pas.fairing.settling import DAMPING, STEPS, Settling, State
 from pas.fairing.wishes import Wishes
 from pas.surface.piecewise import PiecewiseSurface
 
@@ -32,6 +35,10 @@ where limits cannot be met it only weighs them more."""
 NOT_FAIR = 0.1
 """Where the first way down ends with more than this share of the energy beyond limits, none of forty corners became
 fair at that degree; those that did had 0.05 at most."""
+
+
+_LAST: list[tuple[WorkingBasis, tuple[Wishes, Margins, int, bytes | None], tuple[tuple[State, ...], bool]]] = []
+"""The last steep part of a way down, with what it was asked for."""
 
 
 class BeyondLimitsError(Exception):
@@ -77,10 +84,9 @@ class FairSearch:
         state: State | None = None
         for subdivisions in LATTICES:
             search = Search(Exchange(self.programme, self.fairing.guard, margins), subdivisions)
-            state = state or self._begun(search)
-            if state is None:
+            states = self._down(search) if state is None else [state, *Settling(search).steps(state)]
+            if not states:
                 continue
-            states = [state, *Settling(search).steps(state)]
             if not self.patient and states[-1].look.beyond > NOT_FAIR * states[-1].look.energy:
                 raise BeyondLimitsError("settled beyond the limits of fairness")
             for _ in range(CLOSER_LOOKS):
@@ -94,15 +100,39 @@ class FairSearch:
                     break
             found = self._furthest(states, margins)
             if found is not None and (best is None or found[0].energy <= best.energy):
-                best, state = found
+                best, state = found[0], replace(found[1], damping=DAMPING)
             if found is not None and found[1] is states[-1]:
                 return best
         return best
 
-    def _begun(self, search: Search) -> State | None:
+    def _down(self, search: Search) -> list[State]:
+        """All the way down, with its beginning; empty where no member is seen.
+
+        Its steep part is the same for all energies with one `outset`, such as those of any tension.
+        """
+        energy = self.fairing.energy
+        steep, ended = self._steep(search, energy.outset)
+        states = [state.under(energy) for state in steep]
+        if not states or (ended and energy == energy.outset):
+            return states
+        return [*states, *Settling(search).steps(states[-1], STEPS + 1 - len(states))]
+
+    def _steep(self, search: Search, outset: Energy) -> tuple[tuple[State, ...], bool]:
+        """The first part of it, by the energy `outset`, and whether that ends it; the last one asked for is kept."""
+        fairing, start = self.fairing.of(outset), None if self.start is None else self.start.tobytes()
+        asked = self.wishes.changed(energy=outset, prove=True), search.margins, search.subdivisions, start
+        for basis, before, found in _LAST:
+            if basis is fairing.basis and before == asked:
+                return found
+        first = self._begun(search, fairing)
+        found = ((), True) if first is None else Settling(search).steep(first)
+        _LAST[:] = [(fairing.basis, asked, found)]
+        return found
+
+    def _begun(self, search: Search, fairing: Fairing) -> State | None:
         """Where the way down begins: at the given start, or else at a clean member, the first that is seen."""
         for member, rows in self._starts(search):
-            landscape = self.fairing.landscape(self.limits, member)
+            landscape = fairing.landscape(self.limits, member)
             if landscape.first is not None:
                 return State(landscape, landscape.first, rows)
         return None

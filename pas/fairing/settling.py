@@ -8,11 +8,12 @@ and the step is solved again.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.fairing.energy import Energy
 from pas.fairing.exchange import Search
 from pas.fairing.guard import Rows
 from pas.fairing.landscape import Landscape, Look
@@ -27,6 +28,9 @@ DAMPING, LEAST_DAMPING, SLOWER, FASTER = 1e-4, 1e-9, 8.0, 6.0
 ENOUGH, NOISE = 3e-4, 1e-7
 """A step that lowers the objective by a smaller share is the last one; by less than the other, it is none."""
 
+STEEP = 0.1
+"""Up to the first step that lowers the objective by a smaller share, the way down is steep."""
+
 LOSS = 1e-2
 """The share of the objective that a live step may lose to rows that it adds: they ask for a margin that the member
 itself has not, so that it would stay where it is, after all trials."""
@@ -38,16 +42,22 @@ objective by this share is then the last."""
 
 @dataclass(frozen=True)
 class State:
-    """A member as it is seen in a landscape, and the guard rows under which it was found."""
+    """A member as it is seen in a landscape, the guard rows under which it was found, and the damping to go on with."""
 
     landscape: Landscape
     look: Look
     rows: Rows
+    damping: float = DAMPING
 
     @property
     def member(self) -> Floats:
         """The working coefficients."""
         return self.look.view.member
+
+    def under(self, energy: Energy) -> State:
+        """The same member in the landscape of another energy."""
+        landscape, look = self.landscape.of(energy, self.look)
+        return replace(self, landscape=landscape, look=look)
 
 
 class Settling:
@@ -59,19 +69,32 @@ class Settling:
 
     def steps(self, state: State, number: int = STEPS) -> Iterator[State]:
         """Clean members of less and less energy, until one is as good as settled."""
-        damping = DAMPING
         for _ in range(number):
             checkpoint("making the surface fair")
-            new, damping = self._step(state, damping)
+            new = self._step(state)
             if new is None:
                 return
-            enough = HOPELESS if new.look.beyond > FAR_BEYOND * new.look.energy else ENOUGH
-            done = self._objective(new.look) > (1 - enough) * self._objective(state.look)
-            state = new
+            before, state = state, new
             yield state
-            if done:
+            if self._settled(before, state):
                 return
-            damping = max(damping / FASTER, LEAST_DAMPING)
+
+    def steep(self, state: State) -> tuple[tuple[State, ...], bool]:
+        """The first part of the way, with its beginning, up to a step that does not lower the objective by much; and
+        whether that is all of it."""
+        states = [state]
+        for new in self.steps(state):
+            states.append(new)
+            if self._lowers_less(STEEP, *states[-2:]) and not self._settled(*states[-2:]):
+                return tuple(states), False
+        return tuple(states), True
+
+    def _settled(self, before: State, after: State) -> bool:
+        enough = HOPELESS if after.look.beyond > FAR_BEYOND * after.look.energy else ENOUGH
+        return self._lowers_less(enough, before, after)
+
+    def _lowers_less(self, share: float, before: State, after: State) -> bool:
+        return self._objective(after.look) > (1 - share) * self._objective(before.look)
 
     def forced(self, state: State) -> State | None:
         """A step to where the programme's conditions hold, whatever the energy there; None where none is seen."""
@@ -98,10 +121,10 @@ class Settling:
         half = self.programme.quadratic_part / 2
         return normal + half, slope + half @ state.member
 
-    def _step(self, state: State, damping: float) -> tuple[State | None, float]:
+    def _step(self, state: State) -> State | None:
         normal, slope = self._linearised(state)
         size = np.trace(normal) / len(normal)
-        rows, cuts = state.rows, 0
+        rows, damping, cuts = state.rows, state.damping, 0
         most = (1 - NOISE) * self._objective(state.look)
         for _ in range(TRIES):
             matrix = normal + damping * size * np.eye(len(normal))
@@ -112,11 +135,11 @@ class Settling:
                 continue
             edges, sheet = self.search.failures(new)
             if not len(edges) + len(sheet):
-                return State(state.landscape, look, rows), damping
+                return State(state.landscape, look, rows, max(damping / FASTER, LEAST_DAMPING))
             rows, cuts = rows + edges + sheet, cuts + 1
             most = max(most, self.loss * self._objective(state.look))
             if cuts > 2:
                 damping *= SLOWER / 2
             if cuts == CUTS:
                 break
-        return None, damping
+        return None
