@@ -102,6 +102,13 @@ def test_settings_have_one_list_of_names():
             call(prove=False)
 
 
+def test_wishes_without_points_are_plain():
+    every = {kind: [PLACE] for kind in ("inside", "outside", "through", "near")}
+    more = {"near_weight": 7, "margin": 1, "handles": {(0, (3, 0, 0, 0)): 1}, "coefficients": {0: 1}}
+    kept = {"tension": 2, "normalize": pas.SumOfCoefficients(), "limits": pas.FairnessLimits.of_order(1)}
+    assert pas.Wishes(**every, **more, **kept).plain == pas.Wishes(**kept) != pas.Wishes(**kept, margin=1)
+
+
 def test_settings_are_exact_and_can_be_changed():
     wishes = pas.Wishes(near=[(0.5, "1/3", 1), PLACE], near_weight=(1, 2), handles={(0, (1, 0, 0, 0)): "1/2"}, margin=1)
     assert wishes.near[0] == pas.Wishes(near=["1/2", "1/3", "1"]).near[0]

@@ -11,7 +11,6 @@ import numpy as np
 from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.energy import Energy
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER, Margins, Rows
 from pas.fairing.programme import MemberProgramme
@@ -108,34 +107,42 @@ class FairSearch:
     def _down(self, search: Search) -> list[State]:
         """All the way down, with its beginning; empty where no member is seen.
 
-        Its steep part is the same for all energies with one `outset`, such as those of any tension.
+        Its steep part is that of the energy's `outset`; and it is that without points and handles, where these can be
+        met by one step from its end, so that the rest is short.
         """
-        energy = self.fairing.energy
-        steep, ended = self._steep(search, energy.outset)
+        energy, settling = self.fairing.energy, Settling(search)
+        if self.start is None and self.wishes != self.wishes.plain:
+            steep, _ = self._steep(search, self.wishes.plain)
+            states = settling.met(steep[-1].under(energy)) if steep else []
+            if len(states) > 1:
+                return states
+        steep, ended = self._steep(search, self.wishes)
         states = [state.under(energy) for state in steep]
         if not states or (ended and energy == energy.outset):
             return states
-        return [*states, *Settling(search).steps(states[-1], STEPS + 1 - len(states))]
+        return [*states, *settling.steps(states[-1], STEPS + 1 - len(states))]
 
-    def _steep(self, search: Search, outset: Energy) -> tuple[tuple[State, ...], bool]:
-        """The first part of it, by the energy `outset`, and whether that ends it; the last one asked for is kept."""
-        fairing, start = self.fairing.of(outset), None if self.start is None else self.start.tobytes()
-        asked = self.wishes.changed(energy=outset, prove=True), search.margins, search.subdivisions, start
+    def _steep(self, search: Search, wishes: Wishes) -> tuple[tuple[State, ...], bool]:
+        """The first part of the way under some wishes, by the energy's `outset`, and whether that is all of it.
+
+        The last one asked for is kept.
+        """
+        fairing = self.fairing.of(self.fairing.energy.outset)
+        start = None if self.start is None else self.start.tobytes()
+        wishes = wishes.changed(energy=fairing.energy, limits=self.limits, prove=True)
+        asked = wishes, search.margins, search.subdivisions, start
         for basis, before, found in _LAST:
             if basis is fairing.basis and before == asked:
                 return found
-        first = self._begun(search, fairing)
-        found = ((), True) if first is None else Settling(search).steep(first)
+        own = Search(Exchange(MemberProgramme(fairing, wishes), fairing.guard, search.margins), search.subdivisions)
+        found = (), True
+        for member, rows in self._starts(own):
+            landscape = fairing.landscape(self.limits, member)
+            if landscape.first is not None:  # where the way begins
+                found = Settling(own).steep(State(landscape, landscape.first, rows))
+                break
         _LAST[:] = [(fairing.basis, asked, found)]
         return found
-
-    def _begun(self, search: Search, fairing: Fairing) -> State | None:
-        """Where the way down begins: at the given start, or else at a clean member, the first that is seen."""
-        for member, rows in self._starts(search):
-            landscape = fairing.landscape(self.limits, member)
-            if landscape.first is not None:
-                return State(landscape, landscape.first, rows)
-        return None
 
     def _starts(self, search: Search) -> Iterator[tuple[Floats, Rows]]:
         if self.start is not None:

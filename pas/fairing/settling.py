@@ -89,6 +89,12 @@ class Settling:
                 return tuple(states), False
         return tuple(states), True
 
+    def met(self, state: State) -> list[State]:
+        """The way down from where the programme's conditions hold, one step from a state, with that; empty where none
+        is seen."""
+        first = state if self.programme.holds(state.member) else self.forced(state)
+        return [] if first is None else [first, *self.steps(first)]
+
     def _settled(self, before: State, after: State) -> bool:
         enough = HOPELESS if after.look.beyond > FAR_BEYOND * after.look.energy else ENOUGH
         return self._lowers_less(enough, before, after)

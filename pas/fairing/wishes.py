@@ -202,6 +202,12 @@ class Wishes:
         own: Any = {f.name: getattr(self, f.name) for f in fields(self)}
         return Wishes(**(own | options))
 
+    @property
+    def plain(self) -> Wishes:
+        """The same wishes without points, handles and coefficients."""
+        asked: Any = dict.fromkeys((*KINDS, "near"), ())
+        return self.changed(**asked, near_weight=DEFAULT_NEAR_WEIGHT, margin=None)
+
     def settled(self, placed: PlacedContacts) -> Wishes:
         """The same wishes with the energy that is made small in a place where none is given."""
         if self.energy is not None:
