@@ -309,6 +309,21 @@ def test_the_way_down_begins_in_the_same_way_for_all_tensions_and_points(monkeyp
         assert (len(steps) <= len(all_steps) - 3) == (number in (1, 2, 3))
 
 
+def test_the_steep_part_is_kept_for_its_own_rows_and_start(space):
+    begun = fair(UNEQUAL, 2).surface
+    fairing, wishes = space.fairing(pas.CurvatureVariation()), pas.Wishes(energy=pas.CurvatureVariation())
+
+    def steep(margins, subdivisions, start=None):
+        search = FairSearch(fairing, wishes, start)
+        lattice = Search(Exchange(search.programme, fairing.guard, margins), subdivisions)
+        return search._steep(lattice, wishes)
+
+    for other in ((LADDER[0], 16), (LADDER[1], 8), (LADDER[0], 8, begun)):
+        first = steep(LADDER[0], 8)
+        assert steep(LADDER[0], 8) is first
+        assert steep(*other) is not first
+
+
 def test_tension_goes_from_full_to_slim():
     usual = fair(UNEQUAL, 1)
     full, slim = (usual.space.fit(tension=t, prove=False).fairness.area for t in (1, 20))

@@ -14,7 +14,7 @@ from pas.fairing.basis import WorkingBasis
 from pas.fairing.exchange import Exchange, Search
 from pas.fairing.guard import LADDER, Margins, Rows
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.settling import DAMPING, STEPS, Settling, State
+from pas.fairing.settling import DAMPING, STEPS, Settling, State, Steep
 from pas.fairing.wishes import Wishes
 from pas.surface.piecewise import PiecewiseSurface
 
@@ -35,9 +35,8 @@ NOT_FAIR = 0.1
 """Where the first way down ends with more than this share of the energy beyond limits, none of forty corners became
 fair at that degree; those that did had 0.05 at most."""
 
-
-_LAST: list[tuple[WorkingBasis, tuple[Wishes, Margins, int, bytes | None], tuple[tuple[State, ...], bool]]] = []
-"""The last steep part of a way down, with what it was asked for."""
+_LAST: list[tuple[WorkingBasis, tuple[Wishes, Margins, int, bytes | None], Steep]] = []
+"""The last steep part of a way down, with what it was asked for; no more, as it takes up to twenty megabytes."""
 
 
 class BeyondLimitsError(Exception):
@@ -99,7 +98,7 @@ class FairSearch:
                     break
             found = self._furthest(states, margins)
             if found is not None and (best is None or found[0].energy <= best.energy):
-                best, state = found[0], replace(found[1], damping=DAMPING)
+                best, state = found[0], replace(found[1], damping=DAMPING)  # among other rows, begun anew
             if found is not None and found[1] is states[-1]:
                 return best
         return best
@@ -122,11 +121,8 @@ class FairSearch:
             return states
         return [*states, *settling.steps(states[-1], STEPS + 1 - len(states))]
 
-    def _steep(self, search: Search, wishes: Wishes) -> tuple[tuple[State, ...], bool]:
-        """The first part of the way under some wishes, by the energy's `outset`, and whether that is all of it.
-
-        The last one asked for is kept.
-        """
+    def _steep(self, search: Search, wishes: Wishes) -> Steep:
+        """The first part of the way under some wishes, by the energy's `outset`; the last one asked for is kept."""
         fairing = self.fairing.of(self.fairing.energy.outset)
         start = None if self.start is None else self.start.tobytes()
         wishes = wishes.changed(energy=fairing.energy, limits=self.limits, prove=True)
