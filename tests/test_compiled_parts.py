@@ -16,7 +16,8 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving
 from pas.mesh.fine import finer
-from pas.mesh.graded import _moved, looked_at
+from pas.mesh.graded import _moved
+from pas.mesh.graph import looked_at
 from pas.mesh.lattice import Subdivision, eighths
 from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
 from pas.mesh.refine import longest_of, split, with_longest
@@ -119,6 +120,24 @@ def test_places_of_rest_are_the_same_bits(both):
     critical = (np.array([-1 / 14, 0, 0]) - stage.origin) / stage.scale
     assert ((solid.min(axis=1) <= critical) & (critical <= solid.max(axis=1))).all(axis=1).any()
     assert np.abs(solid - critical).max() <= 0.5
+
+
+def test_places_where_nothing_but_rounding_is_left_are_not_cut_further(both):
+    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
+    places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
+
+    def left():
+        found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+        return *(some.open for some in found), sum(some.examined for some in found)
+
+    found = both(left)
+    assert same(found)
+    _, _, edges, ends, examined = found[0]
+    off = np.linalg.norm(stage.world(edges.mean(axis=1))[:, None] - places, axis=2)
+    assert not len(ends)
+    assert off.min(axis=1).max() < 1e-6
+    assert off.min(axis=0).max() < 1e-6
+    assert examined < 1000  # 20,000 when they are
 
 
 def test_windings_are_counted_alike(both):

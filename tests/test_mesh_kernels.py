@@ -98,6 +98,19 @@ def test_rough_meshes_are_changed_alike(monkeypatch):
 
 
 @pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.usefixtures("compiler")
+def test_flips_make_no_edge_between_opposite_sides(monkeypatch, kernel):
+    """Of a thin strip across its ridge: the shorter diagonal is taken where its ends look the same way, roughly."""
+    monkeypatch.setenv(VARIABLE, kernel)
+    points = np.array([[-3.0, 0, 0], [3, 0, 0], [0, -1, 0], [0, 1, 0]])
+    triangles = np.array([[0, 1, 3], [1, 0, 2]])
+    for lean, taken in ((0.5, True), (0.9, True), (1.1, False), (2.0, False)):
+        normals = np.array([[0, 0, 1], [0, 0, 1], [0, -lean, 1], [0, lean, 1]])
+        normals /= np.sqrt((normals * normals).sum(axis=1))[:, None]
+        assert ((flipped(points, triangles, normals) != triangles).any()) == taken
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("number", [3, 40])
 def test_tables_of_pieces(monkeypatch, kernel, number):
     monkeypatch.setenv(VARIABLE, kernel)

@@ -117,6 +117,48 @@ def test_what_is_no_graph_is_meshed_from_a_lattice(monkeypatch):
     assert mesh.euler_characteristic == -1 + 2
 
 
+@cache
+def thin_arms(*arms, order):
+    """A blend of thin arms given by axis, radius, clip and a point on the axis, and its largest extent."""
+    pipes = [pas.Pipe(axis, radius, clip, point=point) for axis, radius, clip, point in arms]
+    surface = pas.blend(pipes, order, energy=pas.ThinPlate()).surface
+    return surface, float(np.ptp(surface.partition.points, axis=0).max())
+
+
+@pytest.mark.parametrize("share", [3e-3, 3e-4])
+def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
+    surface, extent = thin_arms(
+        ((-2, 1, 2), "1/5", 1, ("-1/16", "-1/6", "1/5")),
+        ((-1, 0, 1), "1/5", "3/2", ("1/5", "-1/16", "1/10")),
+        ((0, 0, 2), "1/5", 1, ("1/8", "-1/8", "1/16")),
+        order=1,
+    )
+    first = surface.radial_field.first
+    across = first.normals[first.edges.inner]
+    assert (across[:, 0] * across[:, 1]).sum(axis=1).min() >= 0
+    mesh = surface.mesh(share * extent)
+    assert mesh.is_manifold
+    assert mesh.components == 1
+    assert mesh.euler_characteristic == -1
+    assert mesh.smallest_angles.min() > 15
+    assert mesh.certificate.distance is not None
+
+
+def test_the_distance_of_a_mesh_is_bounded_where_few_triangles_are_far(no_lattice):
+    surface, extent = thin_arms(
+        ((2, -2, -1), "1/5", 1, ("1/10", "-1/6", "-1/10")),
+        ((1, -2, 2), "1/3", 1, ("-1/8", "-1/10", "1/12")),
+        ((1, 2, -2), "1/6", 2, ("-1/12", 0, "1/8")),
+        order=2,
+    )
+    for share in (1e-3, 3e-4):
+        mesh = surface.mesh(share * extent)
+        assert mesh.deviation <= mesh.certificate.distance < 4 * share * extent
+    *_, verdict = surface.mesh(1e-2 * extent).certificate.verdicts
+    assert verdict.status is pas.Status.UNDECIDED
+    assert verdict.reason == "the triangles there are too large to bound it: try a smaller tolerance"
+
+
 @pytest.mark.parametrize("m", [1, 2, 3, 7])
 def test_cut_triangles_make_a_finer_sphere(m):
     units, _ = icosphere(1)

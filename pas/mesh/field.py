@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from pas.mesh.graded import Graph
+    from pas.mesh.graph import Graph
     from pas.mesh.triangulate import Beginnings
 
 Floats = NDArray[np.float64]

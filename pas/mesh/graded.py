@@ -8,8 +8,7 @@ topology.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,10 +17,11 @@ from pas.mesh import refine
 from pas.mesh.coarsen import collapsed
 from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
+from pas.mesh.graph import Graph, looked_at
 from pas.mesh.kernels import compiled
 from pas.mesh.measured import distances, rims_of_edges
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import Edges, centred, flipped, flipped_edges, settled, slender, upright
+from pas.mesh.radial import centred, flipped, flipped_edges, settled, slender
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
@@ -35,9 +35,6 @@ LONGEST, GRADE = 0.3, 0.5
 
 BENT = 1.2
 """Edges are at most this many times as long as the smaller radius of curvature."""
-
-FOLDED = 0.3
-"""Cosine with the surface's normals below which a triangle counts as folded."""
 
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
@@ -55,25 +52,6 @@ THINNINGS, SMOOTHED = 40, 6
 
 FEW = 0.02
 """Share of the vertices below which a pass of collapses is the last."""
-
-
-@dataclass(frozen=True)
-class Graph:
-    """Points (N, 3), triangles (T, 3), and at the points unit normals (N, 3) and the larger curvature's size (N,).
-
-    `rim` (N,) is the number of the rim that a point is on, -1 inside.
-    """
-
-    points: Floats
-    triangles: Integers
-    rim: Integers
-    normals: Floats
-    bends: Floats
-
-    @cached_property
-    def edges(self) -> Edges:
-        """All edges."""
-        return Edges(self.triangles, len(self.points))
 
 
 def fineness(field: SheetField, tolerance: float, more: float = 0.0) -> int:
@@ -101,8 +79,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     """The mesh of points (N, 3) near the surface, or on rims with given numbers (N,), moved onto it; see `finished`."""
     near = _drawn(field, points, triangles, rim)
     graph = _placed(field, near.points, triangles, rim)
-    if not upright(graph.points, triangles, graph.normals).min() >= FOLDED:
-        raise ArithmeticError("some triangles are folded")
+    graph.require_upright()
     return _mended(field, graph, tolerance, refine.LARGEST, shape=False)
 
 
@@ -119,12 +96,6 @@ def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
 
 def _farthest(inside: Floats, along: Floats) -> float:
     return float(max(inside.max(initial=0.0), along.max(initial=0.0)))
-
-
-def looked_at(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
-    """With normals and curvatures."""
-    gradients, bends = field.bending(points)
-    return Graph(points, triangles, rim, unit_rows(gradients), bends)
 
 
 def _placed(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:
@@ -202,19 +173,24 @@ def coarsened(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 
 def remeshed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
-    """The mesh with edges of the lengths that the curvature lets them have."""
+    """The mesh with edges of the lengths that the curvature lets them have.
+
+    Raises `ArithmeticError` where triangles are folded.
+    """
     for _ in range(ROUNDS):
         checkpoint(f"making the first triangles ({len(graph.triangles)})")
         sizes, every = _sizes(field, graph, tolerance), graph.edges.every
         ratio = _lengths(graph.points, every) / sizes[every].mean(axis=1)
         long = longest_of(graph.triangles, every, ratio, len(graph.points), LONG)
-        if not len(long):
+        finer = _unfolded(field, graph, long) if len(long) else graph
+        if finer is graph:
             break
-        graph = _relaxed(field, _unfolded(field, graph, long), tolerance)
+        graph = _relaxed(field, finer, tolerance)
     for step in range(LAST):
         if step >= ENOUGH and slender(graph.points, graph.triangles) <= SLENDER * len(graph.triangles):
             break
         graph = _relaxed(field, graph, tolerance)
+    graph.require_upright()
     return graph
 
 
@@ -224,7 +200,7 @@ def _unfolded(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
     size = len(graph.points)
     while len(chosen):
         new = _split(field, graph, chosen, drawn=True)[0]
-        folded = new.triangles[upright(new.points, new.triangles, new.normals) < FOLDED]
+        folded = new.triangles[new.folded]
         refused = np.unique(folded[folded >= size]) - size
         if not len(refused):
             return new
@@ -259,9 +235,7 @@ def _split(field: SheetField, graph: Graph, chosen: Integers, drawn: bool) -> tu
     else:
         _put(field, fresh, rim[size:])
         new = looked_at(field, fresh, triangles, rim[size:])
-    points[size:] = new.points
-    normals, bends = np.concatenate([graph.normals, new.normals]), np.concatenate([graph.bends, new.bends])
-    return Graph(points, triangles, rim, normals, bends), parents
+    return graph.joined(new), parents
 
 
 def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
@@ -308,8 +282,9 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int, *, sha
                 better = shaped(field, graph.points, graph.triangles, graph.normals, graph.rim, tolerance)
                 graph = replace(graph, points=better.points, triangles=better.triangles, normals=better.normals)
                 nearest = max(nearest, better.worst)
-            if not edges.manifold or upright(graph.points, graph.triangles, graph.normals).min() < FOLDED:
-                raise ArithmeticError("some triangles are folded")
+            if not edges.manifold:
+                raise ArithmeticError("some edge does not have one or two triangles")
+            graph.require_upright()
             if not field.within(graph.points):
                 raise ArithmeticError("the mesh leaves the region")
             world, deviation = field.world(graph.points), max(reached, nearest) * field.scale

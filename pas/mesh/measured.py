@@ -10,7 +10,7 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.radial import Edges, middles
 
 if TYPE_CHECKING:
-    from pas.mesh.graded import Graph
+    from pas.mesh.graph import Graph
 
 
 def rims_of_edges(field: SheetField, points: Floats, rim: Integers, edges: Integers) -> Integers:

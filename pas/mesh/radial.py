@@ -180,7 +180,8 @@ def _allowed(points: Floats, normals: Floats, a: Integers, b: Integers, c: Integ
         upright(points, np.stack([a, b, c], axis=1), normals), upright(points, np.stack([b, a, d], axis=1), normals)
     )
     after = np.minimum(upright(points, first, normals), upright(points, second, normals))
-    return np.asarray(after >= np.minimum(before, TURNED))
+    old, new = dots(normals[a], normals[b]), dots(normals[c], normals[d])
+    return np.asarray((after >= np.minimum(before, TURNED)) & (new >= np.minimum(old, 0.0)))
 
 
 def _apart(owners: Integers, gain: Floats, count: int) -> Integers:

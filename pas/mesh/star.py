@@ -11,14 +11,21 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers, RayField
-from pas.mesh.graded import Graph, fineness, finished, looked_at, remeshed
+from pas.mesh.graded import fineness, finished, remeshed
+from pas.mesh.graph import Graph, looked_at
 from pas.mesh.hull import hull, icosphere
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.radial import Edges
+from pas.mesh.radial import Edges, seen
+from pas.mesh.refine import split
+from pas.mesh.rows import dots
+from pas.mesh.shading import unit_rows
 
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
+
+PARTINGS = 6
+"""Rounds in which edges between opposite sides are halved at most."""
 
 
 def star(field: RayField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
@@ -59,8 +66,28 @@ def _seen(field: RayField) -> Graph:
             if level == LEVELS[-1]:
                 raise
             continue
-        return looked_at(field, points, triangles, rim_numbers(field, points, triangles))
+        return _parted(field, looked_at(field, points, triangles, rim_numbers(field, points, triangles)))
     raise AssertionError
+
+
+def _parted(field: RayField, graph: Graph) -> Graph:
+    """The triangles with edges between opposite sides of a thin arm halved until none is left.
+
+    The arm goes on between them: the ray between those to the ends meets it there, while its points next to the middle
+    of the edge may be on any side.
+    """
+    for _ in range(PARTINGS):
+        inner, size = graph.edges.inner, len(graph.points)
+        opposite = inner[dots(graph.normals[inner[:, 0]], graph.normals[inner[:, 1]]) < 0]
+        if not len(opposite):
+            break
+        units, triangles, _ = split(unit_rows(graph.points), graph.triangles, opposite)
+        fresh = field.met(units[size:])
+        new = graph.joined(looked_at(field, fresh, triangles, np.full(len(fresh), -1)))
+        if not seen(new.points, triangles).all():
+            break
+        graph = new
+    return graph
 
 
 def rim_numbers(field: RayField, points: Floats, triangles: Integers) -> Integers:

@@ -182,6 +182,8 @@ static double beyond(const double *points, whole a, whole b, whole c, whole d)
 
 static int flip_allowed(const double *points, const double *normals, whole a, whole b, whole c, whole d, double turned)
 {
+    const double across = dot(normals + 3 * c, normals + 3 * d);
+    if (across < 0 && across < dot(normals + 3 * a, normals + 3 * b)) return 0;
     const double before = least_of(turned_from(points, normals, a, b, c), turned_from(points, normals, b, a, d));
     const double after = least_of(turned_from(points, normals, c, a, d), turned_from(points, normals, c, d, b));
     return after >= least_of(before, turned);

@@ -19,11 +19,12 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
-from pas.mesh.graded import FOLDED, Graph, coarsened, fineness, finished, looked_at, remeshed
+from pas.mesh.graded import coarsened, fineness, finished, remeshed
+from pas.mesh.graph import Graph, looked_at
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.radial import Edges, upright
+from pas.mesh.radial import Edges
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
@@ -176,7 +177,7 @@ def _first(field: CellField, grid: Lattice) -> Graph:
         if not field.within(points):
             continue
         graph = looked_at(field, points, triangles, rim)
-        if (upright(points, triangles, graph.normals) < FOLDED).mean() <= FOLDS and _shows_curves(field, graph):
+        if graph.folded.mean() <= FOLDS and _shows_curves(field, graph):
             return graph
     raise ArithmeticError("triangles are folded, or where the surface ends is not seen")
 

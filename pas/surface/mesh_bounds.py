@@ -213,7 +213,8 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     way, least = np.zeros(len(need)), 0.0
     for group in (hard, ~hard):  # the hardest say what is worth trying with others
         rows = np.flatnonzero(group & (enough > least))
-        way[rows] = _reached(sheet, rows, enough[rows], [away for away in tried if away >= least], ENOUGH * usual)
+        here = [away for away in tried if away >= least]
+        way[rows] = _reached(sheet, rows, enough[rows], here, max(ENOUGH * usual, least))
         least = min(float(way.max(initial=0.0)), tried[-1])
     return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + stage.reach))
 

@@ -277,9 +277,12 @@ def _distance(sheet: Sheet, found: Bounds, closed: bool) -> tuple[Verdict, float
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
     stage, way = sheet.stage, farthest(sheet, found)
     if way is None or not np.isfinite(way).all():
-        middles = sheet.corners.mean(axis=1)
-        place = None if way is None else _point(stage, middles[~np.isfinite(way)][0])
-        reason = "the gradient may vanish too near to a triangle"
+        place, reason = None, "the gradient may vanish too near to a triangle"
+        if way is not None:
+            worst = np.flatnonzero(~np.isfinite(way))[0]
+            place = _point(stage, sheet.corners[worst].mean(axis=0))
+            if found.least[worst] > 0:
+                reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
     most = float(way.max()) * stage.scale
     beyond = "" if closed else ", which go on beyond the walls"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
-from pas.mesh.graded import Graph
+from pas.mesh.graph import Graph
 from pas.mesh.rows import dots
 from pas.mesh.star import first
 from pas.surface.kernels import compiled

@@ -27,6 +27,9 @@ from pas.surface.kernels import compiled
 HALVINGS, MOST = 150, 6000
 """Halvings of a simplex, and simplices still open, at which the search ends."""
 
+LOOKS = 4
+"""Halvings between looks for simplices on which the polynomial is nothing but rounding, which stay open."""
+
 ROUNDINGS = 16
 """Of derivatives, over the largest coefficient, beyond what halvings make of it."""
 
@@ -63,7 +66,7 @@ in them."""
 
 def leaves(forms: Floats, corners: Floats, degree: int, error: float = UNIT_ROUNDOFF, most: int = MOST) -> Leaves:
     """Places of rest on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`."""
-    kept, places, examined = [], [], 0
+    kept, places, hopeless, examined = [], [], [], 0
     for halved in range(HALVINGS + 1):
         checkpoint(f"looking for critical points ({examined} simplices examined)")
         bound = rounding_bound(degree, halved, error)
@@ -71,9 +74,14 @@ def leaves(forms: Floats, corners: Floats, degree: int, error: float = UNIT_ROUN
         (forms, corners), sure = _parted(forms, corners, degree, bound, cut=halved > 0)
         kept.append(sure[0])
         places.append(sure[1])
+        if len(forms) and halved % LOOKS == 0:  # where all coefficients are rounding, those of parts are no more
+            lost = np.abs(forms).max(axis=1) <= bound
+            hopeless.append(corners[lost])
+            forms, corners = forms[~lost], corners[~lost]
         if not len(forms) or len(forms) > most or corners.shape[1] == 1:
             break
-    return Leaves(np.concatenate(kept), np.concatenate(places), corners, halved, error, examined)
+    left = np.concatenate([*hopeless, corners])
+    return Leaves(np.concatenate(kept), np.concatenate(places), left, halved, error, examined)
 
 
 def rests(found: Leaves, degree: int, free: Free, most: int = MOST) -> Rests:
