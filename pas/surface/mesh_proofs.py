@@ -170,8 +170,9 @@ def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]
     if not (steep > 0).all():
         places = sheet.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)
-    parts = _rests(sheet, found.most * (1 + 2 * SCALED))
-    left = np.concatenate([part.open for part in parts])
+    singular = np.concatenate([leaves.open.mean(axis=1) for leaves in stage.leaves])
+    parts = [] if len(singular) else _rests(sheet, found.most * (1 + 2 * SCALED))
+    left = np.concatenate([singular, *(part.open for part in parts)])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
     return _counted(sheet, parts)

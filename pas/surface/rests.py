@@ -100,8 +100,7 @@ def rests(found: Leaves, degree: int, free: Free, most: int = MOST) -> Rests:
         halved, examined = halved + 1, examined + 2 * len(forms)
         parts = _parted(forms, corners, degree, rounding_bound(degree, halved, found.error), cut=True)
         forms, corners = (np.concatenate(both) for both in zip(*parts, strict=True))
-    left = np.concatenate([found.open.mean(axis=1), corners.mean(axis=1)])
-    return Rests(np.concatenate(kept), np.concatenate(signs), left, examined)
+    return Rests(np.concatenate(kept), np.concatenate(signs), corners.mean(axis=1), examined)
 
 
 def _least(forms: Floats, bound: float) -> Floats:
