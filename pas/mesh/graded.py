@@ -8,6 +8,7 @@ topology.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +40,9 @@ BENT = 1.2
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
 
+FEWER = 4
+"""By how much the number of parts of edges is divided where they fold."""
+
 ROUNDS, MENDINGS, FLIPPED = 24, 12, 3
 
 LAST, ENOUGH, SLENDER = 4, 2, 0.004
@@ -54,29 +58,47 @@ FEW = 0.02
 """Share of the vertices below which a pass of collapses is the last."""
 
 
-def fineness(field: SheetField, tolerance: float, more: float = 0.0) -> int:
-    """Into how many parts the edges of the first triangles are cut: rounded down after so much `more` is added."""
-    return max(1, int(np.sqrt(COARSE * field.reach / tolerance) + more))
+def graded(
+    field: SheetField,
+    first: Callable[[float], Graph],
+    tolerance: float,
+    aim: float,
+    most: int | None = None,
+    more: float = 0.0,
+) -> Mesh:
+    """The mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
 
-
-def finished(field: SheetField, graph: Graph, tolerance: float, m: int, most: int | None = None) -> Mesh:
-    """The mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles, with edges cut into
-    `m` parts.
-
-    Raises `ArithmeticError` where triangles are folded or the tolerance is not reached, `MeshError` where there
-    would be too many triangles.
+    It is made of what `first` makes for a larger tolerance, with edges cut into parts: so many that these triangles are
+    coarse (rounded down after so much `more` is added), fewer where that folds triangles, as next to rims that are
+    close to one another.  Raises `ArithmeticError` where triangles are folded all the same or the tolerance is not
+    reached, `MeshError` where there would be too many triangles.
     """
-    most = refine.LARGEST if most is None else most
+    m = max(1, int(np.sqrt(COARSE * field.reach / tolerance) + more))
+    while True:
+        try:
+            return _finished(
+                field, first(aim * tolerance * m**2), tolerance, m, refine.LARGEST if most is None else most
+            )
+        except ArithmeticError:
+            if m == 1:
+                raise
+            m = max(1, m // FEWER)
+
+
+def _finished(field: SheetField, graph: Graph, tolerance: float, m: int, most: int) -> Mesh:
+    """The mesh with edges cut into `m` parts; see `graded`."""
     fits = max(1, int(np.sqrt(most / len(graph.triangles))))
     if fits < m or len(graph.triangles) > most:
         measured = _cut(field, graph, fits)
         reached = _farthest(*distances(field, measured, measured.edges))
         raise too_many(field, len(measured.triangles), most, tolerance, reached)
-    return _mended(field, _cut(field, graph, m), tolerance, most, shape=True)
+    cut = _cut(field, graph, m)
+    cut.require_upright()
+    return _mended(field, cut, tolerance, most, shape=True)
 
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
-    """The mesh of points (N, 3) near the surface, or on rims with given numbers (N,), moved onto it; see `finished`."""
+    """The mesh of points (N, 3) near the surface, or on rims with given numbers (N,), moved onto it; see `graded`."""
     near = _drawn(field, points, triangles, rim)
     graph = _placed(field, near.points, triangles, rim)
     graph.require_upright()

@@ -16,6 +16,14 @@ FOLDED = 0.3
 """Cosine with the surface's normals below which a triangle counts as folded."""
 
 
+class BadMeshError(ArithmeticError):
+    """Why triangles are no good mesh, and near which point (3,), in the coordinates of the field."""
+
+    def __init__(self, why: str, place: Floats) -> None:
+        super().__init__(why)
+        self.place = place
+
+
 @dataclass(frozen=True)
 class Graph:
     """Points (N, 3), triangles (T, 3), and at the points unit normals (N, 3) and the larger curvature's size (N,).
@@ -47,8 +55,10 @@ class Graph:
 
     def require_upright(self) -> None:
         """Raise `ArithmeticError` where triangles are folded."""
-        if self.folded.any():
-            raise ArithmeticError("some triangles are folded")
+        folded = self.folded
+        if folded.any():
+            worst = self.triangles[folded.argmax()]
+            raise BadMeshError("some triangles are folded", self.points[worst].mean(axis=0))
 
 
 def looked_at(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Graph:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers, RayField
-from pas.mesh.graded import fineness, finished, remeshed
+from pas.mesh.graded import graded, remeshed
 from pas.mesh.graph import Graph, looked_at
 from pas.mesh.hull import hull, icosphere
 from pas.mesh.mesh import Mesh
@@ -36,10 +36,14 @@ def star(field: RayField, tolerance: float, most: int | None = None, aim: float 
     """
     if field.first is None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
-    m = fineness(field, tolerance)
-    graph = remeshed(field, field.first, aim * tolerance * m**2)
-    require_once(field, graph.points[graph.rim < 0])
-    return finished(field, graph, tolerance, m, most)
+    beginning = field.first
+
+    def coarse(tolerance: float) -> Graph:
+        graph = remeshed(field, beginning, tolerance)
+        require_once(field, graph.points[graph.rim < 0])
+        return graph
+
+    return graded(field, coarse, tolerance, aim, most)
 
 
 def require_once(field: RayField, points: Floats) -> None:

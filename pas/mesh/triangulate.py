@@ -19,8 +19,8 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
-from pas.mesh.graded import coarsened, fineness, finished, remeshed
-from pas.mesh.graph import Graph, looked_at
+from pas.mesh.graded import coarsened, graded, remeshed
+from pas.mesh.graph import BadMeshError, Graph, looked_at
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
@@ -65,7 +65,7 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None, aim
         try:
             return _from(field, first.graph, tolerance, most, aim)
         except ArithmeticError as error:
-            why = f"no good mesh was found: {error}{first.trouble}"
+            why = f"no good mesh was found: {error}{first.trouble or _grazed(field, error)}"
     if not why:
         raise MeshError("there is no surface in the region: the function does not change sign")
     raise FoldedError(why)
@@ -133,10 +133,20 @@ def _beginning(field: CellField, grid: Lattice, bent: Floats) -> Beginning:
 
 def _singular(field: CellField, bent: Floats) -> str:
     """Where the trouble may come from."""
-    if not len(bent):
+    return f"; the surface may be singular, or very thin, near {_place(field, bent[0])}" if len(bent) else ""
+
+
+def _grazed(field: CellField, error: ArithmeticError) -> str:
+    """Where a mesh was bad, and what may help."""
+    if not isinstance(error, BadMeshError):
         return ""
-    x, y, z = (0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(bent[0]).tolist())
-    return f"; the surface may be singular, or very thin, near ({x:.4g}, {y:.4g}, {z:.4g})"
+    return f" near {_place(field, error.place)}; walls of the region that the surface does not graze there may help"
+
+
+def _place(field: CellField, point: Floats) -> str:
+    """A point as the user reads it, without the digits of zeros."""
+    x, y, z = (0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point).tolist())
+    return f"({x:.4g}, {y:.4g}, {z:.4g})"
 
 
 def _finest(cells: Subdivision) -> bool:
@@ -145,10 +155,11 @@ def _finest(cells: Subdivision) -> bool:
 
 def _from(field: CellField, graph: Graph, tolerance: float, most: int | None, aim: float) -> Mesh:
     """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
-    m = fineness(field, tolerance, MORE)
-    coarse = aim * tolerance * m**2
-    graph = remeshed(field, coarsened(field, graph, coarse), coarse)
-    return finished(field, graph, tolerance, m, most)
+
+    def coarse(tolerance: float) -> Graph:
+        return remeshed(field, coarsened(field, graph, tolerance), tolerance)
+
+    return graded(field, coarse, tolerance, aim, most, MORE)
 
 
 def _first(field: CellField, grid: Lattice) -> Graph:
@@ -199,7 +210,7 @@ def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integ
     for v in np.flatnonzero(before != after).tolist():
         pair = (int(min(before[v], after[v])), int(max(before[v], after[v])))
         if pair not in numbers:
-            raise ArithmeticError("a curve on which the surface ends leaves its wall where there is no edge")
+            raise BadMeshError("a curve on which the surface ends leaves its wall where there is no edge", points[v])
         result[v] = numbers[pair]
     return result
 
