@@ -153,6 +153,54 @@ def test_curves_that_just_leave_a_wall_or_the_box(text, tolerance, euler):
     assert mesh.euler_characteristic == euler
 
 
+@pytest.mark.parametrize(
+    ("text", "tolerance", "least"),
+    [
+        ("x^2 + y^2 + z^2 - 8 + 1/10", 1e-3, 10),  # bridges between the holes in two walls, 0.035 wide
+        ("x^2 + y^2 + z^2 - 8 + 1/10", 3e-4, 8),
+        ("x^2 + y^2 + z^2 - 8 + 1/100", 1e-3, 0.5),  # 0.0035 wide
+        ("x^2 + y^2 + z^2 - 8 + 1/100", 3e-4, 0.2),
+    ],
+)
+def test_curves_that_are_close_to_one_another(text, tolerance, least):
+    """Triangles that are cut into parts fold between them; of those that are not, none does."""
+    mesh = pas.Polynomial(text).surface(*BOX).mesh(tolerance)
+    assert mesh.certificate.holds, mesh.certificate
+    assert mesh.euler_characteristic == -4
+    assert mesh.smallest_angles.min() > least
+
+
+def test_a_fine_tolerance_of_a_quadric():
+    mesh = pas.Polynomial("x^2 + 2*y^2 - z^2 - 1/4 + x/7").surface((-1,) * 3, (1,) * 3).mesh(5e-5)
+    assert mesh.deviation <= 5e-5
+    assert mesh.is_manifold
+    assert mesh.smallest_angles.min() > 20
+
+
+@pytest.mark.parametrize("share", ["1/1000", "1/50"])
+def test_triangles_about_small_holes_are_small(share):
+    mesh = pas.Polynomial(f"x^2 + y^2 + z^2 - 4 - {share}").surface(*BOX).mesh(2e-3)
+    assert mesh.euler_characteristic == -4
+    assert mesh.smallest_angles.min() > 15
+    assert np.percentile(mesh.smallest_angles, 1) > 26
+
+
+def test_what_a_coarse_mesh_does_not_show_is_named():
+    """Six holes of radius 0.03: more than the sphere has other places of rest."""
+    mesh = pas.Polynomial("x^2 + y^2 + z^2 - 4 - 1/1000").surface(*BOX).mesh(3e-3)
+    assert mesh.euler_characteristic == 2
+    assert not mesh.certificate.proved
+    assert len(mesh.certificate.places) == 6
+    assert np.abs(np.sort(np.abs(mesh.certificate.places), axis=1) - [0, 0, 2]).max() < 0.05
+
+
+def test_a_wall_that_is_grazed_is_named():
+    with pytest.raises(
+        pas.MeshError, match=r"near \(2, 2, .*walls of the region that the surface does not graze there"
+    ):
+        pas.Polynomial("x*y - 4 + z/50").surface(*BOX).mesh(1e-2)
+
+
 def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
     """Of a part of a ball at an edge of the box: both arcs are in the box, and the direction tells which is meant."""
     surface = pas.Polynomial("(x - 6/5)^2 + (y - 6/5)^2 + z^2 - 1/4").surface((-1,) * 3, (1,) * 3)

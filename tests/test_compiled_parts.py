@@ -16,7 +16,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving
 from pas.mesh.fine import finer
-from pas.mesh.graded import _moved
+from pas.mesh.graded import _moved, _sizes
 from pas.mesh.graph import looked_at
 from pas.mesh.lattice import Subdivision, eighths
 from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
@@ -231,7 +231,8 @@ def test_points_are_moved_alike(both):
         graph = looked_at(field, local, opened, np.full(len(points), -1))
         between = middles(local, (mesh.triangles, some), (edges.inner, some))
         tables = edges.triangles, edges.every, edges.owners, edges.manifold, plain
-        return *tables, _moved(field, graph, 1e-2), between, slender(local, mesh.triangles)
+        along = _sizes(field, graph, 1e-2)
+        return *tables, _moved(field, graph, 1e-2), between, slender(local, mesh.triangles), along
 
     found = both(moved)
     assert same(found)

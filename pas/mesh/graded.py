@@ -20,7 +20,7 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import finer, points_on_edges
 from pas.mesh.graph import Graph, looked_at
 from pas.mesh.kernels import compiled
-from pas.mesh.measured import distances, rims_of_edges
+from pas.mesh.measured import distances, rim_bends, rims_of_edges
 from pas.mesh.mesh import Mesh
 from pas.mesh.radial import centred, flipped, flipped_edges, settled, slender
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
@@ -35,7 +35,7 @@ LONGEST, GRADE = 0.3, 0.5
 """Of edges, over the region's reach; and by how much their length may grow from one end to the other, over it."""
 
 BENT = 1.2
-"""Edges are at most this many times as long as the smaller radius of curvature."""
+"""Edges are at most this many times as long as the smaller radius of curvature, of the surface and of its rims."""
 
 LONG = 1.35
 """Edges this many times as long as they should be are split."""
@@ -74,11 +74,10 @@ def graded(
     reached, `MeshError` where there would be too many triangles.
     """
     m = max(1, int(np.sqrt(COARSE * field.reach / tolerance) + more))
+    most = refine.LARGEST if most is None else most
     while True:
         try:
-            return _finished(
-                field, first(aim * tolerance * m**2), tolerance, m, refine.LARGEST if most is None else most
-            )
+            return _finished(field, first(aim * tolerance * m**2), tolerance, m, most)
         except ArithmeticError:
             if m == 1:
                 raise
@@ -151,26 +150,27 @@ def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
 
 
 def _sizes(field: SheetField, graph: Graph, tolerance: float) -> Floats:
-    """How long edges should be at points (N,)."""
-    longest = LONGEST * field.reach
-    size = np.sqrt(8 * tolerance / np.maximum(graph.bends, 8 * tolerance / longest**2))
-    size = np.minimum(size, BENT / np.maximum(graph.bends, BENT / longest))
-    return grown(graph.points, graph.edges.every, size)
-
-
-def grown(points: Floats, edges: Integers, sizes: Floats) -> Floats:
-    """Sizes (N,) that grow by at most `GRADE` over the way along edges (E, 2), in three rounds."""
-    kernel = compiled(len(edges))
+    """How long edges should be at points (N,): growing by at most `GRADE` over the way along edges, in three rounds."""
+    kernel, every, fixed = compiled(len(graph.triangles)), graph.edges.every, field.fixed[graph.rim]
+    limits = _limits(field, tolerance)
     if kernel is not None:
-        return kernel.grown(points, edges, sizes, GRADE)
-    a, b = edges.T
-    ways = GRADE * _lengths(points, edges)
+        return kernel.wanted_sizes(graph.points, (every, len(graph.edges.inner)), graph.bends, fixed, limits)
+    eight, least_bend, bent, least_bent, grade = limits
+    bends = np.maximum(graph.bends, rim_bends(graph, fixed))
+    sizes = np.minimum(np.sqrt(eight / np.maximum(graph.bends, least_bend)), bent / np.maximum(bends, least_bent))
+    a, b = every.T
+    ways = grade * _lengths(graph.points, every)
     for _ in range(3):
         least = sizes.copy()
         np.minimum.at(least, a, sizes[b] + ways)
         np.minimum.at(least, b, sizes[a] + ways)
         sizes = least
     return sizes
+
+
+def _limits(field: SheetField, tolerance: float) -> tuple[float, float, float, float, float]:
+    longest = LONGEST * field.reach
+    return 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
 
 
 def _lengths(points: Floats, edges: Integers) -> Floats:
@@ -279,8 +279,7 @@ def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
     edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled(len(graph.triangles))
     if kernel is not None:
-        longest, every = LONGEST * field.reach, (edges.every, len(edges.inner))
-        limits = 8 * tolerance, 8 * tolerance / longest**2, BENT, BENT / longest, GRADE
+        every, limits = (edges.every, len(edges.inner)), _limits(field, tolerance)
         return kernel.moved(graph.points, graph.triangles, every, graph.normals, graph.bends, fixed, limits)
     move = centred(graph.points, graph.triangles, _sizes(field, graph, tolerance))
     move -= dots(move, graph.normals)[:, None] * graph.normals

@@ -88,6 +88,20 @@ class CompiledTriangles(LabelledCalls):
         self._call("pas_moved", *given, *limits, result)
         return result
 
+    def wanted_sizes(
+        self,
+        points: Floats,
+        edges: tuple[Integers, int],
+        bends: Floats,
+        fixed: NDArray[np.bool_],
+        limits: tuple[float, float, float, float, float],
+    ) -> Floats:
+        """See `pas.mesh.graded`: how long edges should be at points (N,), of all (E, 2) and how many are inside."""
+        result, (every, inner) = np.empty(len(points)), edges
+        given = (len(every), every, inner, len(points), points, bends, fixed)
+        self._call("pas_wanted_sizes", *given, *limits, result)
+        return result
+
     def finer(
         self,
         points: Floats,
@@ -118,12 +132,6 @@ class CompiledTriangles(LabelledCalls):
         """The centres of triangles and the middles of edges, both (N, 3), each given with which are chosen."""
         result, (every, inside), (ends, along) = np.empty((len(triangles[1]) + len(edges[1]), 3)), triangles, edges
         self._call("pas_middles", len(inside), inside, every, len(along), along, ends, points, result)
-        return result
-
-    def grown(self, points: Floats, edges: Integers, sizes: Floats, grade: float) -> Floats:
-        """See `pas.mesh.graded.grown`."""
-        result = sizes.copy()
-        self._call("pas_grown", len(edges), edges, len(points), points, grade, result)
         return result
 
     def centred(self, points: Floats, triangles: Integers, sizes: Floats) -> Floats:

@@ -5,15 +5,59 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "vectors.h"
+
 typedef ptrdiff_t whole;
 
 int pas_grown(whole count, const whole *edges, whole size, const double *points, double grade, double *lengths);
 int pas_centred(whole count, const whole *triangles, whole size, const double *points, const double *sizes,
                 double *moves);
 
+/* What rims turn at vertices, over the length of their edges, which are those from `inner` on; 0 where they are fixed.
+   Each vertex of a rim begins one edge and ends one. */
+static void turned(whole edges, const whole *every, whole inner, whole size, const double *points, const char *fixed,
+                   double *turn, double *bends)
+{
+    for (whole v = 0; v < size; v++) bends[v] = turn[3 * v] = turn[3 * v + 1] = turn[3 * v + 2] = 0.0;
+    for (int second = 0; second < 2; second++)
+        for (whole e = inner; e < edges; e++) {
+            const whole a = every[2 * e], b = every[2 * e + 1];
+            double way[3];
+            minus(points + 3 * b, points + 3 * a, way);
+            const double length = sqrt(dot(way, way));
+            for (int i = 0; i < 3; i++)
+                turn[3 * (second ? b : a) + i] = second ? turn[3 * b + i] - way[i] / length : way[i] / length;
+            bends[second ? b : a] = second ? bends[b] + length : length;
+        }
+    for (whole v = 0; v < size; v++) {
+        if (bends[v] == 0.0) continue;
+        const double span = bends[v], *t = turn + 3 * v;
+        bends[v] = fixed[v] ? 0.0 : 2 * sqrt(dot(t, t)) / span;
+    }
+}
+
+/* How long edges should be: as the curvatures `bends` let them be, a chord as far from its arc as `eight`, over 8, says,
+   no longer than `longest`, nor than `bent` radii, of rims as well. */
+int pas_wanted_sizes(whole edges, const whole *every, whole inner, whole size, const double *points, const double *bends,
+              const char *fixed, double eight, double least_bend, double bent, double least_bent, double grade,
+              double *sizes)
+{
+    double *room = malloc((4 * size + 1) * sizeof(double)), *rims = room + 3 * size;
+    if (!room) return -1;
+    turned(edges, every, inner, size, points, fixed, room, rims);
+    for (whole v = 0; v < size; v++) {
+        const double bend = bends[v] < least_bend ? least_bend : bends[v];
+        const double more = bends[v] < rims[v] ? rims[v] : bends[v];
+        const double longest = bent / (more < least_bent ? least_bent : more);
+        const double chord = sqrt(eight / bend);
+        sizes[v] = chord < longest ? chord : longest;
+    }
+    free(room);
+    return pas_grown(edges, every, size, points, grade, sizes);
+}
+
 /* Points moved towards the mean of their triangles' centres, those of the rim along it, in tangent planes; `fixed` stay.
-   Edges should be as long as the curvatures `bends` let them be: a chord as far from its arc as `eight`, over 8, says,
-   no longer than `longest`, nor than `bent` radii. */
+   Edges should be as long as `pas_wanted_sizes` says. */
 int pas_moved(whole count, const whole *triangles, whole edges, const whole *every, whole inner, whole size,
               const double *points, const double *normals, const double *bends, const char *fixed, double eight,
               double least_bend, double bent, double least_bent, double grade, double *moved)
@@ -21,14 +65,10 @@ int pas_moved(whole count, const whole *triangles, whole edges, const whole *eve
     double *sizes = malloc((size + 1) * sizeof(double));
     whole *before = malloc((2 * size + 1) * sizeof(whole)), *after = before + size;
     int state = sizes && before ? 0 : -1;
-    for (whole v = 0; state == 0 && v < size; v++) {
-        const double bend = bends[v] < least_bend ? least_bend : bends[v];
-        const double longest = bent / (bends[v] < least_bent ? least_bent : bends[v]);
-        const double chord = sqrt(eight / bend);
-        sizes[v] = chord < longest ? chord : longest;
-        before[v] = after[v] = -1;
-    }
-    if (state == 0) state = pas_grown(edges, every, size, points, grade, sizes);
+    for (whole v = 0; state == 0 && v < size; v++) before[v] = after[v] = -1;
+    if (state == 0)
+        state = pas_wanted_sizes(edges, every, inner, size, points, bends, fixed, eight, least_bend, bent, least_bent, grade,
+                          sizes);
     if (state == 0) state = pas_centred(count, triangles, size, points, sizes, moved);
     for (whole e = inner; state == 0 && e < edges; e++) {
         after[every[2 * e]] = every[2 * e + 1];
