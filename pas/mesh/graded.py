@@ -92,7 +92,7 @@ def _finished(field: SheetField, graph: Graph, tolerance: float, m: int, most: i
         reached = _farthest(*distances(field, measured, measured.edges))
         raise too_many(field, len(measured.triangles), most, tolerance, reached)
     cut = _cut(field, graph, m)
-    cut.require_upright()
+    cut.require_upright()  # mending would find the same, after longer
     return _mended(field, cut, tolerance, most, shape=True)
 
 
