@@ -11,6 +11,7 @@ import pas
 from pas import solid
 from pas.errors import MeshError
 from pas.mesh.changes import _roots
+from pas.solid import measures
 
 CYLINDER = solid.cylinder((-2, 0, 0), (2, 0, 0), 1)
 STEINMETZ = CYLINDER & CYLINDER.rotate((0, 0, 1), 90)
@@ -64,6 +65,18 @@ def test_volumes_of_cones_converge_faster_than_their_meshes():
     frustum, exact = solid.cone((0, 0, 0), (0, 0, 1), 1, "1/2"), pi * 7 / 12
     errors = [abs(frustum.volume(t) / exact - 1) for t in (1e-2, 2e-4)]
     assert errors[1] < errors[0] / 400 and errors[1] < 2e-7
+
+
+def test_faces_that_are_planes_are_measured_as_they_are_meshed(monkeypatch):
+    """A mesh of planes is as good as rounding, and by that its edges would be cut for as long as there is room."""
+    x, y, z = (pas.Polynomial(name) for name in "xyz")
+    sides = [solid.half_space(part, name) for name, part in (("left", -x), ("front", -y), ("slope", 4 * x + 3 * y - 12))]
+    wedge = sides[0] & sides[1] & sides[2] & solid.half_space(-z, "bottom") & solid.half_space(z - "1/2", "top")
+    made = []
+    monkeypatch.setattr(measures, "_cut", lambda *of, cut=measures._cut: made.append((of, cut(*of))) or made[-1][1])
+    assert wedge.volume() == pytest.approx(3, rel=1e-13)
+    assert wedge.area() == pytest.approx(18, rel=1e-13)
+    assert made and all(mesh is found.mesh for (found, _), mesh in made)
 
 
 def test_vertices_lie_on_their_faces_and_edges_on_curves():

@@ -63,7 +63,7 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
 
 
 def _cut(found: FaceMesh, field: FaceField) -> Labelled:
-    """The mesh with edges along faces with straight lines halved whose third-order parts are not small.
+    """The mesh with edges along curved faces with straight lines halved whose third-order parts are not small.
 
     A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
     They may be as large as those of edges as long as the tolerance makes them on other faces.
@@ -77,7 +77,7 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
         for column in labels.T:
             rows = mesh.topology.rows(edges, column[:, None])
             third = np.abs((along * (normals[rows[:, 0]] + normals[rows[:, 1]])).sum(axis=1)) / 8
-            off = np.maximum(off, np.where(field.lines(column), third, 0.0))
+            off = np.maximum(off, np.where(field.lines(column) & ~field.planes(column), third, 0.0))
         off[mesh.topology.seam_mask] = 0.0
         if not (off > most).any() or len(mesh.triangles) > LARGEST / 4:
             break
