@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from math import pi, sqrt
+from operator import and_
 
 import numpy as np
 import pytest
@@ -70,8 +72,8 @@ def test_volumes_of_cones_converge_faster_than_their_meshes():
 def test_faces_that_are_planes_are_measured_as_they_are_meshed(monkeypatch):
     """A mesh of planes is as good as rounding, and by that its edges would be cut for as long as there is room."""
     x, y, z = (pas.Polynomial(name) for name in "xyz")
-    sides = [solid.half_space(part, name) for name, part in (("left", -x), ("front", -y), ("slope", 4 * x + 3 * y - 12))]
-    wedge = sides[0] & sides[1] & sides[2] & solid.half_space(-z, "bottom") & solid.half_space(z - "1/2", "top")
+    parts = {"left": -x, "front": -y, "slope": 4 * x + 3 * y - 12, "bottom": -z, "top": z - "1/2"}
+    wedge = reduce(and_, (solid.half_space(part, name) for name, part in parts.items()))
     made = []
     monkeypatch.setattr(measures, "_cut", lambda *of, cut=measures._cut: made.append((of, cut(*of))) or made[-1][1])
     assert wedge.volume() == pytest.approx(3, rel=1e-13)
