@@ -15,6 +15,7 @@ from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving
+from pas.mesh import topology
 from pas.mesh.fine import finer
 from pas.mesh.graded import _moved, _sizes
 from pas.mesh.graph import looked_at
@@ -195,6 +196,15 @@ def rough():
     """A mesh of a torus with points that are not quite on it."""
     mesh = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesh(5e-2)
     return mesh, mesh.points + np.random.default_rng(3).normal(scale=0.03, size=mesh.points.shape)
+
+
+def test_points_of_simple_fractions_have_keys_of_their_own(monkeypatch):
+    """All that is known of them are the first bits of their doubles; where keys are the same, all rows are sorted."""
+    points = np.stack(np.meshgrid(*[np.arange(-8, 9) / 8] * 3), axis=-1).reshape(-1, 3)
+    made = []
+    monkeypatch.setattr(topology, "first_with", lambda keys, at: made.append(keys) or (None, None))
+    same_places(points)
+    assert len(np.unique(made[0])) == len(points)
 
 
 def test_triangles_are_cut_alike(both):

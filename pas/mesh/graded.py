@@ -27,6 +27,7 @@ from pas.mesh.refine import longest_of, require_room, split, too_many, with_long
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheets import shaped
+from pas.mesh.topology import distinct
 
 COARSE = 8e-3
 """Over the region's reach: the tolerance for the triangles that are then cut."""
@@ -223,7 +224,7 @@ def _unfolded(field: SheetField, graph: Graph, chosen: Integers) -> Graph:
     while len(chosen):
         new = _split(field, graph, chosen, drawn=True)[0]
         folded = new.triangles[new.folded]
-        refused = np.unique(folded[folded >= size]) - size
+        refused = distinct(folded[folded >= size]) - size
         if not len(refused):
             return new
         chosen = np.delete(_in_order(chosen, size), refused, axis=0)

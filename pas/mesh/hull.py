@@ -52,12 +52,25 @@ def icosphere(level: int) -> tuple[Floats, float]:
     return units @ TURN.T, 1.107 / 2**level
 
 
+@cache
+def _icosahedral(level: int) -> Integers:
+    """Delaunay's triangles (T, 3) of those vertices, not to be written to."""
+    triangles = _delaunay(icosphere(level)[0])
+    triangles.setflags(write=False)
+    return triangles
+
+
 def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     """Points on the surface (N, 3) and triangles seen once from 0, whose rim is on the rings.
 
     Raises `ArithmeticError` where these directions do not do.
     """
     units, spacing = icosphere(level)
+    if not field.rims:
+        points, triangles = field.met(units), _icosahedral(level)
+        if not seen(points, triangles).all():
+            raise ArithmeticError("the surface is not seen once from the centre")
+        return points, triangles
     rings = [ring.round(AROUND) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]

@@ -55,14 +55,15 @@ def require_once(field: RayField, points: Floats) -> None:
 def first(field: RayField) -> Graph:
     """Few triangles seen once from the centre; raises `ArithmeticError` where rays do not meet the surface once."""
     graph = _seen(field)
-    require_once(field, graph.points[graph.rim < 0])
+    if field.rims:
+        require_once(field, graph.points[graph.rim < 0])
     return graph
 
 
 def _seen(field: RayField) -> Graph:
-    if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
-        require_once(field, icosphere(LEVELS[0])[0])
     for level in LEVELS:
+        if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
+            require_once(field, icosphere(level)[0])
         checkpoint("triangulating directions")
         try:
             points, triangles = hull(field, level)

@@ -33,7 +33,8 @@ def distinct(keys: Integers) -> Integers:
 def same_places(points: Floats) -> tuple[Integers, Integers]:
     """Where distinct ones of points (N, 3) stand first, and which of these each is (N,), in no particular order."""
     weights = np.array([0x1B873593CC9E2D51, 0x2545F4914F6CDD1D, 0x369DEA0F31A53F85])
-    keys = (points + 0.0).view(np.int64) @ weights  # wraps around; zeros have one sign
+    bits = (points + 0.0).view(np.int64)  # zeros have one sign
+    keys = (bits ^ bits >> 32) @ weights  # wraps around; the high bits of simple fractions, which say all, are kept
     return first_with(keys & MOST, points)
 
 

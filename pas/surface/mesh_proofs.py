@@ -217,17 +217,19 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
 
     Those with a common corner are in one.
     """
-    from scipy.cluster.hierarchy import DisjointSet
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
 
-    sizes = [part.shape[1] for part in parts for _ in part]
-    corners = same_places(np.concatenate([part.reshape(-1, 3) for part in parts]))[1].tolist()
-    union, first = DisjointSet(range(len(sizes))), dict[int, int]()
-    for number, corner in zip(np.repeat(np.arange(len(sizes)), sizes).tolist(), corners, strict=True):
-        union.merge(number, first.setdefault(corner, number))
+    counts = np.concatenate([np.full(len(part), part.shape[1]) for part in parts])
+    corners = same_places(np.concatenate([part.reshape(-1, 3) for part in parts]))[1]
+    size, starts = len(counts) + len(corners), np.full(len(counts) + len(corners) + 1, len(corners))
+    starts[0], starts[1 : len(counts) + 1] = 0, np.cumsum(counts)
+    graph = csr_array((np.ones(len(corners)), len(counts) + corners, starts), shape=(size, size))
+    label = connected_components(graph, directed=False)[1].tolist()
     extents = np.concatenate([np.ptp(part, axis=1).sum(axis=1) for part in parts])
     groups: dict[int, list[int]] = {}
     for number in np.argsort(-extents, kind="stable").tolist():
-        groups.setdefault(union[number], []).append(number)
+        groups.setdefault(label[number], []).append(number)
     return list(groups.values())
 
 

@@ -17,7 +17,7 @@ from pas.mesh.field import Integers
 from pas.mesh.graph import Graph
 from pas.mesh.rows import dots
 from pas.mesh.star import first
-from pas.surface.kernels import compiled
+from pas.surface.kernels import CompiledForms, Faces, compiled
 from pas.surface.patch_field import INSIDE, PatchField
 from pas.surface.rings import Rings
 
@@ -118,6 +118,11 @@ class RadialField(PatchField):
 
     def met(self, points: Floats) -> Floats:
         """Where the rays through points (N, 3) meet the surface, found from there."""
+        kernel = self._kernel(len(points))
+        return self._met(points) if kernel is None else self._nearby(kernel, points)[0]
+
+    def _met(self, points: Floats) -> Floats:
+        """The same with numpy."""
         profiles, leave = self.profiles(points)
         low, high = np.zeros(len(points)), leave.copy()
         share = np.minimum(1.0, 0.5 * (low + high) + 0.5 * (high > 1.0))
@@ -137,6 +142,11 @@ class RadialField(PatchField):
             low, high, profiles = low[moving], high[moving], profiles[:, moving]
         return points * result[:, None]
 
+    def _nearby(self, kernel: tuple[CompiledForms, Faces], points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The same with compiled code, and which of them (N,) graze or miss the surface."""
+        rows = self._parts.ordered, self._jets.ordered
+        return kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP, OFF))
+
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
         return self._rings.at(points, rim)
@@ -152,10 +162,9 @@ class RadialField(PatchField):
         """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""
         kernel = self._kernel(len(points))
         if kernel is not None:
-            rows = self._parts.ordered, self._jets.ordered
-            found, grazed = kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP, OFF))
+            found, grazed = self._nearby(kernel, points)
         else:
-            found = self.met(points)
+            found = self._met(points)
             value, *slope = self._jets_at(found)
             g = np.stack(slope, axis=1)
             size = np.sqrt(dots(found, found) * dots(g, g))
