@@ -87,6 +87,7 @@ class Part:
     def __init__(self, curve: SpaceCurve, ideal: Ideal, reduced: bool = True) -> None:
         self.curve, self.ideal, self.reduced = curve, ideal, reduced
         self._crossings: dict[tuple[Polynomial, ...], list[RealRoot]] = {}
+        self._singular_points: dict[Polynomial, list[RealZero]] = {}
 
     def contains(self, polynomial: Polynomial) -> bool:
         """Whether a polynomial vanishes on all of it; raises `SplitError` where it does so on some components only."""
@@ -126,9 +127,11 @@ class Part:
 
     def singular_points(self, polynomial: Polynomial) -> list[RealZero]:
         """The real points of the curve where a polynomial that vanishes on it has no gradient, finitely many."""
-        found = real_zeros(Ideal(*self.ideal.groebner_basis(), *gradient(polynomial)))
-        assert found is not None
-        return found
+        if polynomial not in self._singular_points:
+            found = real_zeros(Ideal(*self.ideal.groebner_basis(), *gradient(polynomial)))
+            assert found is not None
+            self._singular_points[polynomial] = found
+        return self._singular_points[polynomial]
 
     def split(self, polynomial: Polynomial) -> list[Part]:
         """The components on which a polynomial vanishes, and the others."""

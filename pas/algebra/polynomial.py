@@ -220,6 +220,10 @@ class Polynomial:
         return bool(self.raw == other.raw)
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash(frozenset(self.raw.to_dict().items()))
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -81,6 +81,7 @@ class Around:
         self.sheets, self.solid, self.nearby, self.point, self.slab = sheets, solid, nearby, point, slab
         self.doubts: set[int] = set()
         self._signs: dict[int, int] = {}
+        self._cuts: dict[int, list[RealRoot]] = {}
 
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
         """What is on the boundary along the arc, if there is no doubt."""
@@ -94,6 +95,11 @@ class Around:
 
     def cuts(self, number: int) -> list[RealRoot]:
         """Values inside the slab at which the truth of a leaf may change."""
+        if number not in self._cuts:
+            self._cuts[number] = self._found_cuts(number)
+        return self._cuts[number]
+
+    def _found_cuts(self, number: int) -> list[RealRoot]:
         leaf = self.solid.leaves[number]
         if leaf.number in self.sheets.factors:
             return []
