@@ -455,7 +455,13 @@ def test_exports_are_files_of_the_shape(desk):
 HAS_3MF = importlib.util.find_spec("lib3mf") is not None
 
 
-@pytest.mark.parametrize("name", GALLERY)
+LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
+"""Of the gallery, beside one of the same kind that takes less."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
+)
 def test_formats_that_are_offered_are_written_and_no_others(name):
     made = Desk()
     offered = made.solve(GALLERY[name]).head["formats"]
