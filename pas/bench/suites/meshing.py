@@ -14,6 +14,9 @@ from pas.surface.piecewise import PiecewiseSurface
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
+SPHERE = "x^2 + y^2 + z^2 - 3/4"
+BOXES = {"torus in a box": (TORUS, "2"), "tangle in a box": (TANGLE, "3"), "sphere in a box": (SPHERE, "1")}
+"""Polynomials, and half the edges of their boxes about 0."""
 
 
 @cache
@@ -76,8 +79,7 @@ def cases() -> list[Case]:
     """Those of this suite."""
     shapes: dict[str, Callable[[], PiecewiseSurface]] = {
         "GC^2 corner": corner,
-        "torus in a box": _boxed(TORUS, "2"),
-        "tangle in a box": _boxed(TANGLE, "3"),
+        **{name: _boxed(*box) for name, box in BOXES.items()},
     }
     meshes = [
         Case(
@@ -107,7 +109,7 @@ def cases() -> list[Case]:
             {"VTK flying edges": as_near(shapes[name], share, flying_edges)},
             "the peer without a proof" if proved else "",
         )
-        for name, text, half in (("torus in a box", TORUS, "2"), ("tangle in a box", TANGLE, "3"))
+        for name, (text, half) in BOXES.items()
         for share in (1e-3, 1e-4)
         for proved in (False, True)
     ]
