@@ -11,8 +11,9 @@ from conftest import EQUAL, UNEQUAL, solved
 
 import pas
 from pas.mesh import radial
-from pas.mesh.fine import finer
+from pas.mesh.fine import fewest_parts, finer
 from pas.mesh.hull import icosphere
+from pas.mesh.quality import smallest_angles
 from pas.mesh.triangulate import triangulate
 from pas.surface import meshing
 from pas.surface.local_field import LocalField
@@ -176,3 +177,22 @@ def test_cut_triangles_make_a_finer_sphere(m):
     assert not len(edges.rim)
     assert np.abs(np.linalg.norm(points, axis=1) - 1).max() < 0.02
     assert (np.linalg.det(points[cut]) > 0).all()
+
+
+@pytest.mark.parametrize("share", [3e-4, 1e-4])
+def test_a_sphere_has_few_triangles(share):
+    """Beside even triangles whose centres are as far as the tolerance, N = 4 pi r^2 / (sqrt(3)/4 h^2), h^2 = 6 r t."""
+    mesh = pas.Polynomial("x^2 + y^2 + z^2 - 3/4").surface([-1, -1, -1], [1, 1, 1]).mesh(2 * share)
+    ideal = 4 * np.pi * np.sqrt(0.75) / (1.5 * np.sqrt(3) * 2 * share)
+    assert ideal < len(mesh.triangles) < 1.6 * ideal  # 1.9 and 2.1 where most of them were halved
+    assert np.degrees(smallest_angles(mesh.points[mesh.triangles]).min()) > 40
+    assert mesh.deviation <= 2 * share
+
+
+def test_parts_are_more_where_most_triangles_are_far():
+    few, most, along = np.full(100, 0.5), np.full(100, 1.1), np.full(150, 0.9)
+    few[:10] = 1.1
+    assert fewest_parts(8, few, along, 1.0) == 8  # ten are halved, which is cheaper
+    assert fewest_parts(8, most, along, 1.0) == 9  # 127 triangles instead of 200
+    assert fewest_parts(8, few, 2 * along, 1.0) == 11  # the edges: 1.8 (8/11)^2 < 1
+    assert fewest_parts(1, most, along, 1.0) == 1  # cutting in four is dearer than halving

@@ -95,3 +95,14 @@ def _template(m: int) -> tuple[Floats, Integers, Integers]:
     down = [(where[i + 1, j], where[i + 1, j + 1], where[i, j + 1]) for i in range(m) for j in range(m - 1 - i)]
     border = np.array([-1 if ij in set(inside) else 0 for ij in where])
     return weights, np.array(up + down), border
+
+
+def fewest_parts(m: int, inside: Floats, along: Floats, tolerance: float) -> int:
+    """Into how many parts edges that were cut into `m` should be, for few triangles after what is too far is halved:
+    on a sphere all are as far as one another, and a few parts more do for all of them."""
+
+    def expected(parts: int) -> float:
+        limit = tolerance * (parts / m) ** 2  # distances fall with the square of lengths
+        return float(len(inside) * (parts / m) ** 2 + (inside > limit).sum() + 2 * (along > limit).sum())
+
+    return min(range(m, 2 * m), key=expected)

@@ -17,7 +17,7 @@ from pas.limits import checkpoint
 from pas.mesh import refine
 from pas.mesh.coarsen import collapsed
 from pas.mesh.field import Floats, Integers, SheetField
-from pas.mesh.fine import finer, points_on_edges
+from pas.mesh.fine import fewest_parts, finer, points_on_edges
 from pas.mesh.graph import Graph, looked_at
 from pas.mesh.kernels import compiled
 from pas.mesh.measured import distances, rim_bends, rims_of_edges
@@ -94,7 +94,13 @@ def _finished(field: SheetField, graph: Graph, tolerance: float, m: int, most: i
         raise too_many(field, len(measured.triangles), most, tolerance, reached)
     cut = _cut(field, graph, m)
     cut.require_upright()  # mending would find the same, after longer
-    return _mended(field, cut, tolerance, most, shape=True)
+    far = distances(field, cut, cut.edges)
+    more = min(fewest_parts(m, *far, tolerance), fits)
+    if more > m:
+        again = _cut(field, graph, more)
+        if not again.folded.any():
+            cut, far = again, distances(field, again, again.edges)
+    return _mended(field, cut, far, tolerance, most, shape=True)
 
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
@@ -102,7 +108,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     near = _drawn(field, points, triangles, rim)
     graph = _placed(field, near.points, triangles, rim)
     graph.require_upright()
-    return _mended(field, graph, tolerance, refine.LARGEST, shape=False)
+    return _mended(field, graph, distances(field, graph, graph.edges), tolerance, refine.LARGEST, shape=False)
 
 
 def _cut(field: SheetField, graph: Graph, m: int) -> Graph:
@@ -290,11 +296,15 @@ def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     return graph.points + move
 
 
-def _mended(field: SheetField, graph: Graph, tolerance: float, most: int, *, shape: bool) -> Mesh:
-    """The mesh with the edges halved that are too far; with slender triangles mended, if it may change its `shape`."""
+def _mended(
+    field: SheetField, graph: Graph, far: tuple[Floats, Floats], tolerance: float, most: int, *, shape: bool
+) -> Mesh:
+    """The mesh with the edges halved that are too `far`, as measured in triangles (T,) and along edges (E,).
+
+    With slender triangles mended, if it may change its `shape`.
+    """
     counts: list[int] = []
-    edges = graph.edges
-    inside, along = distances(field, graph, edges)
+    edges, (inside, along) = graph.edges, far
     nearest = _farthest(inside[inside <= tolerance], along[along <= tolerance])
     while True:
         checkpoint(f"measuring the mesh ({len(graph.triangles)} triangles)")
@@ -314,9 +324,9 @@ def _mended(field: SheetField, graph: Graph, tolerance: float, most: int, *, sha
         counts.append(int((inside > tolerance).sum() + (along > tolerance).sum()))
         if len(counts) > MENDINGS or (len(counts) > 2 * STALLED and counts[-1] >= counts[-1 - STALLED]):
             raise ArithmeticError("the tolerance was not reached")
-        far = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
-        require_room(field, len(graph.triangles), len(far) / len(edges.every), tolerance, reached, most)
-        graph, changed = _halved(field, graph, far, FLIPPED if len(counts) <= STALLED else 0)
+        halved = with_longest(graph.points, graph.triangles[inside > tolerance], edges.every[along > tolerance])
+        require_room(field, len(graph.triangles), len(halved) / len(edges.every), tolerance, reached, most)
+        graph, changed = _halved(field, graph, halved, FLIPPED if len(counts) <= STALLED else 0)
         edges = graph.edges
         inside, along = distances(field, graph, edges, changed)
         nearest = max(nearest, _farthest(inside[inside <= tolerance], along[along <= tolerance]))
