@@ -499,13 +499,25 @@ def dragged(page, locator, shift, share=0.5):
     locator.scroll_into_view_if_needed()
     box = locator.bounding_box()
     x, y = box["x"] + box["width"] * share, box["y"] + box["height"] / 2
+    page.page.evaluate(LAMPS)
     page.page.mouse.move(x, y)
     page.page.mouse.down()
-    page.page.mouse.move(x + shift[0], y + shift[1], steps=4)
-    assert page.page.inner_text(".overall") == "checking" and page.page.locator(".lamps .proved").count() == 0
-    page.until(SEEN)
-    page.page.mouse.up()
+    try:
+        page.page.mouse.move(x + shift[0], y + shift[1], steps=4)
+        page.until("lampsWhileMoved.length > 0")
+        page.until(SEEN)
+    finally:  # else the mark would go along in the tests that follow
+        page.page.mouse.up()
     page.until(FINAL)
+    assert page.ask("lampsWhileMoved.every(([word, lit]) => word === 'checking' && lit === 0)")
+
+
+LAMPS = """() => { globalThis.lampsWhileMoved = []; let seq = studio.state.seq;
+  const listen = () => { if (studio.state.seq === seq) return; seq = studio.state.seq;
+    lampsWhileMoved.push([document.querySelector(".overall").textContent, document.querySelectorAll(".lamps .proved").length]); };
+  globalThis.lampsListener?.abort(); globalThis.lampsListener = new AbortController();
+  for (const kind of ["pointermove", "input"]) addEventListener(kind, listen, { signal: lampsListener.signal }); }"""
+"""What the lamps say right when a state is new: what is seen at rest has its verdicts a little later, even while held."""
 
 
 ARROW = """(kind) => { const g = document.querySelector(`.mark.${kind}`);
@@ -599,6 +611,38 @@ def test_handles_pull_the_surface_of_a_single_cell(single):
     page.page.click("[aria-label='remove handle 1']")
     page.until(FINAL)
     assert page.problem["points"]["handles"] == [] and page.page.locator(".mark.handle").count() == 0
+
+
+def test_a_drag_ends_where_the_document_is_replaced(single):
+    page = single
+    page.page.click("text=Add handle")
+    page.until(f"studio.state.doc.problem.points?.handles?.length === 1 && {FINAL}")
+    placed, mark = page.problem, page.page.locator(".mark.handle circle")
+    for undone in (1, 2):  # the drag alone, then also the handle itself
+        box = mark.bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.page.mouse.move(x, y)
+        page.page.mouse.down()
+        try:
+            page.page.mouse.move(x + 3, y + 5)
+            page.until("studio.state.before !== null")
+            assert page.problem != placed
+            for _ in range(undone):
+                page.page.keyboard.press("Control+z")
+            page.page.mouse.move(x + 9, y + 15, steps=3)
+        finally:
+            page.page.mouse.up()
+        page.until(FINAL)
+        assert page.problem == (placed if undone == 1 else QUARTIC) and page.ask("studio.state.before") is None
+    page.page.click("text=Redo")
+    page.until(FINAL)
+    assert page.problem == placed
+    moved = page.problem
+    page.page.focus(".mark.handle")
+    page.page.keyboard.press("ArrowUp")
+    page.page.keyboard.press("Control+z")  # before the half second after which a pull by keys is a state
+    page.until(FINAL)
+    assert page.problem == moved and page.trouble == []
 
 
 def test_handles_of_many_cells_are_points_pulled_along_the_normal(page):

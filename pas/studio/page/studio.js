@@ -105,8 +105,13 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function rest() { clearTimeout(s.asking); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
 	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
 	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
-	function step(from, to) { if (!from.length) return; to.push(s.doc); const doc = from.pop(), name = (d) => [d.kind, d.name, d.problem?.name]; s.fresh = !same(name(doc), name(s.doc)); go(doc); }
-	function openDocument(doc, fresh = true) { if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
+	function settle() { // ends what is dragged or held by a key, as a state of its own, before the document is replaced
+		clearTimeout(s.keyed);
+		const before = s.before; s.before = held = null;
+		if (before && !same(before, s.doc)) remember(before);
+	}
+	function step(from, to) { settle(); if (!from.length) return; to.push(s.doc); const doc = from.pop(), name = (d) => [d.kind, d.name, d.problem?.name]; s.fresh = !same(name(doc), name(s.doc)); go(doc); }
+	function openDocument(doc, fresh = true) { settle(); if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
 	const buttons = () => { $.gallery.value = Object.keys(s.starts || {}).find((name) => same(s.starts[name], s.doc)) || ""; $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
 	function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
 
@@ -243,17 +248,17 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	const gripOf = (at) => { const known = (s.solved && get(s.solved, [...pointsPath(), "handles"])) || []; return s.scene?.tetrahedra ? grip(s.scene, at, s.final?.shares[known.findIndex(([other]) => same(other, at))]) : null; };
 	function overlay() {
 		if (!s.scene || !s.doc) return;
-		const wanted = new Map(), held = s.doc.kind === "teapot" ? {} : get(s.doc, pointsPath()) || {};
-		for (const kind of KINDS) (held[kind] || []).forEach((p, i) => {
+		const wanted = new Map(), points = s.doc.kind === "teapot" ? {} : get(s.doc, pointsPath()) || {};
+		for (const kind of KINDS) (points[kind] || []).forEach((p, i) => {
 			const at = s.scene.local(p.map(number)), keys = pulled(kind) ? PULLING : "the arrow keys move it";
 			wanted.set(`${kind} ${i}`, { kind, p: at, way: pulled(kind) ? normalAt(s.scene, at) : null, text: `${kind} ${i + 1}`, about: `${p.map((x) => short(number(x))).join(", ")}; ${keys}`, take: () => takePoint(kind, i) });
 		});
-		(held.handles || []).forEach(([at, value], i) => {
+		(points.handles || []).forEach(([at, value], i) => {
 			const g = gripOf(at);
 			if (g) wanted.set(`handle ${i}`, { kind: "handle", p: g.place, way: g.normal, text: `handle ${i + 1}`, about: `${short(number(value))}; ${PULLING}`, take: () => takeHandle(at, i) });
 		});
 		if (s.judged && s.shown === s.seq && !$.overall.classList.contains("checking")) s.judged.verdicts.forEach((v, i) => { if (v.witness && v.status === "refuted") wanted.set(`witness ${i}`, { kind: "witness", p: s.scene.local(v.witness), text: `${v.claim} fails here`, about: v.witness.map(short).join(", ") }); });
-		for (const [key, g] of marks) if (!wanted.has(key)) { if (held?.g === g) held = null; g.remove(); marks.delete(key); }
+		for (const [key, g] of marks) if (!wanted.has(key)) { if (held?.g === g) { held = null; queueMicrotask(act.commit); } g.remove(); marks.delete(key); }
 		for (const [key, m] of wanted) {
 			let g = marks.get(key);
 			if (!g) {
