@@ -63,7 +63,7 @@ class Page:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(address)
 
-    def until(self, text, seconds=20):
+    def until(self, text, seconds=60):
         for _ in range(int(seconds / 0.03)):
             if self.page.evaluate(f"!!(globalThis.studio && ({text}))"):
                 return
