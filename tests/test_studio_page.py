@@ -514,10 +514,11 @@ def dragged(page, locator, shift, share=0.5):
 
 LAMPS = """() => { globalThis.lampsWhileMoved = []; let seq = studio.state.seq;
   const listen = () => { if (studio.state.seq === seq) return; seq = studio.state.seq;
-    lampsWhileMoved.push([document.querySelector(".overall").textContent, document.querySelectorAll(".lamps .proved").length]); };
+    const lit = document.querySelectorAll(".lamps .proved").length;
+    lampsWhileMoved.push([document.querySelector(".overall").textContent, lit]); };
   globalThis.lampsListener?.abort(); globalThis.lampsListener = new AbortController();
   for (const kind of ["pointermove", "input"]) addEventListener(kind, listen, { signal: lampsListener.signal }); }"""
-"""What the lamps say right when a state is new: what is seen at rest has its verdicts a little later, even while held."""
+"""What the lamps say right when a state is new: what is seen at rest has verdicts a little later, even while held."""
 
 
 ARROW = """(kind) => { const g = document.querySelector(`.mark.${kind}`);
