@@ -11,7 +11,7 @@ help:
 	@echo "make studio    the studio in the browser: drag, see, prove"
 	@echo "make teapot    the teapot: proofs, meshes and pictures, in out/teapot/"
 	@echo "make test      the tests that CI runs"
-	@echo "make test-all  these and the slow ones"
+	@echo "make test-all  these with newly drawn cases, and the slow ones"
 	@echo "make mutants   break each rule of the proofs and see a test fail"
 	@echo "make lint      style and types"
 	@echo "make examples  all examples with their pictures"

@@ -12,8 +12,16 @@ from hypothesis import HealthCheck, settings
 
 import pas
 
-settings.register_profile("shared machines", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("shared machines")  # no test fails because another program took the processor
+SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+"""Of generated cases: no test fails because another program took the processor."""
+settings.register_profile("other cases each time", SHARED)
+settings.register_profile("same cases each time", SHARED, derandomize=True)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """What is right today must not fail tomorrow by the luck of a draw: the slow tests alone draw new cases."""
+    settings.load_profile(f"{'same' if config.option.markexpr == 'not slow' else 'other'} cases each time")
+
 
 pas.keep_blends(0)  # what a test asks for is solved, not remembered from another test
 
