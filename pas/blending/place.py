@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
+from pas.algebra.rational import plain
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.errors import GeometryError, meant
@@ -175,7 +176,9 @@ def _placed(
     contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, partition: Partition
 ) -> PlacedContacts:
     turned = tuple(map(_turned, joins(partition, contacts)))
-    for number, (join, pipe) in enumerate(zip(joins(partition, turned), pipes, strict=True), start=1):
+    placed = joins(partition, turned)
+    _check_closed(partition, placed)
+    for number, (join, pipe) in enumerate(zip(placed, pipes, strict=True), start=1):
         if join.faces:
             if pipe is not None:
                 check_circle(number, pipe, join)
@@ -214,6 +217,18 @@ def _check_curve(number: int, contact: Contact) -> None:
         raise GeometryError(
             f"contact {number}: the surface {contact.surface} and the clip {contact.clip} have no real curve in "
             "common; the clip must cut the surface in one"
+        )
+
+
+def _check_closed(partition: Partition, placed: Sequence[Join]) -> None:
+    """That one contact closes an open region."""
+    openings = [number for number, join in enumerate(placed, start=1) if join.opening]
+    if partition.sides and partition.center is not None and len(openings) != 1:
+        apex = f"({', '.join(map(plain, partition.center))})"
+        which = f"contacts {' and '.join(map(str, openings))} do" if openings else "none does"
+        raise GeometryError(
+            f"the region ({partition.title}) is open: one contact must close it, a plate or an opening whose clip is a "
+            f"cone with its apex in the centre {apex}, and {which}"
         )
 
 

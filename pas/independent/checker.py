@@ -1,15 +1,36 @@
 """`pas check --independent`: the claims of a blend, proved again from its project file by other means.
 
-Exact rational arithmetic alone; the claims are those of `pas.surface.proofs`, and one more on the region.
+Exact rational arithmetic alone.  Each claim is stated here as a definition, with why what is computed implies it; the
+claims are those of `pas.surface.proofs`, and one more on the region.  Terms: R is the union of the cells, o the centre,
+g the patch of each cell; contact i has a surface f and a clip h.  Its clip faces are the faces of R in the plane h = 0.
+A contact without clip faces may be the opening: then h = q is a cone with apex o, and Q is the set q <= 0.  The surface
+is S, the zeros of g in R, or in R and Q where there is an opening.
 
-Region: cells meet face to face, interior faces lie in planes through the centre, outer faces look at it, and a ray in
-general position leaves through one of them only.  Then the boundary covers the sphere of directions once (the degree
-of a map), and every ray from the centre stays in one cell.
+Region.  Claim: R holds each ray from o, or each in a convex cone, from o as far as one of its outer faces, in one cell.
+Computed: cells lie on either side of common faces, interior faces in planes through o, outer ones look at o, and a ray
+in general position leaves through one of them only.  The outer faces then cover the sphere of directions, or the cone,
+once: the number of times is that of a map without folds, and the same everywhere.
 
-Faces and contacts: series in t, the barycentric coordinate across the face.  C^k: the difference has no terms up to
-t^k.  GC^k: with f = f_0 + f_1 t + ... and the patch g = g_0 + g_1 t + ..., alpha = g / f is a series up to t^k: f_0
-divides g_0, then g_1 - alpha_0 f_1, and so on (Garrity and Warren 1991); factors of f_0 that are positive on the face
-may divide alpha, since the curve is elsewhere.
+Face.  Claim: two patches agree up to derivatives of order k.  Computed: with t, the barycentric coordinate across the
+face, their difference has no terms up to t^k.
+
+Contact.  Claim: V(f, h) has in R one part at which S ends, all of it regular, and there g = alpha f + O(h^(k+1)) with
+alpha > 0 (Garrity and Warren 1991).  Computed in clip faces: f > 0 on their border, the gradient of f along the face is
+not 0 where f = 0, h < 0 on the side of R, and, as series in t, alpha = g / f exists up to t^k: f_0 divides g_0, then
+g_1 - alpha_0 f_1, and so on; factors of f_0 that are positive on the face may divide alpha, since the curve is
+elsewhere.  Computed for the opening: see `_opening`.
+
+One sheet.  Claim: a ray from o meets S once at most, and at an angle.  Computed: g < 0 at o, and along rays g rises
+wherever it is 0.
+
+Enclosed.  Claim: where S is on the border of R, or of R and Q, it is on the curve of a contact.  That border lies in
+the triangles that one cell only has, whatever they are called, and in q = 0.  Computed for each such triangle: it is a
+clip face on which g is a positive multiple of the product of the f clipped there, so that g = 0 on their curves alone;
+or it passes through o and is outside of Q but for o, where g < 0; or g > 0 on it.  On q = 0 it was computed that g is
+a positive multiple of f (see `_opening`).  A contact that is neither clipped nor the one opening leaves this undecided.
+
+Lemmas that both checkers use: positive coefficients of a Bernstein form (of g + t f where f = 0 matters) bound a
+polynomial, and membership in the ideal <f, h^(k+1)> at the points of a curve is contact of order k there.
 
 Undecided: clips that are neither planes nor cones through which a region is open, and curves met in part only where no
 factor over the rationals tells the parts.
@@ -152,6 +173,11 @@ def _contact(surface: Surface, number: int) -> Finding:
 def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Finding:
     """GC^k with a surface f along its curve on a cone h around the centre, all over which alpha > 0.
 
+    Claim: V(f, h) is in R one regular closed curve, all of it the border of S in h = 0, and there g = alpha f up to
+    h^(k+1) with alpha > 0.  Computed: the cone h = 0 is in R but for o inside its sides, and the curves of all other
+    contacts, hence all that they surround, as the nappe is convex, are inside of it.  So its rays leave R through
+    walls, where g > 0, and begin in o, where g < 0.  With alpha > 0 g and f have one sign on them, and one zero.
+
     By degree in the coordinates from the centre f begins with a number that is not 0, so g / f is a series, modulo
     h^(k+1) the one series alpha with `g = alpha f`; of a member it ends, and g - alpha f is a multiple of h^(k+1).
     """
@@ -160,6 +186,10 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
         return Finding(claim, UNDECIDED, "the centre is not inside its surface, or its clip is no cone around that")
     if not any(h(*p) < 0 for cell in surface.cells for p in cell):
         return Finding(claim, UNDECIDED, "no point of the region is known to be inside the clip")
+    others = [i for i in range(len(surface.contacts)) if i != number]
+    if not all(surface.clipped[i] for i in others):
+        return Finding(claim, UNDECIDED, "another contact has no clip face, and a region is open through one at most")
+    curves = [(face, face.series(surface.contacts[i][0], 0)[0]) for i in others for face in surface.clipped[i]]
     forms, power, parts = _by_degree(f, centre), _by_degree(h, centre)[-1] ** (k + 1), list[Part]()
     alphas = list[fmpq_mpoly]()
     for patch in surface.patches:
@@ -171,7 +201,12 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
         parts.append(Part(cell, on_simplex(alphas[surface.patch_of[i]], cell), on_simplex(h, cell)))
     edges = [tuple(p for p in side.corners if p != centre) for side in surface.sides]
     around = [Part(edge, on_simplex(h, edge)) for edge in edges]
-    steps = {"its clip is inside the sides of the region": around, "alpha > 0 all over its clip": parts}
+    within = [Part(face.corners, -on_simplex(h, face.corners), f0) for face, f0 in curves]
+    steps = {
+        "its clip is inside the sides of the region": around,
+        "the other curves are inside its clip": within,
+        "alpha > 0 all over its clip": parts,
+    }
     found = next((f for f in (_shown(claim, *step) for step in steps.items()) if not f.proved), None)
     return found or Finding(claim, PROVED, "; ".join(("it is met exactly", *steps)))
 
@@ -267,12 +302,13 @@ def _one_sheet(surface: Surface, region: Finding) -> Finding:
 
 
 def _enclosed(surface: Surface, contacts: list[Finding]) -> Finding:
-    """On outer faces g is positive times the f_0 of the contacts clipped there (of none: on walls)."""
+    """On the border g is positive times the f_0 of the contacts clipped there; but for sides outside of an opening."""
     claim, parts = "enclosed", list[Part]()
-    known = [faces or (surface.sides and met.proved) for faces, met in zip(surface.clipped, contacts, strict=True)]
-    if not surface.cells or not all(known):
+    free = [met for faces, met in zip(surface.clipped, contacts, strict=True) if not faces]
+    opened = len(free) == 1 and free[0].proved
+    if not surface.cells or (free and not (surface.sides and opened)):
         return Finding(claim, UNDECIDED, "there is no region, or a contact without a face in its clip plane")
-    for face in surface.outer:
+    for face in surface.outer if opened else (*surface.sides, *surface.outer):
         rest = face.series(surface.patches[face.patch], 0)[0]
         for number in (i for i, faces in enumerate(surface.clipped) if face in faces):
             rest, remainder = divmod(rest, _quotient(surface, number, face)[2])

@@ -41,6 +41,8 @@ def body(
     """
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
+    if surface.partition.sides and not any(join.opening for join in surface.joins):
+        raise GeometryError("the region of the blend is open and no contact closes it, so that it bounds no solid")
     titles = _names(names, len(surface.contacts))
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))

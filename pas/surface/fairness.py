@@ -160,6 +160,8 @@ class _Measuring:
         if not self.neighbours:
             raise GeometryError("fairness is measured beside neighbours, and no face of the region has a contact curve")
         self.rays = Directions.of(surface.placed, self.columns, surface.degree, rays)
+        if not len(self.rays.directions):
+            raise GeometryError("fairness is measured on rays from the centre, and none of them meets the surface")
 
     @cached_property
     def neighbours(self) -> list[Neighbour]:

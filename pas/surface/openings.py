@@ -5,7 +5,10 @@ there.  Seen from a centre below the plate it ends where rays do: the clip is a 
 centre O, the region a convex cone cut off, and in use is the nappe q <= 0.  With `g = alpha f + beta q^(k+1)` in each
 piece it is proved that
 
+- it is the only contact through which the region is open: what is in use has one cone for its border;
 - q > 0 on the sides of the region, all of them through O, and q < 0 somewhere in it: so one nappe is in the region;
+- q < 0 on the curves of all other contacts, in their clip faces.  A nappe is convex, so it holds all that such a curve
+  surrounds: the other contacts are in use, and no ray of the nappe's surface leaves through them;
 - alpha > 0 where q = 0: there g has the sign of f.
 
 With one sheet and f > 0 on the walls (see `pas.surface.proofs`) each ray of the nappe's surface meets f = 0 once, at an
@@ -30,6 +33,7 @@ from pas.bernstein.forms import rounded_forms
 from pas.bernstein.signs import SignResult, prove_positive
 from pas.partition.cells import Partition
 from pas.surface.joins import Join
+from pas.surface.meetings import on_faces
 from pas.verdicts import Status
 
 if TYPE_CHECKING:
@@ -84,6 +88,12 @@ def side_signs(join: Join) -> SignResult:
     return prove_positive(forms, np.array([[to_floats(p) for p in local.corners(edge)] for edge in edges]))
 
 
+def _inside_cone(join: Join, other: Join) -> bool:
+    """Whether q < 0 is proved on the curve of another contact in its clip faces."""
+    result = on_faces(-join.contact.clip.raw, other, other.faces, other.contact.surface.raw)
+    return bool(other.faces) and result.status is Status.PROVED
+
+
 def _far_edge(local: Partition, side: tuple[int, ...]) -> tuple[int, ...]:
     return next(edge for edge in combinations(side, 2) if local.center not in local.corners(edge))
 
@@ -106,6 +116,11 @@ def opening_verdict(surface: PiecewiseSurface, join: Join) -> tuple[Status, str,
     """Whether the surface meets the contact through which its region is open: a status, the reason, and what proved or
     refuted it."""
     k = surface.order
+    if any(other.opening and other is not join for other in surface.joins):
+        return Status.UNDECIDED, "the region is open through another contact as well", None
+    for number, other in enumerate(surface.joins, start=1):
+        if other is not join and not _inside_cone(join, other):
+            return Status.UNDECIDED, f"the curve of contact {number} is not proved to be inside the clip", None
     if side_signs(join).status is not Status.PROVED:
         return Status.UNDECIDED, "the clip is not proved to be positive on the sides of the region", None
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):

@@ -115,7 +115,7 @@ class PiecewiseSurface(InPlace, Shape):
 
     @property
     def walls(self) -> tuple[OuterFace, ...]:
-        """The outer faces in no clip plane."""
+        """The faces of the region that the inside may not reach; see `PlacedContacts.walls`."""
         return self.placed.walls
 
     @cached_property

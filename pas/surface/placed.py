@@ -61,9 +61,11 @@ class PlacedContacts:
 
     @cached_property
     def walls(self) -> tuple[OuterFace, ...]:
-        """The outer faces in no clip plane, in local coordinates."""
+        """The faces of the region, in local coordinates, that the inside of a surface may not reach: the outer ones in
+        no clip plane and, where the region is open and no contact closes it, its sides."""
         clipped = {face.vertices for join in self.joins for face in join.faces}
-        return tuple(face for face in self.local.outer_faces if face.vertices not in clipped)
+        sides = () if any(join.opening for join in self.joins) else self.local.sides
+        return (*(face for face in self.local.outer_faces if face.vertices not in clipped), *sides)
 
     def in_use(self, directions: Floats) -> NDArray[np.bool_]:
         """Along which directions (N, 3) from the centre surfaces are in use: inside all openings."""

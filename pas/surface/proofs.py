@@ -14,8 +14,10 @@ surface leaves the region through its contact curves alone.  Together the two sa
 a graph over the sphere of directions less one disc a contact: for c contacts its Euler
 characteristic is 2 - c.
 
-A region may be open towards a contact whose clip is a cone around the centre, as to the edge of a plate (see
-`pas.surface.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.
+A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
+`pas.surface.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.  The
+sides of an open region that no contact closes are walls like others, and as they hold the centre, f < 0 on a part of
+them.
 
 Any other contact whose clip passes through the region, as a curved one, leaves the surface in use on one
 side of the clip only.  One sheet is then still proved of all of the zero set in the region, and
@@ -112,6 +114,8 @@ def enclosed_verdict(surface: PiecewiseSurface) -> Verdict:
     if not surface.partition.cells:
         return Verdict(Status.UNDECIDED, claim, "there is no region")
     walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
+    if surface.partition.sides and not any(join.opening for join in surface.joins):
+        reached = "no contact closes the region, which is open: the inside reaches its sides"
     if walls.status is Status.REFUTED:
         return from_signs(surface, claim, reached, walls)
     for number, join in enumerate(surface.joins, start=1):
@@ -150,7 +154,7 @@ def sheet_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> Sign
 
 
 def wall_signs(surface: PiecewiseSurface, limits: Limits | None = None) -> SignResult:
-    """Branch and bound for `f > 0` on the outer faces in no clip plane."""
+    """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
     local = surface.local
     exact = [local.corners(face.vertices) for face in surface.walls]
     forms, error = nearby_forms([surface.patches[face.piece].raw for face in surface.walls], exact, surface.degree)
