@@ -7,8 +7,9 @@ contact.  A mesh is such a graph as well if
   but for vertices that are gone round more than once;
 - its boundary is one loop on each contact's curve, which goes round the middle of that once, and no loop is inside
   another's: they bound discs, and a part of the sphere that is left;
-- a ray into one of the discs crosses no triangle.  The number of triangles that a ray crosses is the same all over each
-  part, and changes by one across a loop: it is one where the surface is.
+- a ray into each of the discs crosses no triangle, however far it goes.  The number of triangles that a ray crosses is
+  the same all over each part, and changes by one across a loop: it is one where the surface is, and nothing covers a
+  disc a second time.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
+from pas.mesh.rows import dots
 from pas.surface.mesh_stage import Sheet
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring
@@ -32,6 +34,9 @@ CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the cont
 OFF = 1e-9
 """How far, in local units, vertices of the boundary may be from the curves."""
 
+BEYOND = 2.0
+"""Over the distance of the vertex that is furthest from the centre: how far rays into discs are followed."""
+
 SEPARATE = 1e-6
 """Radians that are left at least between loops."""
 
@@ -41,7 +46,10 @@ def certify_graph(sheet: Sheet, edges: Edges) -> tuple[Verdict, Verdict]:
     surface = sheet.stage.surface
     assert sheet.stage.center is not None
     points = sheet.points - sheet.stage.center
-    rings = surface.placed.rings
+    try:
+        rings = surface.placed.rings
+    except ArithmeticError as error:
+        return Verdict(Status.UNDECIDED, BORDER, str(error)), _open(str(error))
     loops = _loops(edges)
     rim = edges.rim[:, 0]
     off = np.array([ring.off(points[rim]) for ring in rings])
@@ -64,10 +72,12 @@ def certify_graph(sheet: Sheet, edges: Edges) -> tuple[Verdict, Verdict]:
     reason = _parted(points, loops, owner, rings)
     if reason:
         return chain, _open(reason)
-    opening = next(ring for ring in rings if ring.opening)
-    times, known = crossed(points, sheet.triangles, np.zeros(3), -opening.middle[None])
-    if not known[0] or times[0]:
-        return chain, _open("a ray away from the opening may cross it")
+    ways = np.array([-ring.middle if ring.opening else ring.middle for ring in rings])
+    ends = ways * (BEYOND * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
+    times, known = crossed(points, sheet.triangles, np.zeros(3), ends)
+    for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
+        which = "away from the opening" if rings[number].opening else "out through one of the ends"
+        return chain, _open(f"a ray {which} may cross the mesh", _point(sheet, ends[number] + sheet.stage.center))
     reason = f"all {len(volume)} triangles are seen once from the centre, as the surface is; {len(loops)} loops"
     return chain, Verdict(Status.PROVED, CLAIM, reason, measure=len(volume))
 
@@ -77,7 +87,11 @@ def _open(reason: str, place: Point | None = None) -> Verdict:
 
 
 def _place(sheet: Sheet, vertex: int) -> Point:
-    x, y, z = sheet.stage.world(sheet.points[vertex]).tolist()
+    return _point(sheet, sheet.points[vertex])
+
+
+def _point(sheet: Sheet, place: Floats) -> Point:
+    x, y, z = sheet.stage.world(place).tolist()
     return x, y, z
 
 

@@ -101,10 +101,11 @@ def _vertices(sheet: Sheet) -> Verdict:
     claim, stage = "vertices on the surface", sheet.stage
     values, gradients = stage.jets(sheet.points)
     with np.errstate(all="ignore"):
-        off = np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0))
+        off = np.where(values == 0, 0.0, np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0)))
+    if np.isnan(off).any():
+        place = sheet.points[int(np.isnan(off).argmax())]
+        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", _point(stage, place))
     worst = int(off.argmax())
-    if np.isnan(off[worst]) and not np.isnan(off).all():
-        worst = int(np.nanargmax(off))
     if off[worst] <= OFF:
         reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
