@@ -37,7 +37,7 @@ def loops(triangles):
 
 
 def octahedron(middle, radius):
-    """A closed surface around a point, outside out, with eight triangles halved three times, turned against the axes."""
+    """A closed surface around a point, outside out: eight triangles halved three times, turned against the axes."""
     turn = np.linalg.qr([(1, 0.31, 0.17), (-0.23, 1, 0.41), (0.11, -0.37, 1)])[0]
     points = np.concatenate([turn, -turn]) * np.sign(np.linalg.det(turn))
     triangles = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
