@@ -17,6 +17,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, rational
 from pas.errors import GeometryError
 from pas.pipeline.mouth import Mouth
+from pas.pipeline.neighbours import walls
 from pas.solid.pieces import Pieces, region
 from pas.solid.several import union
 from pas.solid.solid import Solid, patch
@@ -61,7 +62,8 @@ def body(
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach > 0:
             cap = _cap(end, reach)
-            solids.append(patch(name, contact.surface, end, -cap).cap(cap, f"{name} end"))
+            apart = walls(surface, number, reach)
+            solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
     solid = union(solids)
     for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
         if name in solid.faces:

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
+from pas.pipeline.neighbours import is_left_once, moved
 from pas.solid.solid import Solid
 from pas.surface.cones import FARTHEST, first_met
 from pas.surface.contact import Contact
@@ -27,6 +29,10 @@ AROUND, OUTWARDS, ALONG = 48, 12, 256
 GRAZING, PARTS = 0.5, 8
 """The least cosine between such rays and the surface's normals, and how often a distance is halved at most: edges that
 graze the surface leave feathers, which are hard to mesh."""
+
+HIGHER, BEYOND = 1.2, 1.05
+"""How much higher than where rays leave the surface it ends at last, and how much wider than the edge what is looked at
+is."""
 
 FINE = 2**20
 """Parts of a unit in which an axis and heights are rounded that are given by no plane: too fine to be seen."""
@@ -48,6 +54,7 @@ class Mouth:
     middle: Vector
     radius: fmpq
     join: Join
+    scale: fmpq
 
     @classmethod
     def of(cls, surface: PiecewiseSurface, number: int) -> Mouth:
@@ -58,12 +65,12 @@ class Mouth:
         if contact.surface.degree == 1:
             x, y, z = (contact.surface.diff(i).raw(0, 0, 0) for i in range(3))
             low, rim = -contact.surface.raw(*center), contact.rim
-            return cls(number + 1, contact, center, (x, y, z), low, rim.center, exact(rim.radii[0]), join)
+            return cls(number + 1, contact, center, (x, y, z), low, rim.center, exact(rim.radii[0]), join, scale)
         length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
         heights = join.curve() @ (join.nappe[0] / length)
         low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))
         x, y, z = (fmpq(round(float(c) / length * FINE), FINE) for c in join.nappe[0])
-        return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join)
+        return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join, scale)
 
     @property
     def flat(self) -> bool:
@@ -81,18 +88,23 @@ class Mouth:
 
     def back(self, reach: fmpq) -> Polynomial:
         """The plane that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
+        return self.at(self._back(reach))
+
+    def _back(self, reach: fmpq) -> fmpq:
         size = exact(float(np.linalg.norm(to_floats(self.axis))))
         depth = self.low / 2
-        return self.at(self.low - (min(reach * size, depth) if reach > 0 else depth))
+        return self.low - (min(reach * size, depth) if reach > 0 else depth)
 
     def ended(self, around: Solid, reach: fmpq, shorter: bool) -> Solid:
         """The solid around the opening up to a distance of `reach`; in a curved surface of less if it may be `shorter`.
 
-        Raises `GeometryError` where rays between the opening and the edge do not leave the surface once and for all,
-        and at an angle, as far as samples tell.
+        Raises `GeometryError` where rays between the opening and the edge do not leave the surface at an angle, as
+        samples tell, and once, as is proved.
         """
         wanted = min(reach, self.radius / 2) if shorter and not self.flat else reach
         works = reach if self.flat else next((part for n in range(PARTS) if self._leave(part := wanted / 2**n)), None)
+        if works is not None and not self.flat and (shorter or works == reach):
+            return self._apart(around, reach, works).cap(self.edge(works), f"{around.faces[0]} end")
         if works is None or (works != reach and not shorter):
             advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
             raise GeometryError(
@@ -100,6 +112,25 @@ class Mouth:
                 f"around its opening; {advice} instead"
             )
         return around.cap(self.edge(works), f"{around.faces[0]} end")
+
+    def _apart(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
+        """The solid around the opening below a plane above which rays do not come back; see `neighbours`."""
+        length = float(np.linalg.norm(self.join.nappe[0]))
+        high = HIGHER * float((self._met(works)[1] @ self.join.nappe[0]).max()) / length**2
+        low = to_float(self._back(reach) / self.scale) / length
+        across = BEYOND * to_float(self._wide(works)) * self.join.nappe[1:]
+        square = [self.join.nappe[0] + i * across[0] + j * across[1] for i, j in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
+        floor, roof = ([_exact(share * corner) for corner in square] for share in (0.99 * low, high))
+        cone = self.edge(works).raw.compose(*(c + self.scale * g for c, g in zip(self.center, GENERATORS, strict=True)))
+        ceiling = self.at(exact(0.99 * high * length) * self.scale)
+        places = [[moved(self.center, (self.scale, corner)) for corner in quad] for quad in (floor, roof)]
+        between = all(self.back(reach).raw(*p) > 0 for p in places[0]) and all(ceiling.raw(*p) < 0 for p in places[1])
+        if between and is_left_once(self.join.contact.surface, Polynomial.from_raw(cone), floor, roof):
+            return around.cap(-ceiling, "")
+        raise GeometryError(
+            f"neighbour {self.number} is not proved to go on as one sheet, seen from within, for {to_float(works):.4g} "
+            "around its opening; take a shorter length, or compose the solid with pas.solid.patch"
+        )
 
     def edge(self, reach: fmpq) -> Polynomial:
         """What ends the piece around the opening at a distance of `reach`, positive outside."""
@@ -110,21 +141,30 @@ class Mouth:
             onto.append(foot + (point - foot) / self._wide(reach))
         return Polynomial.from_raw(self.contact.clip.raw.compose(*onto))
 
-    def _leave(self, reach: fmpq) -> bool:
-        """Whether rays leave the surface once, and at an angle, between the opening and the edge."""
+    def _met(self, reach: fmpq) -> tuple[Floats, Floats]:
+        """Rays (N, 3) between the opening and the edge, and where they first leave the surface, NaN where never."""
         angles = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
         across = np.outer(np.cos(angles), self.join.nappe[1]) + np.outer(np.sin(angles), self.join.nappe[2])
         away = np.geomspace(1, to_float(self._wide(reach)), OUTWARDS)[:, None, None]
         rays = (self.join.nappe[0] + away * across).reshape(-1, 3)
         rays /= np.linalg.norm(rays, axis=1)[:, None]
+        return rays, first_met(self.join.contact.surface, rays)[:, None] * rays
+
+    def _leave(self, reach: fmpq) -> bool:
+        """Whether rays leave the surface once, and at an angle, between the opening and the edge."""
+        rays, met = self._met(reach)
         surface = self.join.contact.surface
-        met = first_met(surface, rays)
         if not np.isfinite(met).all():
             return False
-        slopes = surface.gradient(met[:, None] * rays)
+        slopes = surface.gradient(met)
         cosines = (slopes * rays).sum(axis=1) / np.linalg.norm(slopes, axis=1)
-        beyond = (met * np.geomspace(1, FARTHEST, ALONG)[1:, None])[..., None] * rays
+        beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
 
     def _wide(self, reach: fmpq) -> fmpq:
         return 1 + reach / self.radius
+
+
+def _exact(point: Floats) -> Vector:
+    x, y, z = (exact(float(c)) for c in point)
+    return x, y, z

@@ -48,8 +48,8 @@ def certify_graph(sheet: Sheet, edges: Edges) -> tuple[Verdict, Verdict]:
     points = sheet.points - sheet.stage.center
     try:
         rings = surface.placed.rings
-    except ArithmeticError as error:
-        return Verdict(Status.UNDECIDED, BORDER, str(error)), _open(str(error))
+    except ArithmeticError as unseen:
+        return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
     loops = _loops(edges)
     rim = edges.rim[:, 0]
     off = np.array([ring.off(points[rim]) for ring in rings])

@@ -95,7 +95,7 @@ def _inside(inner: PiecewiseSurface, outer: PiecewiseSurface) -> Verdict:
 
     def proved(some: Sequence[Common], values: Sequence[fmpq_mpoly], degree: int) -> SignResult:
         inside = [([below[part.inner] for part in some], inner.degree), *(([q] * len(some), 2) for q in cones)]
-        return _prove((values, degree), inside, [part.corners for part in some])
+        return prove_inside((values, degree), inside, [part.corners for part in some])
 
     found = proved(parts, [above[part.outer] for part in parts], outer.degree)
     reason = "the inner surface is not inside the outer one"
@@ -154,7 +154,7 @@ def _nested(
     narrow = outer.partition.frame.localise(inner.contacts[number].surface).raw
     wide = -outer.joins[number].contact.surface.raw
     inside = [([p] * count, int(p.total_degree())) for p in (narrow, *walls)]
-    found = _prove(([wide] * count, int(wide.total_degree())), inside, corners)
+    found = prove_inside(([wide] * count, int(wide.total_degree())), inside, corners)
     if found.status is not Status.PROVED:
         return from_signs(outer, claim, "the inner contact is not inside the outer one", found)
     return Verdict(Status.PROVED, claim, f"both end in {words}", measure=found.simplices)
@@ -177,11 +177,11 @@ def _one_nappe(inner: PiecewiseSurface, outer: PiecewiseSurface, number: int) ->
     return bool(cone(x, y, z) < cone(*v) + cone(*w))
 
 
-def _prove(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence[Sequence[Vector]]) -> SignResult:
+def prove_inside(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence[Sequence[Vector]]) -> SignResult:
     """That values are positive where no other polynomials are, on simplices."""
     forms, *errors = nearby_forms(values[0], corners, values[1])
     walls = [nearby_forms(raws, corners, degree) for raws, degree in inside]
-    error = max(*errors, *(off for _, off in walls))
+    error = max([*errors, *(off for _, off in walls)])
     points = np.array([[to_floats(corner) for corner in simplex] for simplex in corners])
     worst, examined = None, 0
     for start in range(0, max(1, len(corners)), TOGETHER):

@@ -1,0 +1,272 @@
+"""What goes on from a blend in its solid: the part of each neighbour that is joined to it, proved to be one piece.
+
+A neighbour, f <= 0, goes on from its clip as far as a plane parallel to that, and the slab between the two planes may
+hold more of it than what meets the blend: the far side of a torus, the other nappe of a cone.  With the height t over
+the clip, up to T, and sections by planes of one height:
+
+Degree 2, with sections that are discs, as a closed curve has (its form in the plane is definite): the least value q of
+f in a section is a polynomial of degree 2 in t, exact.  The heights with q <= 0 are one interval from 0 on, unless q
+rises to 0 or more and falls again before T.
+
+Other degrees: a round wall w = 0 across the clip, inside of it w < 0, keeps apart what is elsewhere, and it is proved
+that in the slab
+
+- f > 0 on the wall,
+- f > 0 inside the wall on the clip beyond the clip faces, where the blend ends,
+- the gradient of f has a part along the sections wherever f = 0 inside the wall.
+
+So the sections inside the wall change by an isotopy with t (Milnor 1963), and all of the first is in clip faces.
+
+Around an opening: the neighbour between the opening's cone and a wider one, w <= 0, is cut off by a plane at a height H
+above it, and it is proved that on the rays of the wider cone f < 0 at the height of its back, f > 0 at H, and that f
+rises wherever it is 0.  So each ray leaves it once.
+
+All by Bernstein forms with rounding counted (see `pas.bernstein.signs`).  What cannot be proved is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
+from pas.errors import GeometryError
+from pas.surface.nesting import prove_inside
+from pas.verdicts import Status
+
+if TYPE_CHECKING:
+    from pas.surface.joins import Join
+    from pas.surface.piecewise import PiecewiseSurface
+
+ACROSS, ALONG, WIDE = 41, 17, 4.0
+"""Samples across a neighbour and along it, by which the wall's radius is chosen, and how far they reach from the middle
+of its curve, over the curve's radius."""
+
+ROOM = 1.5
+"""Over the distance of the neighbour from the middle: the wall's radius where nothing else is near."""
+
+BEYOND = fmpq(21, 20)
+"""How much larger than the wall the box is in which it is looked at."""
+
+ROUNDED = fmpq(1, 2**40)
+"""By which part slabs are taken higher, as a cap's height is rounded."""
+
+Positive = tuple[Polynomial, tuple[Polynomial, ...]]
+"""A polynomial that is to be positive where no other one is."""
+
+
+def walls(surface: PiecewiseSurface, number: int, length: fmpq) -> tuple[Polynomial, ...]:
+    """What keeps the part of contact `number` (from 0) up to a length (the model's units) beyond its plane clip face
+    apart from the rest of its surface: polynomials that are positive there, in the user's coordinates.
+
+    Raises `GeometryError` where it is not proved that this part is one piece with the blend.
+    """
+    join, frame = surface.joins[number], surface.partition.frame
+    slab = _Slab(join, length / frame.scale)
+    if join.contact.surface.degree == 2:
+        comes_back = slab.comes_back()
+        if comes_back is None:
+            return ()
+        raise GeometryError(
+            f"neighbour {number + 1} comes back within {to_float(length):.4g} of its clip; take a length below "
+            f"{to_float(comes_back * frame.scale):.4g}"
+        )
+    radius = slab.radius()
+    if radius is None or not slab.is_one_piece(radius):
+        raise GeometryError(
+            f"neighbour {number + 1} is not proved to go on in one piece for {to_float(length):.4g} beyond its clip; "
+            "take a shorter length, or compose the solid with pas.solid.patch"
+        )
+    return (-frame.globalise(slab.wall(radius)),)
+
+
+class _Slab:
+    """What is between a plane clip face and a height of `length` over it, in local coordinates."""
+
+    def __init__(self, join: Join, length: fmpq) -> None:
+        self.join, self.surface, self.plane = join, join.contact.surface, join.planes[0].plane
+        self.normal: Vector = tuple(self.plane.diff(i).raw(0, 0, 0) for i in range(3))  # type: ignore[assignment]
+        square = dot(self.normal, self.normal)
+        self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
+        self.top = length * self.size / square * (1 + ROUNDED)
+        least = min(range(3), key=lambda i: abs(self.normal[i]))
+        first = cross(self.normal, _unit(least))
+        self.across = tuple(_shortened(v) for v in (first, cross(self.normal, first)))
+        curve = join.curve()
+        low, high = curve.min(axis=0), curve.max(axis=0)
+        near: Vector = tuple(exact(float(c)) for c in (low + high) / 2)  # type: ignore[assignment]
+        self.middle = moved(near, (-self.plane.raw(*near) / square, self.normal))
+        self.reach = float(np.linalg.norm(curve - to_floats(self.middle), axis=1).max())
+
+    def comes_back(self) -> fmpq | None:
+        """Of degree 2: the height over the clip where what is joined ends and something else begins before the top."""
+        u, v, t = GENERATORS
+        places = zip(self.middle, *self.across, self.normal, strict=True)
+        raw = self.surface.raw.compose(*(m + a * u + b * v + n * t for m, a, b, n in places))
+        terms = Polynomial.from_raw(raw).raw.to_dict()
+        a, b, c = (terms.get(e, fmpq(0)) for e in ((2, 0, 0), (1, 1, 0), (0, 2, 0)))
+        det = 4 * a * c - b * b
+        if a <= 0 or det <= 0:
+            raise GeometryError("a neighbour of degree 2 whose sections are no discs does not end in a closed curve")
+        p, q = ([terms.get((*e, i), fmpq(0)) for i in range(2)] for e in ((1, 0), (0, 1)))
+        # f is least where its slope along the section is 0, and there less by (c p^2 - b p q + a q^2) / det
+        taken = [_product(p, p, c), _product(p, q, -b), _product(q, q, a)]
+        least = [terms.get((0, 0, i), fmpq(0)) - sum((part[i] for part in taken), fmpq(0)) / det for i in range(3)]
+        if least[2] >= 0:
+            return None
+        turn = -least[1] / (2 * least[2])
+        if not 0 < turn < self.top or _at(least, turn) < 0 or _at(least, self.top) > 0:
+            return None
+        ends = [r for r in np.roots([to_float(x) for x in reversed(least)]).real.tolist() if r > 0]
+        return exact(float(min(ends, default=0.0))) * dot(self.normal, self.normal) / self.size
+
+    def radius(self) -> fmpq | None:
+        """A radius for the wall, between what goes on from the clip faces and everything else, as samples show it."""
+        from scipy.ndimage import label
+
+        ways = np.array([to_floats(v) for v in self.across])
+        units = ways / np.linalg.norm(ways, axis=1)[:, None]
+        line = np.linspace(-WIDE, WIDE, ACROSS) * self.reach
+        heights = np.linspace(0, to_float(self.top), ALONG)
+        x, y, t = np.meshgrid(line, line, heights, indexing="ij")
+        points = to_floats(self.middle) + x[..., None] * units[0] + y[..., None] * units[1]
+        points = points + t[..., None] * to_floats(self.normal)
+        inside = self.surface(points.reshape(-1, 3)).reshape(x.shape) < 0
+        parts, _ = label(inside)
+        found = np.unique(parts[..., 0][self._in_faces(points[:, :, 0].reshape(-1, 3)).reshape(ACROSS, ACROSS)])
+        joined = inside & np.isin(parts, found[found > 0])
+        away = np.hypot(x, y)
+        if not joined.any():
+            return None
+        far, near = float(away[joined].max()), float(away[inside & ~joined].min(initial=np.inf))
+        step = 2 * WIDE * self.reach / (ACROSS - 1)
+        if near <= far + step or far > (WIDE - 1) * self.reach:
+            return None
+        return exact(min(ROOM * max(far, self.reach), (far + near) / 2))
+
+    def _in_faces(self, points: Floats) -> np.ndarray:
+        """Which points (N, 3) of the plane are in the clip faces."""
+        inside = np.zeros(len(points), dtype=bool)
+        for face in self.join.faces:
+            corners = self.join.partition.points[list(face.vertices)]
+            weights = np.linalg.lstsq(np.vstack([corners.T, np.ones(3)]), np.vstack([points.T, np.ones(len(points))]))
+            inside |= weights[0].min(axis=0) > 0
+        return inside
+
+    def wall(self, radius: fmpq) -> Polynomial:
+        """The round wall, negative inside."""
+        away = [g - m for g, m in zip(GENERATORS, self.middle, strict=True)]
+        square = dot(self.normal, self.normal)
+        along = sum((n * d for n, d in zip(self.normal, away, strict=True)), 0 * GENERATORS[0])
+        raw = square * sum((d * d for d in away), 0 * GENERATORS[0]) - along * along
+        return Polynomial.from_raw(raw - square * radius * radius)
+
+    def is_one_piece(self, radius: fmpq) -> bool:
+        """Whether it is proved that inside the wall there is what goes on from the clip faces, and nothing else."""
+        f, wall = self.surface, self.wall(radius)
+        ways = [tuple(BEYOND * radius * c / exact(float(np.linalg.norm(to_floats(v)))) for c in v) for v in self.across]
+        ends = [moved(self.middle, *zip(signs, ways, strict=True)) for signs in product((-1, 1), repeat=2)]
+        square = [ends[0], ends[1], ends[3], ends[2]]
+        box = kuhn([square, [moved(corner, (self.top, self.normal)) for corner in square]])
+        slope = [f.diff(i) for i in range(3)]
+        turned = [
+            a * self.normal[j] - slope[j] * self.normal[i]
+            for (i, a), j in zip(enumerate(slope), (1, 2, 0), strict=True)
+        ]
+        along = turned[0] ** 2 + turned[1] ** 2 + turned[2] ** 2
+        claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
+            ((wall, ()), sides(square)),
+            ((f, (wall, -wall)), box),
+            ((along, (f, -f, wall)), box),
+        ]
+        inner = self.join.inside_point()
+        for first, second in self.join.rim():
+            edge = Polynomial.from_raw(_through(first, second, self.normal))
+            edge = edge if inner is None or edge.raw(*inner) < 0 else -edge
+            claims.append(((f, (-edge, wall)), halves(square)))
+        return all(proved(claim, simplices) for claim, simplices in claims)
+
+
+def is_left_once(surface: Polynomial, cone: Polynomial, floor: Sequence[Vector], roof: Sequence[Vector]) -> bool:
+    """Whether it is proved that each ray from 0 in a cone, `cone <= 0`, leaves a surface once between two plane quads
+    across it, four corners each in order on the same four rays, and from inside to outside."""
+    ways = zip(GENERATORS, range(3), strict=True)
+    rising = Polynomial.from_raw(sum((g * surface.raw.derivative(i) for g, i in ways), 0 * GENERATORS[0]))
+    claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
+        ((cone, ()), sides(roof)),
+        ((-surface, (cone,)), halves(floor)),
+        ((surface, (cone,)), halves(roof)),
+        ((rising, (surface, -surface, cone)), kuhn([floor, roof])),
+    ]
+    return all(proved(claim, simplices) for claim, simplices in claims)
+
+
+def sides(quad: Sequence[Vector]) -> list[tuple[Vector, ...]]:
+    """The edges of a quad."""
+    return list(zip(quad, [*quad[1:], quad[0]], strict=True))
+
+
+def halves(quad: Sequence[Vector]) -> list[tuple[Vector, ...]]:
+    """A quad as two triangles."""
+    return [tuple(quad[:3]), (quad[0], *quad[2:])]
+
+
+def proved(claim: Positive, simplices: Sequence[Sequence[Vector]]) -> bool:
+    """Whether a polynomial is proved to be positive where no other is, on simplices."""
+    value, others = claim
+    count = len(simplices)
+    inside = [([p.raw] * count, p.degree) for p in others]
+    return prove_inside(([value.raw] * count, value.degree), inside, simplices).status is Status.PROVED
+
+
+def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
+    """Six tetrahedra that fill a convex hexahedron, given by two opposite sides, corners in order (Kuhn 1960)."""
+    places = {(0, 0): 0, (0, 1): 1, (1, 1): 2, (1, 0): 3}
+    corner = {(i, j, k): quads[k][places[i, j]] for i, j, k in product((0, 1), repeat=3)}
+    found = []
+    for order in permutations(range(3)):
+        at = [0, 0, 0]
+        path = [corner[0, 0, 0]]
+        for axis in order:
+            at[axis] = 1
+            path.append(corner[at[0], at[1], at[2]])
+        found.append(tuple(path))
+    return found
+
+
+def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
+    x, y, z = (c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
+    return x, y, z
+
+
+def _unit(axis: int) -> Vector:
+    x, y, z = (fmpq(int(i == axis)) for i in range(3))
+    return x, y, z
+
+
+def _shortened(vector: Vector) -> Vector:
+    """The vector over a rational number that is about its length."""
+    size = exact(float(np.linalg.norm(to_floats(vector))))
+    x, y, z = (c / size for c in vector)
+    return x, y, z
+
+
+def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
+    """The plane through two points along a direction, as a polynomial."""
+    normal = cross(minus(second, first), along)
+    return sum((n * (g - c) for n, g, c in zip(normal, GENERATORS, first, strict=True)), 0 * GENERATORS[0])
+
+
+def _product(p: Sequence[fmpq], q: Sequence[fmpq], factor: fmpq) -> list[fmpq]:
+    """Of two polynomials of degree 1 in t and a number, by rising powers."""
+    return [factor * p[0] * q[0], factor * (p[0] * q[1] + p[1] * q[0]), factor * p[1] * q[1]]
+
+
+def _at(coefficients: Sequence[fmpq], t: fmpq) -> fmpq:
+    return coefficients[0] + t * (coefficients[1] + t * coefficients[2])
