@@ -8,7 +8,9 @@ from flint import fmpq
 
 import pas
 from pas.algebra.rational import to_floats
-from pas.pipeline.neighbours import kuhn, proved
+from pas.pipeline import neighbours
+from pas.pipeline.neighbours import Slab, is_left_once, kuhn, proved
+from pas.surface.joins import joins
 
 X, Z = (1, 0, 0), (0, 0, 1)
 
@@ -69,3 +71,63 @@ def test_claims_on_simplices_are_decided():
     f = pas.Polynomial("x + y + 1/10")
     assert proved((f, ()), [triangle]) and not proved((f - pas.Polynomial("1/5"), ()), [triangle])
     assert proved((f - pas.Polynomial("1/5"), (pas.Polynomial("1/5 - x"),)), [triangle])
+
+
+TUBE = "x^2 + y^2 - 1"
+
+
+def slab(text, length=1):
+    """What is over the plane z = 0 up to a height, of a surface that a square of that plane is cut by."""
+    corners = [(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)]
+    cells = [(0, 1, 2, 4), (0, 2, 3, 4)]
+    partition = pas.Partition([*corners, (0, 0, -3)], cells, None, [(0, 1)])
+    join = joins(partition, [pas.Contact(text, "z")])[0]
+    return Slab(join, fmpq(length))
+
+
+@pytest.mark.parametrize(
+    ("text", "one"),
+    [
+        (TUBE, True),
+        (f"({TUBE})*((x - 5)^2 + y^2 + (z - 1/2)^2 - 1/9)", True),  # a ball far away
+        (f"({TUBE})*((x - 3/2)^2 + y^2 + (z - 1/2)^2 - 1/100)", False),  # a ball inside the wall
+        (f"({TUBE})*((x - 9/4)^2 + y^2 + (z - 1/2)^2 - 1/100)", False),  # one on the wall
+        (f"({TUBE})*((x - 9/4)^2 + y^2 - z^2/100 - 1/1000)", False),  # a tube on the wall, which meets all sections
+        (f"({TUBE})*((x - 7/4)^2 + (y - 7/4)^2 - 1/100)", True),  # outside of the wall
+        (f"({TUBE})*((x - 21/10)^2 + (y - 0)^2 - 1/500)", False),  # inside of it, and beside the clip faces
+        (f"({TUBE})*(x^2 + y^2 - z + 1/2)", False),  # sections become rings
+        (f"({TUBE})*((x + z - 11/4)^2/2 + y^2 - 1/100)", False),  # a tube that comes in through the wall
+    ],
+)
+def test_each_claim_is_needed(text, one):
+    """With a wall of radius 9/4 around the tube."""
+    assert slab(text).is_one_piece(fmpq(9, 4)) == one
+
+
+def test_the_wall_is_inside_the_box_in_which_it_is_looked_at(monkeypatch):
+    monkeypatch.setattr(neighbours, "BEYOND", fmpq(1, 2))
+    assert not slab(TUBE).is_one_piece(fmpq(9, 4))
+
+
+def quad(height, wide=1):
+    return [tuple(fmpq(c) for c in (x * height * wide, y * height * wide, height)) for x, y in CORNERS]
+
+
+CORNERS = ((-1, -1), (-1, 1), (1, 1), (1, -1))
+CONE = pas.Polynomial("4*x^2 + 4*y^2 - z^2")
+
+
+@pytest.mark.parametrize(
+    ("text", "wide", "once"),
+    [
+        ("z - 2", 1, True),
+        ("x^2 + y^2 + z^2 - 4", 1, True),
+        ("(z - 2)*(z - 9/4)*(z - 5/2)", 1, False),  # three times
+        ("z - 4", 1, False),  # not below the roof
+        ("z - 1/2", 1, False),  # below the floor
+        ("(z - 3/2)*(z - 5/2)", 1, False),  # begins outside
+        ("z - 2", "1/4", False),  # the cone is wider
+    ],
+)
+def test_rays_leave_once(text, wide, once):
+    assert is_left_once(pas.Polynomial(text), CONE, quad(1, fmpq(wide)), quad(3, fmpq(wide))) == once

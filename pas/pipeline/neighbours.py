@@ -68,7 +68,7 @@ def walls(surface: PiecewiseSurface, number: int, length: fmpq) -> tuple[Polynom
     Raises `GeometryError` where it is not proved that this part is one piece with the blend.
     """
     join, frame = surface.joins[number], surface.partition.frame
-    slab = _Slab(join, length / frame.scale)
+    slab = Slab(join, length / frame.scale)
     if join.contact.surface.degree == 2:
         comes_back = slab.comes_back()
         if comes_back is None:
@@ -86,7 +86,7 @@ def walls(surface: PiecewiseSurface, number: int, length: fmpq) -> tuple[Polynom
     return (-frame.globalise(slab.wall(radius)),)
 
 
-class _Slab:
+class Slab:
     """What is between a plane clip face and a height of `length` over it, in local coordinates."""
 
     def __init__(self, join: Join, length: fmpq) -> None:
