@@ -14,7 +14,7 @@ def soundness(points: Floats, triangles: Integers, normals: Floats, deviation: f
 
     Manifold is decided by counting, folds are looked for by comparing each triangle with the normals at its corners.
     """
-    found = [_manifold(triangles), _unfolded(points, triangles, normals)]
+    found = [manifold(triangles), _unfolded(points, triangles, normals)]
     if deviation is not None:
         status = Status.PROVED if proved else Status.HOLDS_MEASURED
         claim, reason = f"within {deviation:.3g} of the surface", "bounded" if proved else "the largest distance found"
@@ -22,7 +22,8 @@ def soundness(points: Floats, triangles: Integers, normals: Floats, deviation: f
     return Findings(tuple(found), partly_measured=True)
 
 
-def _manifold(triangles: Integers) -> Verdict:
+def manifold(triangles: Integers) -> Verdict:
+    """Whether triangles (T, 3) are a manifold, by counting those at edges and vertices."""
     claim = "a manifold"
     if is_closed_manifold(triangles):
         return Verdict(Status.PROVED, claim, "closed: every edge has two triangles, every vertex one fan of them")

@@ -21,10 +21,19 @@ class End:
     surface: Polynomial
     axis: Floats
 
+    def distances(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from it, (N,), to first order."""
+        slopes = self.surface.gradient(points)
+        return np.asarray(np.abs(self.surface(points)) / np.linalg.norm(slopes, axis=-1))
+
     def off(self, points: Floats) -> float:
         """How far points (N, 3) are from it at most, to first order."""
-        slopes = self.surface.gradient(points)
-        return float((np.abs(self.surface(points)) / np.linalg.norm(slopes, axis=-1)).max())
+        return float(self.distances(points).max())
+
+    def facing(self, corners: Floats) -> Floats:
+        """Of triangles (T, 3, 3) the area (T,) across the axis, positive where they are seen from outside."""
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return np.asarray(across @ self.axis)
 
     def normals(self, points: Floats) -> Floats:
         """The unit normals (..., 3) outwards at points of it."""

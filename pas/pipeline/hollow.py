@@ -24,7 +24,6 @@ from flint import fmpq
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
-from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.pipeline.blend import blend
@@ -32,6 +31,7 @@ from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
+from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.contact import Contact, ContactLike, as_contact
@@ -110,20 +110,18 @@ class HollowBlend(Shape):
         quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
-    ) -> Mesh:
+    ) -> WallMesh:
         """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clips.
 
         These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        ends = range(len(self.outer.surface.contacts))
-        return wall_mesh(
-            self.outer.surface.mesh(tolerance, quality=quality),
-            self.inner.surface.mesh(tolerance, quality=quality),
-            [self._end(number) for number in ends],
-            ["blend", "inside of blend", *(f"end {number + 1}" for number in ends)],
-        )
+        sheets = self.outer.surface, self.inner.surface
+        ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
+        names = ["blend", "inside of blend", *(f"end {number + 1}" for number in range(len(ends)))]
+        outer, inner = (sheet.mesh(tolerance, quality=quality) for sheet in sheets)
+        return WallMesh.of(wall_mesh(outer, inner, ends, names), sheets, ends)
 
     @property
     def _tolerance(self) -> float:

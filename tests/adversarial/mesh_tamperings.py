@@ -162,8 +162,9 @@ def larger(points, triangles, draw, center):
 def pinched(points, triangles, draw, center):
     """Two vertices far from one another made one."""
     a = triangles[draw.randrange(len(triangles)), 0]
-    far = np.linalg.norm(points - points[a], axis=1)
-    b = draw.choice(np.flatnonzero(far > far.max() / 2).tolist())
+    used = np.unique(triangles)
+    far = np.linalg.norm(points[used] - points[a], axis=1)
+    b = draw.choice(used[far > far.max() / 2].tolist())
     return points, np.where(triangles == b, a, triangles)
 
 
