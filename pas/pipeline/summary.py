@@ -24,17 +24,22 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
-        ("energy", f"{blend.energy:.6g} ({blend.plate.kind})"),
+        ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
     rows += _fairness(blend)
     rows += (extra or {}).items()
-    rows += [(f"seconds: {name}", f"{spent:.3f}") for name, spent in blend.timings.items()]
+    rows += [(f"seconds: {name}", f"{spent:.3f}{_told(blend)}") for name, spent in blend.timings.items()]
     width = max(len(name) for name, _ in rows)
     lines = [f"{name:<{width}}  {value}" for name, value in rows]
     certificate = blend.certificate
     proved = sum(v.proved for v in certificate.verdicts)
     lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
     return "\n".join(lines)
+
+
+def _told(blend: Blend) -> str:
+    """What follows that which is believed of a file: nothing of it is found anew."""
+    return "" if blend.stored is None else ", as its file tells"
 
 
 def _between(surface: PiecewiseSurface) -> str:
@@ -60,7 +65,7 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
 
 def _tried(blend: Blend) -> str:
     others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
-    return f"; tried as well: {', '.join(others)}" if others else ""
+    return f"; tried as well: {', '.join(others)}{_told(blend)}" if others else ""
 
 
 def _fairness(blend: Blend) -> list[tuple[str, str]]:
@@ -69,7 +74,7 @@ def _fairness(blend: Blend) -> list[tuple[str, str]]:
     rows = [
         (
             f"degree {a.degree}",
-            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s",
+            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s{_told(blend)}",
         )
         for a in blend.attempts
         if a.seconds
