@@ -151,8 +151,10 @@ class HollowBlend(Shape):
         for name, part in (("outer", self.outer), ("inner", self.inner)):
             beyond = part.fairness.beyond(part.limits) if part.fairness is not None else ("not measured",)
             fair = f"not fair: {', '.join(beyond)}" if beyond else "fair"
-            parts.append(f"{name}: GC^{part.surface.order}, {part.surface}, {fair}")
+            surface = part.surface
+            parts.append(f"{name}: GC^{surface.order}, degree {surface.degree}, {surface.partition.title}, {fair}")
         parts.append(f"wall at its thinnest: {self.wall}")
+        parts.append(f"verdicts: {self.certificate.counts}")
         return "\n".join(parts)
 
     def __repr__(self) -> str:

@@ -14,6 +14,9 @@ from pas.surface.piecewise import PiecewiseSurface
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
 
+MEASURABLE = 0.0005
+"""Seconds below which nothing is said of a stage: they would be printed as none."""
+
 
 def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     """A table of what was asked, what was found and what was proved; `extra` adds lines."""
@@ -28,7 +31,11 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     ]
     rows += _fairness(blend)
     rows += (extra or {}).items()
-    rows += [(f"seconds: {name}", f"{spent:.3f}{_told(blend)}") for name, spent in blend.timings.items()]
+    rows += [
+        (f"seconds: {name}", f"{spent:.3f}{_told(blend)}")
+        for name, spent in blend.timings.items()
+        if spent >= MEASURABLE
+    ]
     width = max(len(name) for name, _ in rows)
     lines = [f"{name:<{width}}  {value}" for name, value in rows]
     certificate = blend.certificate
@@ -81,6 +88,7 @@ def _fairness(blend: Blend) -> list[tuple[str, str]]:
     ]
     if blend.fairness is not None:
         beyond = blend.fairness.beyond(blend.limits)
-        rows.append(("fairness", f"beyond its limits: {', '.join(beyond)}" if beyond else "within its limits"))
+        within = f"within its limits: {blend.limits.told}"
+        rows.append(("fairness", f"beyond its limits: {', '.join(beyond)}" if beyond else within))
         rows += [(f"  {name}", value) for name, value in blend.fairness.lines()]
     return rows

@@ -132,11 +132,15 @@ class Fairness:
             ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}"),
             ("hollowness", self._hollow),
             ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
-            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self.inflections} times"),
+            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self._turns}"),
             ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
             ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
             ("measured", f"at {self.points} points"),
         ]
+
+    @property
+    def _turns(self) -> str:
+        return {0: "nowhere", 1: "once"}.get(self.inflections, f"{self.inflections} times")
 
     @property
     def _hollow(self) -> str:

@@ -65,6 +65,12 @@ class FairnessLimits:
         for name, value in vars(self).items():
             object.__setattr__(self, name, to_float(amount(value, name)))
 
+    @property
+    def told(self) -> str:
+        """The limits in words, those that are none left out."""
+        names = {name: name.replace("_", " ") for name in vars(self)}
+        return ", ".join(f"{names[n]} {most:.4g}" for n, most in vars(self).items() if most < LOOSE) or "there are none"
+
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:
         """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
