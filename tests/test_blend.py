@@ -11,6 +11,7 @@ import pytest
 from conftest import AXES, EQUAL, ROOT, UNEQUAL, pipes, solved
 
 import pas
+from pas.pipeline.ladder import DEGREES_TRIED
 
 
 @pytest.mark.parametrize(
@@ -275,6 +276,31 @@ def test_a_degree_too_low_says_what_was_tried():
 def test_no_provable_member_is_said():
     with pytest.raises(pas.InfeasibleError, match=r"no member of degree 5 .*degree 5: dimension 1"):
         pas.blend(pipes(EQUAL), 3, degree=5)
+
+
+@pytest.mark.parametrize(("order", "degree"), [(6, 10), pytest.param(7, 11, marks=pytest.mark.slow)])
+def test_degrees_are_tried_up_to_twice_the_order_at_least(order, degree):
+    """From degree 6 on there are products of the three pipes, which are of no use."""
+    blend = pas.blend(pipes(EQUAL), order, "lowest")
+    assert blend.certificate.proved and blend.surface.degree == degree
+    assert sum(a.dimension > 0 for a in blend.attempts) > DEGREES_TRIED
+
+
+def test_a_refusal_says_where_the_search_ended(monkeypatch):
+    monkeypatch.setattr("pas.pipeline.ladder.DEGREES_TRIED", 1)
+    monkeypatch.setattr("pas.pipeline.ladder.DEGREES_PER_ORDER", 1)
+    with pytest.raises(pas.InfeasibleError, match=r"; the search ended at degree 5 \(degree=6 goes on\); ") as one:
+        pas.blend(pipes(EQUAL), 3)
+    assert str(one.value).endswith("six tetrahedra (degrees 1 to 4: dimension 0, degree 5: dimension 1)")
+    with pytest.raises(pas.InfeasibleError) as other:
+        pas.blend(pipes(EQUAL), 3, degree=5)
+    assert "search" not in str(other.value)
+
+
+@pytest.mark.slow
+def test_the_search_ends_at_the_highest_degree():
+    with pytest.raises(pas.InfeasibleError, match=r"ended at degree 12 \(the highest there is\).*degree 11: dimension"):
+        pas.blend(pipes(EQUAL), 8)
 
 
 def test_contradictory_points_are_named():

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import EQUAL, UNEQUAL, pipes
+from conftest import EQUAL, UNEQUAL, pipes, solved
 from scipy.integrate import quad
 
 import pas
@@ -39,12 +39,55 @@ def integrals(radius, slope, second, third):
 
 def test_a_straight_pipe():
     found = revolved("y^2 + z^2 - 1/9").fairness()
-    assert found.sharpness == pytest.approx(1) and np.isnan(found.hollowness)
+    assert found.sharpness == pytest.approx(1) and found.hollowness == found.arc == 0
     assert found.bulge < 0.01 and found.wrong_sign < 1e-9 and found.inflections == 0
     assert found.area == pytest.approx(4 * np.pi / 3, rel=2e-3)
     assert found.bending == pytest.approx(9 * 4 * np.pi / 3, rel=2e-3) and found.variation < 1e-12
-    assert found.to_record()["hollowness"] is None
+    assert found.to_record()["hollowness"] == 0
     assert found.gradients == pytest.approx((1, 1)) and found.points >= 4000
+
+
+def numbers(value):
+    """All numbers of a record."""
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else None
+    return [value] if parts is None else [number for part in parts for number in numbers(part)]
+
+
+def coaxial():
+    """A wide pipe and a thin one that face one another."""
+    return pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1).surface
+
+
+def flat():
+    """The plane above a centre, which is its own neighbour on both sides."""
+    contacts = [pas.Contact("z - 1", "x - 1"), pas.Contact("z - 1", "-x - 1")]
+    return pas.PiecewiseSurface.from_polynomials(BOX, contacts, 1, ["z - 1"])
+
+
+@pytest.mark.parametrize("surface", [coaxial, flat, lambda: solved(EQUAL, 1).surface])
+def test_measures_are_finite_numbers_of_python(surface):
+    for value in numbers(surface().fairness().to_record()):
+        assert type(value) in (float, int) and np.isfinite(value)
+
+
+def test_limits_are_told_but_those_that_are_none():
+    assert pas.FairnessLimits.of_order(1).told == "sharpness 1.02, hollowness 1.6, bulge 0.05, wrong sign 0.2"
+    blend = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1)
+    lines = str(blend).splitlines()
+    assert any(line.split() == "fairness within its limits: bulge 0.1".split() for line in lines)
+    assert "; sections turn nowhere" in str(blend) and not any(line.endswith(" 0.000") for line in lines)
+    wall = str(blend.hollow("1/5"))
+    assert "outer: GC^1, degree 4, fan of 6 half-planes around (0, 0, 1), fair\n" in wall
+    assert wall.endswith("verdicts: all proved")
+
+
+def test_where_no_arc_fits_there_is_no_hollowness():
+    found, limits = coaxial().fairness(), pas.FairnessLimits(2, 0, 1, 1)
+    assert found.hollowness == 0 and found.within(limits) and found.excess(limits) == 0
+    assert found.inside(limits, 3) == limits
+    assert "hollowness    none: no arc fits between two neighbours\n" in str(found)
+    assert "nan" not in str(found) and "hollow" not in repr(found)
+    assert flat().fairness().sharpness == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["barrel", "waist"])

@@ -90,6 +90,14 @@ def test_membership_and_normal_forms():
     assert ideal.contains(0)
 
 
+def test_a_list_of_generators_is_taken_as_well():
+    ideal = Ideal("x*y - 1", "z")
+    assert Ideal(["x*y - 1", "z"]) == Ideal(ideal.generators) == Ideal(ideal.groebner_basis()) == ideal
+    assert Ideal(["x"]) == Ideal("x") and Ideal({(1, 0, 0): 1}) == Ideal("x")
+    with pytest.raises(ValueError, match="needs a generator"):
+        Ideal([])
+
+
 def test_arithmetic():
     ideal = Ideal("x", "y")
     assert ideal**2 == Ideal("x^2", "x*y", "y^2") == ideal * ideal

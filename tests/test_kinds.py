@@ -111,7 +111,7 @@ def test_a_file_gives_the_same_shape(name, tmp_path):
     assert json.loads(path.read_text())["content"]["kind"] == name
     again = pas.load(path)
     assert type(again) is type(shape)
-    assert str(again) == str(shape)
+    assert str(again).replace(", as its file tells", "") == str(shape)
     assert pas.save(again, tmp_path / "b.pas.json").read_bytes() == path.read_bytes()
     assert again.certificate.verdicts == shape.certificate.verdicts
 

@@ -153,6 +153,26 @@ def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
     assert found.name == layout.name
 
 
+@pytest.mark.parametrize("order", [1, 2, 3, 8])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, order):
+    for contacts in (five(), NODES["six-way"], NODES["elbow"]):
+        try:
+            placed = next(places(contacts, order, kind))
+        except pas.GeometryError as error:
+            assert len(str(error)) > 20
+        else:
+            assert placed.partition.title == next(places(contacts, min(order, 2), kind)).partition.title
+    if kind == "strips":
+        assert next(places(five(), order, kind)).partition.title.startswith("strips")
+
+
+def test_strips_have_a_surface_of_order_2():
+    items = [((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")]
+    blend = pas.node(items, 2, partition="strips", degree=6, energy=pas.ThinPlate())
+    assert blend.certificate.proved and blend.surface.partition.title == "strips between 3 contacts and 1 empty site"
+
+
 def five():
     """Five pipes in directions that have a layout of strips."""
     return [pipe(axis, "1/2", clip) for axis, clip in zip(FIVE, ("3/4", "3/4", "1/2", "3/4", "1/2"), strict=True)]

@@ -29,7 +29,7 @@ def test_reloading_gives_the_same_surface_exactly(saved):
     assert again.constraints == blend.constraints
     assert again.energy == blend.energy
     assert again.space.member(again.coefficients).patches == blend.surface.patches
-    assert str(again) == str(blend)
+    assert str(again).replace(", as its file tells", "") == str(blend)
     moved = again.refit(near=[("-1/5",) * 3])
     assert moved.standing == "not proved yet" and moved.surface.degree == blend.surface.degree
 
@@ -246,3 +246,66 @@ def test_names_are_checked(tmp_path):
         blend.save(tmp_path / "a.json")
     with pytest.raises(ValueError, match=r"folder .* does not exist"):
         blend.save(tmp_path / "none" / "a.pas.json")
+
+
+def told(path, *keys, value):
+    """A project file with one field of its content changed, under a right checksum."""
+
+    def change(content):
+        for key in keys[:-1]:
+            content = content[key]
+        content[keys[-1]] = value
+
+    return rewritten(path, change)
+
+
+def test_a_wall_is_as_thick_as_its_contacts(tmp_path):
+    outer = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1, energy=pas.ThinPlate())
+    path = outer.hollow("1/5").save(tmp_path / "wall.pas.json")
+    good = path.read_text()
+    assert str(pas.load(path).thickness) == "1/5"
+    for size, words in (("-1", "thickness must be positive"), ("0", "positive"), ("3", "has the radius"),
+                        ("1/4", "inner contact 1 is not the outer one 1/4 inside")):  # fmt: skip
+        path.write_text(good)
+        with pytest.raises(pas.ProjectFileError, match=words):
+            pas.load(told(path, "thickness", value=size))
+    path.write_text(good)
+    with pytest.raises(pas.ProjectFileError, match=r"one order of contact, not GC\^1 and GC\^0"):
+        pas.load(told(path, "inner", "surface", "order", value=0))
+    path.write_text(good)
+    with pytest.raises(pas.ProjectFileError, match="inner must be 2 contacts"):
+        pas.load(told(path, "inner", "surface", "contacts", value=[]))
+    path.write_text(good)
+    assert "given inner contacts" in str(pas.load(told(path, "thickness", value=None)))
+
+
+def test_what_is_worked_out_is_not_taken_from_a_file(saved):
+    blend = solved(UNEQUAL, 2)
+    again = pas.load(told(saved, "solution", "dimension", value=99))
+    assert again.dimension == blend.dimension and "dimension" not in repr(again)
+    again = pas.load(told(saved, "solution", "coefficients", value=["1"] * blend.dimension))
+    assert again.coefficients == blend.coefficients
+    again = pas.load(told(saved, "solution", "energy", value=-1.0))
+    (line,) = (line for line in str(again).splitlines() if line.startswith("energy"))
+    assert line.split(maxsplit=1)[1].startswith("-1 (") and line.endswith("), as its file tells")
+    again = pas.load(told(saved, "solution", "attempts", 0, value=[5, 3, "proved, fair"]))
+    assert all("as its file tells" in line for line in str(again).splitlines() if line.startswith("degree"))
+
+
+def test_wishes_of_a_file_hold_of_its_surface(tmp_path):
+    inside, outside, through = (0, 0, "1/4"), ("-1/2",) * 3, ("-1/5",) * 3
+    space = solved(EQUAL, 1).space
+    blend = pas.solutions(space.contacts, 1, 4, space.partition).fit(
+        inside=[inside], outside=[outside], through=[through], energy=pas.ThinPlate(), prove=False
+    )
+    path = blend.save(tmp_path / "wished.pas.json")
+    good = path.read_text()
+    assert pas.load(path).wishes.inside == blend.wishes.inside
+    for kind, point in (("inside", outside), ("outside", inside), ("through", outside)):
+        path.write_text(good)
+        with pytest.raises(pas.ProjectFileError, match=rf"the constraint {kind} \(.*\) is not met by the surface"):
+            pas.load(told(path, "problem", "constraints", kind, value=[list(map(str, point))]))
+    path.write_text(good)
+    handle = [[[0, [4, 0, 0, 0]], "77"]]
+    with pytest.raises(pas.ProjectFileError, match=r"the constraint handle 0, .* is not met"):
+        pas.load(told(path, "problem", "constraints", "handles", value=handle))

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import EQUAL, pipes
+from conftest import EQUAL, pipes, solved
 from flint import fmpq
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
@@ -150,6 +150,35 @@ def test_unit_coefficients_without_inequalities_are_least_squares():
     length = sum(float(c) ** 2 for c in polynomial.coefficients().values())
     assert length == pytest.approx(1, abs=1e-8)
     assert sum(float(polynomial.at(p)) ** 2 for p in points) / length == pytest.approx(direct.quotient, rel=1e-6)
+
+
+@pytest.mark.parametrize("by_gradient", [False, True])
+def test_least_squares_are_negative_inside(by_gradient):
+    """The corner of pipes is proved from points of it, whatever sign its coefficients begin with."""
+    space = pas.solutions(pipes(EQUAL), 1, 3)
+    member = solved(EQUAL, 1).surface
+    points = member.mesh(0.05).points.tolist()
+    found = [
+        s.least_squares(points, by_gradient=by_gradient)
+        for s in (space, space.restricted([[-p for p in m] for m in space.basis]))
+    ]
+    for fit in found:
+        assert fit.surface([(0, 0, 0)])[0] < 0 and fit.surface.certificate.proved
+    assert found[0].coefficients == pytest.approx(-found[1].coefficients, rel=1e-9)
+
+
+@pytest.mark.parametrize("text", ["y^2 + z^2 - 1", "1 - y^2 - z^2"])
+def test_without_a_centre_alpha_is_positive(text):
+    box = pas.SingleCell((-1, -2, -2), (1, 2, 2))
+    blind = pas.Partition(box.vertices, box.cells, None, box.pieces)
+    contacts = [("y^2 + z^2 - 1", "x - 1"), ("y^2 + z^2 - 1", "-x - 1")]
+    fits = [
+        pas.solutions(contacts, 1, 2, partition).restricted([(text,)]).least_squares([(0, 1, 0.1)])
+        for partition in (blind, box, pas.SingleCell())
+    ]
+    assert [str(fit.surface.polynomials[0]) for fit in fits[:2]] == ["y^2 + z^2 - 1"] * 2
+    assert all(v.proved for v in fits[0].surface.certificate.contacts)
+    assert fits[2].coefficients.tolist() == [1]  # nothing is inside of all of space
 
 
 def test_everything_combined_is_proved():

@@ -63,6 +63,17 @@ def by_sympy(vectors):
     return [tuple(Polynomial(ring.to_sympy(a)) for a in row) for row in rows]
 
 
+def test_what_syzygies_gives_submodules_take():
+    found = syzygies(["x", "y", "z"])
+    module = Submodule(*found)
+    assert Submodule(found).generators == Submodule(list(found)).generators == module.generators
+    assert Submodule(module.groebner_basis()).groebner_basis() == module.groebner_basis()
+    assert Submodule(("x", "y")).generators == Submodule([("x", "y")]).generators == (("x", "y"),)
+    assert Submodule("x").width == Submodule(["x"]).width == 1
+    with pytest.raises(ValueError, match="generators must be at least one"):
+        Submodule(())
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_module_is_sympys(name):
     vectors = as_tuples(CASES[name])

@@ -62,7 +62,7 @@ def syzygies(
 
 
 class Submodule:
-    """The submodule of Q[x, y, z]^s that tuples of s polynomials generate.
+    """The submodule of Q[x, y, z]^s that tuples of s polynomials generate: several, or a list of them.
 
     The order of terms is graded reverse lexicographic, x > y > z, and position after that, the
     first the greatest.
@@ -75,8 +75,11 @@ class Submodule:
     (True, False)
     """
 
-    def __init__(self, *generators: Sequence[PolynomialLike]) -> None:
-        self.generators = tuple(tuple(map(Polynomial.from_raw, v)) for v in _vectors(generators, "generators"))
+    def __init__(self, *generators: Sequence[PolynomialLike] | Sequence[Sequence[PolynomialLike]]) -> None:
+        one = generators[0] if len(generators) == 1 else None
+        several = isinstance(one, list | tuple) and all(isinstance(row, list | tuple) for row in one)
+        given: Sequence[Any] = one if several and one is not None else generators
+        self.generators = tuple(tuple(map(Polynomial.from_raw, v)) for v in _vectors(given, "generators"))
 
     @property
     def width(self) -> int:

@@ -22,6 +22,7 @@ from scipy.linalg import svd
 
 from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.products import Products
 from pas.algebra.rational import rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
@@ -42,6 +43,7 @@ from pas.fairing.wishes import (
     check_member,
     check_point_options,
 )
+from pas.surface.free_curves import transversality
 from pas.surface.piecewise import PiecewiseSurface
 
 
@@ -68,7 +70,9 @@ class Optimum:
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
     """The least-squares member: `coefficients` in the space's basis (doubles, the last one that is
-    not tiny being 1), the `surface` with these taken exactly, and the quotient reached."""
+    not tiny being 1 or -1), the `surface` with these taken exactly, and the quotient reached.
+
+    Its sign, which the quotient does not tell, is that of the project: f < 0 inside (see `orientation`)."""
 
     surface: PiecewiseSurface
     coefficients: Floats
@@ -179,7 +183,28 @@ def least_squares(
     coefficients = np.asarray(found)
     significant = np.flatnonzero(np.abs(coefficients) > 1e-9 * np.abs(coefficients).max())
     coefficients = coefficients / coefficients[significant[-1]]
+    coefficients = coefficients * orientation(space.member([float(c) for c in coefficients]))
     return LeastSquares(space.member([float(c) for c in coefficients]), coefficients, quotient)
+
+
+def orientation(surface: PiecewiseSurface) -> int:
+    """1 for a surface whose function is negative inside, as all proofs take it, else -1.
+
+    It is negative at the centre of the partition.  Where that is on the surface, or where there is none, alpha is
+    positive on the contacts' curves in the region's faces, in the mean of all; without such curves there is no inside,
+    and it is 1.
+    """
+    center = 0 if surface.partition.center is None else surface.patches[0].at((0, 0, 0))  # in local coordinates
+    if center:
+        return -1 if center > 0 else 1
+    alpha = 0.0
+    for join in surface.joins:
+        for face, (points, weights) in zip(join.faces, join.measured_curves() if join.faces else (), strict=True):
+            f, d = join.contact.surface, Polynomial.from_raw(face.plane.raw)
+            # both are the same multiple of what alpha is on the curve
+            above, below = (transversality(g, f, d)(points) for g in (surface.patches[face.piece], f))
+            alpha += float(weights @ (above / below))
+    return -1 if alpha < 0 else 1
 
 
 def _refined(

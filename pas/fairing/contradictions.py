@@ -12,13 +12,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
+from pas.algebra.monomials import count
 from pas.algebra.rational import Vector, cross, dot, plain
 from pas.errors import InfeasibleError
+from pas.fairing.functionals import b_coefficient, value_at
 from pas.fairing.wishes import ValueAt, Wishes
 from pas.partition.cells import OuterFace, Partition
 from pas.surface.joins import Join
+from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 INSIDE, ON, OUTSIDE = -1, 0, 1
@@ -51,6 +54,22 @@ def check_wishes(wishes: Wishes, placed: PlacedContacts) -> None:
         if clash:
             names = [wish.name for wish in pair]
             raise InfeasibleError(f"the constraints {', '.join(names)} contradict one another: {clash}", names)
+
+
+def check_kept(wishes: Wishes, surface: PiecewiseSurface) -> None:
+    """Raises `ValueError`, which names the wish, where a surface has not the signs at points or the handles wished for.
+
+    Points that it may pass through by a margin of 0 are met to rounding, and are not looked at.
+    """
+    rows = [fmpq_mat(1, count(surface.degree), patch.row(surface.degree)) for patch in surface.patches]
+    for wish in _wishes(wishes):
+        (value,) = value_at(surface.partition, wish.point, surface.degree, wish.name).on(rows)
+        if _sign(value) not in wish.signs and len(wish.signs) == 1:
+            raise ValueError(f"the constraint {wish.name} is not met by the surface")
+    for number, (handle, wanted) in enumerate(wishes.handles):
+        if b_coefficient(surface.partition, handle, surface.degree).on(rows) != [wanted]:
+            name = wishes.describe(("handles", number))
+            raise ValueError(f"the constraint {name} is not met by the surface")
 
 
 def _wishes(wishes: Wishes) -> Iterator[Wish]:

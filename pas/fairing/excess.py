@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from pas.fairing.sight import AREA, View
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
-from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, widest
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
 from pas.surface.sections import AROUND, circle, planes, runs
 
@@ -69,7 +68,7 @@ class CurvatureExcess:
     def of(cls, neighbours: Sequence[Neighbour], limits: FairnessLimits) -> CurvatureExcess:
         """That beside given neighbours."""
         radius = float(np.mean([n.radius for n in neighbours]))
-        return cls(limits, max(n.curvature for n in neighbours), largest_arc(neighbours), radius)
+        return cls(limits, sharpest_of(neighbours), largest_arc(neighbours), radius)
 
     def over(self, shape: Floats) -> Iterator[tuple[Floats, int, float]]:
         """By how many units each limit is passed (N,), with the quantity that passes it and the slope by that."""
@@ -77,7 +76,7 @@ class CurvatureExcess:
         unit = SHARP * self.curvature
         yield (shape[:, 0] - sharp) / unit, 7, 1 / unit
         yield (-shape[:, 2] - sharp) / unit, 9, -1 / unit
-        if 0 < self.arc < inf:
+        if self.arc:
             hollow = self.limits.hollowness - MARGIN
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 

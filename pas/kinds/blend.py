@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
 from operator import attrgetter
 from typing import Any
+
+from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
@@ -20,8 +23,9 @@ from pas.exchange.records import (
 )
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, TableOf
 from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
+from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import read_energy
-from pas.fairing.wishes import Wishes
+from pas.fairing.wishes import Wishes, check_member
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.space import SolutionSpace
 from pas.render.piecewise import layers
@@ -66,7 +70,7 @@ def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
         "solution": {
             "dimension": blend.dimension,
             "basis": None if blend.basis is None else [[polynomial_record(p) for p in m] for m in blend.basis],
-            "coefficients": [plain(rational(c)) for c in blend.coefficients],
+            "coefficients": _coefficients(blend),
             "energy": blend.energy,
             "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
             "seconds": blend.timings,
@@ -78,20 +82,50 @@ def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
     }
 
 
+def _coefficients(blend: Blend) -> list[str]:
+    """The member's coefficients; none where the surface, which is then refuted, is that of a file and no member."""
+    try:
+        return [plain(rational(c)) for c in blend.coefficients]
+    except ValueError:
+        return []
+
+
 def read(content: dict[str, Any]) -> Blend:
-    """The blend of `record`."""
+    """The blend of `record`: what can be found anew is, and what was asked of the surface must hold of it.
+
+    Its energy, and what was tried in what time, are what the file tells.
+    """
     solution, problem = content["solution"], content["problem"]
     surface, basis = read_surface(content["surface"]), _read_basis(solution["basis"])
 
+    @cache
     def find_space() -> SolutionSpace:
         space = SolutionSpace.of(solve(surface.placed, surface.degree))
         return space if basis is None else space.restricted(basis)
 
+    def find_coefficients() -> list[fmpq]:
+        """Those of the file where they give its surface, exactly, which is seen sooner than they are found."""
+        space, told = find_space(), [rational(c) for c in solution["coefficients"]]
+        if len(told) == space.dimension and space.member(told).polynomials == surface.polynomials:
+            return told
+        return [rational(c) for c in space.coordinates(surface.polynomials)]
+
+    wishes = Wishes(
+        energy=read_energy(problem["energy"]),
+        limits=None if problem.get("limits") is None else FairnessLimits(**problem["limits"]),
+        **read_constraints(problem["constraints"]),
+    )
+    check_kept(wishes, surface)
+    if basis is not None or wishes.coefficients:
+        found = find_coefficients()  # raises where the basis is none, or the surface is not of it
+        for number, value in wishes.coefficients:
+            check_member(number, len(found))
+            if found[number] != value:
+                raise ValueError(f"coefficient {number} must be {plain(value)}, and that of the surface is another")
     return Blend(
         surface=surface,
         basis=basis,
-        dimension=solution["dimension"],
-        find_coefficients=lambda: [rational(c) for c in solution["coefficients"]],
+        find_coefficients=find_coefficients,
         energy=float(solution["energy"]),
         timings={stage: float(spent) for stage, spent in solution["seconds"].items()},
         attempts=tuple(
@@ -103,11 +137,7 @@ def read(content: dict[str, Any]) -> Blend:
                 strict=True,
             )
         ),
-        wishes=Wishes(
-            energy=read_energy(problem["energy"]),
-            limits=None if problem.get("limits") is None else FairnessLimits(**problem["limits"]),
-            **read_constraints(problem["constraints"]),
-        ),
+        wishes=wishes,
         find_space=find_space,
         stored=Certificate.from_record(content["certificate"]),
     )

@@ -28,7 +28,7 @@ from pas.exchange.schema import (
     TableOf,
     Value,
 )
-from pas.generatrix.align import Alignment
+from pas.generatrix.align import Alignment, alignment
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
 from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
@@ -41,6 +41,10 @@ from pas.shape import Kind
 from pas.verdicts import Verdicts
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
+
+SAME = 1e-6
+"""By how much a shift (of a turn) and a mean distance (over itself) may be found elsewhere on another machine: the best
+shift is found to about 1e-8."""
 
 _FUNCTION = Choice(
     (Table({"cosine": List(REAL, 3)}), Table({"coefficients": List(NUMBER)})),
@@ -75,11 +79,33 @@ def record(blend: GeneratrixBlend, certificate: Verdicts | None = None) -> dict[
 
 
 def read(content: dict[str, Any]) -> GeneratrixBlend:
-    """The blend of `record`."""
+    """The blend of `record`.
+
+    How the second curve was turned must be how it is turned anew, once it is turned back.
+    """
     first, second = map(read_boundary, content["boundaries"])
     shape = shape_of(content["shape"])
     a, b = content["signs"]
-    return GeneratrixBlend.of_turned((first, second), (a, b), shape, Alignment(**content["alignment"]), content["unit"])
+    found = _found_again(Alignment(**content["alignment"]), first, second, (a, b))
+    return GeneratrixBlend.of_turned((first, second), (a, b), shape, found, content["unit"])
+
+
+def _found_again(told: Alignment, first: Boundary, second: Boundary, signs: tuple[int, int]) -> Alignment:
+    """How the second curve was turned, with what is said of it found anew; raises `ValueError` where it was not so."""
+    before = second.turned(False, -told.shift) if told.shift else second
+    before = before.turned(told.reversed, 0.0)
+    for turn in (True, False):  # a blend may have been made of curves as they are
+        found = alignment(first, before, signs, turn)
+        apart = abs((found.shift - told.shift + 0.5) % 1.0 - 0.5)
+        near = abs(found.distance - told.distance) <= SAME * found.distance
+        if found.reversed == told.reversed and apart <= SAME and near:
+            break
+    else:
+        raise ValueError("alignment must be how the second curve was turned to fit the first, and it was not so")
+    lengths = [b.source is not None and bool(b.source.get("by_length")) for b in (first, second)]
+    if told.by_length and not all(lengths):
+        raise ValueError("alignment.by_length must be false unless both curves have their lengths as parameters")
+    return replace(told, opposed=found.opposed, reason=found.reason)
 
 
 def boundary_record(boundary: Boundary) -> dict[str, Any]:

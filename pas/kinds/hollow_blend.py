@@ -7,7 +7,7 @@ from typing import Any
 from pas.algebra.rational import plain, rational
 from pas.exchange.schema import NUMBER, Maybe, Table
 from pas.kinds import blend as blends
-from pas.pipeline.hollow import HollowBlend
+from pas.pipeline.hollow import HollowBlend, check_sides
 from pas.render.parts import solid_layers
 from pas.shape import Kind
 from pas.verdicts import Verdicts
@@ -25,10 +25,14 @@ def record(hollow: HollowBlend, _: Verdicts | None = None) -> dict[str, Any]:
 
 
 def read(content: dict[str, Any]) -> HollowBlend:
-    """The hollow blend of `record`; that the one is inside the other is proved again when it is asked for."""
-    size = content["thickness"]
+    """The hollow blend of `record`; that the one is inside the other is proved again when it is asked for.
+
+    The inner contacts must be those that the outer ones and the thickness come to.
+    """
+    thickness = None if content["thickness"] is None else rational(content["thickness"], "thickness")
     outer, inner = (blends.read(content[side]) for side in ("outer", "inner"))
-    return HollowBlend(outer, inner, None if size is None else rational(size, "thickness"))
+    check_sides(outer, inner, thickness)
+    return HollowBlend(outer, inner, thickness)
 
 
 def _facts(hollow: HollowBlend) -> dict[str, Any]:

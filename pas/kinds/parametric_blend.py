@@ -1,7 +1,7 @@
 """Parametric blends as a kind of shape.
 
 A blend is kept as its data, order and method, and with its components, so that other programs find them; on reading it
-is made anew, and the stored components win where they are others (a member of the family of all blends, say).
+is made anew, and where that is no weighted sum the stored components win (a member of the family of all blends, say).
 """
 
 from __future__ import annotations
@@ -84,6 +84,8 @@ def read(content: dict[str, Any]) -> ParametricBlend:
         names = surface.parameters
         x, y, z = (read_function(c, names) for c in content["components"])
         if (x, y, z) != surface.components:
+            if made.weights is not None:
+                raise ValueError("components must be the weighted sum of the surfaces, and they are others")
             surface = ParametricSurface(x, y, z, names, content["domain"])
     return ParametricBlend(data, made.order, surface, made.weights)
 

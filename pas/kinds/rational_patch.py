@@ -46,9 +46,24 @@ def read(content: dict[str, Any]) -> RationalPatch:
     exact = None if kept is None else ExactControl(*(_fractions(kept[n]) for n in ("points", "weights", "rectangle")))
     points, weights = (_array(content[name], name, float) for name in ("points", "weights"))
     patch = RationalPatch(points, weights, (u, v), exact)
-    if exact is not None and (exact.points.shape != points.shape or exact.weights.shape != weights.shape):
-        raise ValueError("the exact control points and weights must be as many as the rounded ones")
+    if exact is not None:
+        _check_rounded(patch, exact)
     return patch
+
+
+def _check_rounded(patch: RationalPatch, exact: ExactControl) -> None:
+    """Raises `ValueError` unless the doubles of a patch are those nearest to its fractions."""
+    if exact.points.shape != patch.points.shape or exact.weights.shape != patch.weights.shape:
+        raise ValueError("the exact control points and weights must be as many as the rounded ones")
+    pairs = {
+        "points": (exact.points, patch.points),
+        "weights": (exact.weights, patch.weights),
+        "rectangle": (exact.rectangle, np.array(patch.domain)),
+    }
+    for name, (fractions, doubles) in pairs.items():
+        if not np.array_equal(fractions.astype(float), doubles):
+            ends = "ends of the knots" if name == "rectangle" else name
+            raise ValueError(f"exact.{name} must be what the {ends} are rounded from, and they are others")
 
 
 def _texts(numbers: Any) -> Any:

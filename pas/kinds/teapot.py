@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from pas.designs.teapot import Teapot
-from pas.exchange.schema import TEXT, Table
+from pas.designs.teapot import STYLES, Teapot
+from pas.exchange.schema import Table, one_of
 from pas.exchange.solid_records import RECORD, read_solid, solid_record
 from pas.render.parts import solid_layers
 from pas.render.scene import Scene
@@ -29,5 +29,5 @@ def _layers(teapot: Teapot, scene: Scene) -> None:
     solid_layers(teapot.solid, scene)
 
 
-CONTENT = Table({"style": TEXT} | dict.fromkeys(SOLIDS, RECORD))
+CONTENT = Table({"style": one_of(tuple(STYLES))} | dict.fromkeys(SOLIDS, RECORD))
 TEAPOT = Kind("teapot", Teapot, CONTENT, record, read, _layers, text=str)

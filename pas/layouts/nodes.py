@@ -67,7 +67,8 @@ LADDERS: dict[int, tuple[Rung, ...]] = {
     ),
 }
 """By the order of contact, that of 2 for higher ones too: full planes where the node is symmetric, then fans; strips
-where no fan has room, as around five and six contacts with near clips.  Strips have too few members of higher order."""
+where no fan has room, as around five and six contacts with near clips.  Strips have too few members of higher order:
+they are tried there only where they are asked for."""
 
 KINDS = tuple(dict.fromkeys(rung.kind for rungs in LADDERS.values() for rung in rungs))
 """What layouts may be asked for by name."""
@@ -115,11 +116,11 @@ class Node:
         failure: GeometryError | None = None
         found = False
         hopeless: list[Maker] = []  # rungs that differ in their walls have the same layout
-        rungs = LADDERS[min(max(order, 1), max(LADDERS))]
+        rungs = _rungs(order, kind)
         if order > 1 and len(self.discs) >= MANY:
             rungs = tuple(sorted(rungs, key=lambda rung: rung.walls > NEAR_WALLS))  # stable
         for rung in rungs:
-            if kind not in (None, rung.kind) or rung.make in hopeless:
+            if rung.make in hopeless:
                 continue
             try:
                 layout = rung.make(self.discs, self.center)
@@ -137,6 +138,14 @@ class Node:
         if not found and failure is not None:
             none = f"no layout keeps these {len(self.discs)} contacts apart: "
             raise GeometryError(f"{'' if kind else none}{failure}")
+
+
+def _rungs(order: int, kind: str | None) -> tuple[Rung, ...]:
+    """The rungs of an order; of one kind only where that is said, those of the lower orders where this one has none."""
+    ladders = [LADDERS[n] for n in sorted(LADDERS, reverse=True) if n <= max(order, 1)]
+    if kind is None:
+        return ladders[0]
+    return next(found for rungs in ladders if (found := tuple(rung for rung in rungs if rung.kind == kind)))
 
 
 def seen(number: int, rim: Rim, center: Vector) -> Seen:

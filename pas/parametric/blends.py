@@ -54,7 +54,7 @@ class PolynomialCriterion:
 
 @dataclass(frozen=True, repr=False)
 class ParametricBlend(Shape):
-    """A blend of `data` with contact of order `order`; `weights` is None for a Hermite blend."""
+    """A blend of `data` with contact of order `order`; `weights` is None for one that is no weighted sum."""
 
     data: BlendingData
     order: int
@@ -115,8 +115,8 @@ class ParametricBlend(Shape):
         return mesh_surface(self.surface, tolerance, domain, quality)
 
     def __str__(self) -> str:
-        kind = "Hermite" if self.weights is None else "weighted"
-        return f"a {kind} blend of {self.data} with contact of order {self.order}"
+        kind = "" if self.weights is None else "weighted "
+        return f"a {kind}blend of {self.data} with contact of order {self.order}"
 
 
 @limited("finding a parametric blend", "a lower order")

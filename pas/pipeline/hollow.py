@@ -40,6 +40,10 @@ from pas.surface.parallels import inner_contact
 from pas.surface.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.verdicts import Findings, Status
 
+ROUNDED = 2.0**-29
+"""By how much coefficients of an inner surface may be another machine's, over the largest: radii that are irrational
+are rounded to 32 binary digits (see `pas.surface.parallels`)."""
+
 Rank: TypeAlias = "tuple[bool, float, float]"
 """What is proved comes before what is not, then an even wall before an uneven one, then the fairer surface."""
 
@@ -145,8 +149,10 @@ class HollowBlend(Shape):
         for name, part in (("outer", self.outer), ("inner", self.inner)):
             beyond = part.fairness.beyond(part.limits) if part.fairness is not None else ("not measured",)
             fair = f"not fair: {', '.join(beyond)}" if beyond else "fair"
-            parts.append(f"{name}: GC^{part.surface.order}, {part.surface}, {fair}")
+            surface = part.surface
+            parts.append(f"{name}: GC^{surface.order}, degree {surface.degree}, {surface.partition.title}, {fair}")
         parts.append(f"wall at its thinnest: {self.wall}")
+        parts.append(f"verdicts: {self.certificate.counts}")
         return "\n".join(parts)
 
     def __repr__(self) -> str:
@@ -162,8 +168,6 @@ def hollow(
     if (thickness is None) == (inner is None):
         raise ValueError("thickness or inner must be given, and not both: how thick the wall is, or what it ends in")
     size = None if thickness is None else rational(thickness, "thickness")
-    if size is not None and size <= 0:
-        raise ValueError(f"thickness must be positive, not {plain(size)}")
     cavity = Cavity(outer, _inner_contacts(outer, size, inner), size)
     best = _best(cavity)
     if prove and not best.certificate.proved:
@@ -171,6 +175,31 @@ def hollow(
         advice = "inner contacts farther inside" if size is None else "a thinner wall"
         raise NotProvedError(f"the wall is not proved: {failed}; {advice} or clips farther out may help", best)
     return best
+
+
+def check_sides(outer: Blend, inner: Blend, thickness: fmpq | None) -> None:
+    """Raises `ValueError` or `GeometryError` unless two blends are the sides of a wall with this thickness at its ends.
+
+    Their orders are one, and the inner contacts are those a thickness inside, or without one fit the outer ones.
+    """
+    if inner.surface.order != outer.surface.order:
+        orders = f"GC^{outer.surface.order} and GC^{inner.surface.order}"
+        raise ValueError(f"both sides of a wall must have one order of contact, not {orders}")
+    found = _inner_contacts(outer, None, inner.surface.contacts)
+    wanted = found if thickness is None else _inner_contacts(outer, thickness, None)
+    for number, (here, there) in enumerate(zip(found, wanted, strict=True), start=1):
+        if thickness is not None and not _same(here, there):
+            raise ValueError(
+                f"the inner contact {number} is not the outer one {plain(thickness)} inside, which is the thickness; "
+                "its surface must be that of `Blend.hollow`"
+            )
+
+
+def _same(one: Contact, other: Contact) -> bool:
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip."""
+    a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
+    rounded = float(np.abs(a - b).max()) <= ROUNDED * float(np.abs(a).max())
+    return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
 
 
 def _best(cavity: Cavity) -> HollowBlend:
@@ -206,6 +235,8 @@ def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike
     contacts = outer.surface.contacts
     if given is None:
         assert size is not None
+        if size <= 0:
+            raise ValueError(f"thickness must be positive, not {plain(size)}")
         there = [_with_place(outer.surface, number) for number in range(len(contacts))]
         return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]

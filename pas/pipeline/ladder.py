@@ -19,7 +19,12 @@ from pas.surface.placed import PlacedContacts
 
 DEGREES_TRIED, DEGREES_ON_LAYOUTS_TRIED = 4, 2
 """Degrees with regular members that are tried before giving up, and on layouts that the program chose, before the next
-one; corners needed at most three."""
+one, but see `DEGREES_PER_ORDER`; corners of order up to 4 needed at most three."""
+
+DEGREES_PER_ORDER = 2
+"""The degree up to which they are tried in any case is so many times the order: products of the contacts' surfaces
+meet them with any order from one low degree on, and of use are others.  Perpendicular pipes have a proved surface of
+degree 2k - 2 where the order k is 5, 6 or 7, and at degree 6 such a product."""
 
 DEGREES_FOR_FAIRNESS = 2
 """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
@@ -68,12 +73,14 @@ class Replay:
 class Ladder:
     """What was tried.
 
-    `degree` is the only one to try, or None; `raised` says whether degrees and layouts are tried for fairness too;
-    `aside` are small spaces of the present layout, by their degrees, in which no fair surface was in sight.
+    `degree` is the only one to try, or None; `order` that of contact; `raised` says whether degrees and layouts are
+    tried for fairness too; `aside` are small spaces of the present layout, by their degrees, in which no fair surface
+    was in sight.
     """
 
     wishes: Wishes
     degree: int | None
+    order: int
     raised: bool
     stages: Stages
     attempts: list[Attempt] = field(default_factory=list)
@@ -180,7 +187,8 @@ class Ladder:
                     reason = f"not tried: fewer than {fewest} unknowns"
                     self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
                 break
-            if yielded == (DEGREES_ON_LAYOUTS_TRIED if fewest else DEGREES_TRIED):
+            enough = DEGREES_ON_LAYOUTS_TRIED if fewest else DEGREES_TRIED
+            if yielded >= enough and candidate >= DEGREES_PER_ORDER * self.order:
                 return
 
     def _note(self, space: SolutionSpace, outcome: str, seconds: float = 0.0) -> None:

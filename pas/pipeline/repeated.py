@@ -108,13 +108,13 @@ class Match:
 
         return Blend(
             surface=surface,
-            dimension=self.found.dimension,
             find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
             energy=self.found.energy,
             timings=timings,
             attempts=self.found.attempts,
             wishes=self.found.wishes,
             find_space=space,
+            found_dimension=self.found.dimension,
         )
 
     @property

@@ -63,12 +63,13 @@ class Blend(Shape):
     how many, by which `wishes`, and `energy` is its energy in the user's units.  `basis` is the space's
     where it does not follow from the problem.
     `timings` maps stages to seconds, `attempts` lists the degrees tried.  `find_space` gives the
-    solution space, `choice` the numerical optimum (not kept in files).
-    `stored` are the verdicts in the file that it was loaded from: what somebody found once, and no proof.
+    solution space, `found_dimension` its dimension where that is known without; `choice` is the numerical optimum (not
+    kept in files).
+    `stored` are the verdicts in the file that it was loaded from: what somebody found once, and no proof.  Of a blend
+    that was loaded `energy`, `timings` and `attempts` are what its file tells as well; all else is found anew.
     """
 
     surface: PiecewiseSurface
-    dimension: int
     find_coefficients: Callable[[], Sequence[fmpq]]
     energy: float
     timings: dict[str, float]
@@ -78,6 +79,7 @@ class Blend(Shape):
     basis: tuple[Member, ...] | None = None
     choice: Choice | None = None
     stored: Certificate | None = None
+    found_dimension: int | None = None
     kind = "blend"
 
     @classmethod
@@ -93,7 +95,6 @@ class Blend(Shape):
         fairing = space.fairing(as_energy(wishes.energy))
         return cls(
             surface=choice.surface,
-            dimension=space.dimension,
             find_coefficients=partial(_entries, choice.working, fairing.basis.change),
             energy=choice.energy,
             timings=timings,
@@ -102,7 +103,13 @@ class Blend(Shape):
             find_space=lambda: space,
             basis=space.given_basis,
             choice=choice,
+            found_dimension=space.dimension,
         )
+
+    @property
+    def dimension(self) -> int:
+        """That of the solution space."""
+        return self.space.dimension if self.found_dimension is None else self.found_dimension
 
     @cached_property
     def coefficients(self) -> tuple[Fraction, ...]:
@@ -239,7 +246,8 @@ class Blend(Shape):
 
     def __repr__(self) -> str:
         s = self.surface
-        return f"<Blend GC^{s.order}, degree {s.degree}, dimension {self.dimension}, {self.standing}>"
+        dimension = "" if self.found_dimension is None else f", dimension {self.found_dimension}"
+        return f"<Blend GC^{s.order}, degree {s.degree}{dimension}, {self.standing}>"
 
 
 def _entries(row: fmpq_mat, change: Change) -> list[fmpq]:

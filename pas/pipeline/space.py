@@ -144,7 +144,9 @@ class SolutionSpace(Space):
         """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
 
         With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
-        squared distance to first order, whatever the place and size of the figure (Taubin 1991).
+        squared distance to first order, whatever the place and size of the figure (Taubin 1991).  Of f and -f, which
+        have the same quotient, it is the one that is negative at the centre of the partition, or has alpha > 0 on the
+        contacts' curves where there is no centre.
 
         `points` are three numbers each (floats as the exact rationals they are).  For members through
         other points take `space.through(...)` first; with energy, inside or outside points use

@@ -14,6 +14,9 @@ from pas.surface.piecewise import PiecewiseSurface
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
 
+MEASURABLE = 0.0005
+"""Seconds below which nothing is said of a stage: they would be printed as none."""
+
 
 def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
     """A table of what was asked, what was found and what was proved; `extra` adds lines."""
@@ -24,17 +27,26 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
-        ("energy", f"{blend.energy:.6g} ({blend.plate.kind})"),
+        ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
     rows += _fairness(blend)
     rows += (extra or {}).items()
-    rows += [(f"seconds: {name}", f"{spent:.3f}") for name, spent in blend.timings.items()]
+    rows += [
+        (f"seconds: {name}", f"{spent:.3f}{_told(blend)}")
+        for name, spent in blend.timings.items()
+        if spent >= MEASURABLE
+    ]
     width = max(len(name) for name, _ in rows)
     lines = [f"{name:<{width}}  {value}" for name, value in rows]
     certificate = blend.certificate
     proved = sum(v.proved for v in certificate.verdicts)
     lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
     return "\n".join(lines)
+
+
+def _told(blend: Blend) -> str:
+    """What follows that which is believed of a file: nothing of it is found anew."""
+    return "" if blend.stored is None else ", as its file tells"
 
 
 def _between(surface: PiecewiseSurface) -> str:
@@ -60,7 +72,7 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
 
 def _tried(blend: Blend) -> str:
     others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
-    return f"; tried as well: {', '.join(others)}" if others else ""
+    return f"; tried as well: {', '.join(others)}{_told(blend)}" if others else ""
 
 
 def _fairness(blend: Blend) -> list[tuple[str, str]]:
@@ -69,13 +81,14 @@ def _fairness(blend: Blend) -> list[tuple[str, str]]:
     rows = [
         (
             f"degree {a.degree}",
-            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s",
+            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s{_told(blend)}",
         )
         for a in blend.attempts
         if a.seconds
     ]
     if blend.fairness is not None:
         beyond = blend.fairness.beyond(blend.limits)
-        rows.append(("fairness", f"beyond its limits: {', '.join(beyond)}" if beyond else "within its limits"))
+        within = f"within its limits: {blend.limits.told}"
+        rows.append(("fairness", f"beyond its limits: {', '.join(beyond)}" if beyond else within))
         rows += [(f"  {name}", value) for name, value in blend.fairness.lines()]
     return rows

@@ -2,8 +2,8 @@
 
 Curvatures are compared with what cannot be avoided: the largest curvature with that of the neighbours on
 their contact curves (`sharpness`: 1 for a blend nowhere sharper than its thinnest pipe), the largest concave
-one with the largest arcs that fit between two neighbours (`hollowness`: 1 for these arcs).  All is measured on
-a stated number of points, and a feature between them is missed.
+one with the largest arcs that fit between two neighbours (`hollowness`: 1 for these arcs, 0 where none fits).
+All is measured on a stated number of points, and a feature between them is missed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +21,15 @@ from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import Directions
-from pas.surface.fairness_limits import FairnessLimits, Neighbour, check_limits, largest_arc, neighbour, widest
+from pas.surface.fairness_limits import (
+    FairnessLimits,
+    Neighbour,
+    check_limits,
+    largest_arc,
+    neighbour,
+    sharpest_of,
+    widest,
+)
 from pas.surface.geometry import FIRST, SECOND, Geometry, jets
 from pas.surface.sections import AROUND, circle, planes, runs
 
@@ -49,11 +56,12 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Fairness:
-    """Measures of one surface, in the user's units or without any.
+    """Measures of one surface, in the user's units or without any: Python's numbers, all of them finite.
 
-    `sharpness`: the largest |principal curvature| over the neighbours' largest on their contact curves, `sharpest`
-    where.  `hollowness`: the largest concave curvature times the radius of the largest arc that fits between two
-    neighbours' walls within their clips (nan where none does), `hollowest` where.  `bulge`: how far the surface leaves
+    `sharpness`: the largest |principal curvature| over the neighbours' largest on their contact curves (that of their
+    largest radius where all are flat), `sharpest` where.  `hollowness`: the largest concave curvature times `arc`, the
+    radius of the largest arc that fits between two neighbours' walls within their clips, `hollowest` where; both are 0
+    where none fits, as between two pipes on one axis, so no limit is passed.  `bulge`: how far the surface leaves
     the hull of the contact curves and of a ball of the largest radius around the centre, over that radius.
     `wrong_sign`: the largest curvature of a plane section through two neighbours' axes that bends against the rest
     of it, times the largest radius; `inflections`: how often such sections turn.  `variation`: r^2 * integral
@@ -65,6 +73,7 @@ class Fairness:
     sharpest: Place
     hollowness: float
     hollowest: Place
+    arc: float
     bulge: float
     wrong_sign: float
     inflections: int
@@ -76,15 +85,13 @@ class Fairness:
 
     def __repr__(self) -> str:
         return (
-            f"<Fairness: sharpness {self.sharpness:.2f}, hollowness {self.hollowness:.2f}, bulge {self.bulge:.2f}, "
-            f"wrong sign {self.wrong_sign:.2f}>"
+            f"<Fairness: sharpness {self.sharpness:.2f}, {f'hollowness {self.hollowness:.2f}, ' if self.arc else ''}"
+            f"bulge {self.bulge:.2f}, wrong sign {self.wrong_sign:.2f}>"
         )
 
     def to_record(self) -> dict[str, Any]:
-        """A JSON-ready form; a measure that there is none of is null."""
-        return {
-            name: None if value is self.hollowness and isnan(value) else value for name, value in vars(self).items()
-        }
+        """A JSON-ready form."""
+        return dict(vars(self))
 
     def within(self, limits: FairnessLimits) -> bool:
         """Whether all measures are within limits; raises `TypeError` for what is none."""
@@ -98,7 +105,7 @@ class Fairness:
 
     def excess(self, limits: FairnessLimits) -> float:
         """How far beyond limits the measures are, in all, each over its unit; 0 within them."""
-        return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits) if not isnan(value))
+        return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits))
 
     def inside(self, limits: FairnessLimits, times: float) -> FairnessLimits:
         """Limits that are as far inside these as what is beyond them, so many times."""
@@ -106,7 +113,6 @@ class Fairness:
         moved = {
             name: max(most - times * max(0.0, value - most), most / 2)
             for name, (_, value, most, _) in zip(names, self._checks(limits), strict=True)
-            if not isnan(value)
         }
         return replace(limits, **moved)
 
@@ -124,13 +130,23 @@ class Fairness:
         low, high = self.gradients
         return [
             ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}"),
-            ("hollowness", f"{self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}"),
+            ("hollowness", self._hollow),
             ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
-            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self.inflections} times"),
+            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self._turns}"),
             ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
             ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
             ("measured", f"at {self.points} points"),
         ]
+
+    @property
+    def _turns(self) -> str:
+        return {0: "nowhere", 1: "once"}.get(self.inflections, f"{self.inflections} times")
+
+    @property
+    def _hollow(self) -> str:
+        if not self.arc:
+            return "none: no arc fits between two neighbours"
+        return f"{self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}"
 
     def __str__(self) -> str:
         return "\n".join(f"{name:<13} {value}" for name, value in self.lines())
@@ -183,10 +199,11 @@ class _Measuring:
         wrong, turns = self.sections()
         arc = largest_arc(self.neighbours)
         return Fairness(
-            sharpness=float(np.abs(curvatures[sharpest]).max()) / max(n.curvature for n in self.neighbours),
+            sharpness=float(np.abs(curvatures[sharpest]).max()) / sharpest_of(self.neighbours),
             sharpest=self.place(local[sharpest]),
-            hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc if 0 < arc < inf else float("nan"),
+            hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc,
             hollowest=self.place(local[hollowest]),
+            arc=arc,
             bulge=self.bulge(local * self.scale, widest(self.neighbours)),
             wrong_sign=wrong,
             inflections=turns,
@@ -204,6 +221,7 @@ class _Measuring:
     def bulge(self, points: Floats, radius: float) -> float:
         """How far points, relative to the centre, are beyond the hull, over the largest radius."""
         hull = ConvexHull(np.concatenate([radius * spiral(BALL), *(n.curve for n in self.neighbours)]))
+        points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
         far = float((hull.equations[:, :3] @ outermost.T + hull.equations[:, 3:]).max())
         return max(0.0, far) / radius

@@ -65,6 +65,12 @@ class FairnessLimits:
         for name, value in vars(self).items():
             object.__setattr__(self, name, to_float(amount(value, name)))
 
+    @property
+    def told(self) -> str:
+        """The limits in words, those that are none left out."""
+        names = {name: name.replace("_", " ") for name in vars(self)}
+        return ", ".join(f"{names[n]} {most:.4g}" for n, most in vars(self).items() if most < LOOSE) or "there are none"
+
     @classmethod
     def of_order(cls, order: int) -> FairnessLimits:
         """The usual ones for contact GC^order: what the best members of the lowest degrees reach."""
@@ -80,9 +86,9 @@ class FairnessLimits:
         """
         usual = cls.of_order(order)
         arc = largest_arc(neighbours)
-        if not 0 < arc < inf:
+        if not arc:
             return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
-        tightest = 1 / (arc * max(n.curvature for n in neighbours))
+        tightest = 1 / (arc * sharpest_of(neighbours))
         sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
         return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, LOOSE)
 
@@ -118,11 +124,16 @@ def widest(neighbours: Sequence[Neighbour]) -> float:
     return max([n.radius for n in neighbours if n.normal is None] or [n.radius for n in neighbours])
 
 
+def sharpest_of(neighbours: Sequence[Neighbour]) -> float:
+    """The largest curvature of neighbours; where all are flat, that of the largest radius."""
+    return max(n.curvature for n in neighbours) or 1 / widest(neighbours)
+
+
 def largest_arc(neighbours: Sequence[Neighbour]) -> float:
     """The largest radius of an arc tangent to the walls of two neighbours within their clips: the least of all pairs.
 
     For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
-    tangents of length l has radius l tan(t / 2).  Infinite where no two are within `WEDGE`; not positive where two
+    tangents of length l has radius l tan(t / 2).  It is 0, for none, where no two are within `WEDGE`, and where two
     walls meet beyond their clips.  What the region is open through is taken for a plate, see
     `_out_of_plate`.
     """
@@ -139,7 +150,7 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
             one.distance - (other.radius + one.radius * cosine) / np.sin(angle) for one, other in ((a, b), (b, a))
         ]
         found = min(found, min(tangents) * float(np.tan(angle / 2)))
-    return found
+    return float(found) if 0 < found < inf else 0.0
 
 
 def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:

@@ -219,6 +219,35 @@ def projects(folder: Path) -> list[Base]:
     ]
 
 
+def further(folder: Path) -> list[Base]:
+    """Project files of the kinds that no changed file is drawn of, and of blends with wishes and a given basis."""
+    outer = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1, energy=pas.ThinPlate())
+    inner = [pas.Contact("y^2 + z^2 - 4/9", "x - 2"), pas.Contact("y^2 + z^2 - 1/9", "-x - 2")]
+    space = pas.solutions([pas.Pipe(axis, "1/3", 1) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))], 1, 4)
+    wished = space.fit(
+        inside=[(0, 0, "1/4")], outside=[("-1/2",) * 3], through=[("-1/5",) * 3], near=[("-1/4", "-1/5", "-1/5")],
+        energy=pas.ThinPlate(), limits=pas.FairnessLimits(2, 2, 2, 2), prove=False,
+    )  # fmt: skip
+    handle = space.determining_set()[0]
+    given = space.restricted(space.basis[:6]).fit(
+        energy=pas.ThinPlate(), prove=False, guard=False, handles={handle: 1}, normalize=pas.SumOfCoefficients()
+    )
+    things: dict[str, Any] = {
+        "hollow blend": outer.hollow("1/5"),
+        "hollow blend of given contacts": outer.hollow(inner=inner),
+        "wished": wished,
+        "given": given,
+        "layout": outer.surface.partition.layout,
+        "node": outer,
+        "a part": solid.assembly(ball=solid.ball((0, 0, 0), 1))["ball"],
+        "teapot": pas.teapot("paper"),
+    }
+    return [
+        Base(f"{name}.pas.json", thing.save(folder / f"{name}.pas.json").read_text(), ())
+        for name, thing in things.items()
+    ]
+
+
 def _on(blend: pas.ParametricBlend, domain: Any) -> pas.ParametricBlend:
     from dataclasses import replace
 

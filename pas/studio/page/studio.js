@@ -139,8 +139,9 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		const f = facts.fairness, limits = facts.limits || {};
 		$.measured.hidden = !f; if (!f) return;
 		$.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
-			const value = f[key], most = limits[key], high = value !== null && most !== undefined && value > most;
-			return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
+			const value = f[key], most = limits[key], high = most !== undefined && value > most;
+			const none = key === "hollowness" && !f.arc;
+			return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, none ? "none" : `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
 		}));
 	}
 
