@@ -74,7 +74,7 @@ def test_limits_are_told_but_those_that_are_none():
     assert pas.FairnessLimits.of_order(1).told == "sharpness 1.02, hollowness 1.6, bulge 0.05, wrong sign 0.2"
     blend = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1)
     lines = str(blend).splitlines()
-    assert any(line.split() == "fairness within its limits: bulge 0.1".split() for line in lines)
+    assert any(line.split() == ["fairness", "within", "its", "limits:", "bulge", "0.1"] for line in lines)
     assert "; sections turn nowhere" in str(blend) and not any(line.endswith(" 0.000") for line in lines)
     wall = str(blend.hollow("1/5"))
     assert "outer: GC^1, degree 4, fan of 6 half-planes around (0, 0, 1), fair\n" in wall

@@ -279,6 +279,15 @@ def test_a_wall_is_as_thick_as_its_contacts(tmp_path):
     assert "given inner contacts" in str(pas.load(told(path, "thickness", value=None)))
 
 
+def test_a_weighted_blend_is_the_weighted_sum(tmp_path):
+    data = pas.BlendingData([pas.elliptic_cylinder(1, 1), pas.elliptic_cylinder(2, 2)], values=[0, 1])
+    other = json.loads(pas.hermite_blend(data, 1).save(tmp_path / "h.pas.json").read_text())["content"]["components"]
+    path = pas.weighted_blend(data, 1, "1/3").save(tmp_path / "w.pas.json")
+    assert pas.load(path).weights is not None
+    with pytest.raises(pas.ProjectFileError, match="must be the weighted sum of the surfaces"):
+        pas.load(told(path, "components", value=other))
+
+
 def test_what_is_worked_out_is_not_taken_from_a_file(saved):
     blend = solved(UNEQUAL, 2)
     again = pas.load(told(saved, "solution", "dimension", value=99))
