@@ -20,6 +20,7 @@ from pas.algebra.kernels import horner
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
+from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.partition.location import BLOCK, Group
@@ -79,12 +80,17 @@ class Evaluator:
                 ) from None
             partition = SingleCell()
         self.partition: Partition = partition
-        self.patches: tuple[Polynomial, ...] = tuple(patches)
+        self.scaled = Scaled.of(patches)
         self.degree = max(0, *(patch.degree for patch in self.patches))
 
     def __repr__(self) -> str:
         pieces = "1 piece" if len(self.patches) == 1 else f"{len(self.patches)} pieces"
         return f"<Evaluator: degree {self.degree}, {pieces}>"
+
+    @property
+    def patches(self) -> tuple[Polynomial, ...]:
+        """The polynomials in local coordinates, scaled."""
+        return self.scaled.polynomials
 
     def values(self, points: ArrayLike, outside: float = np.nan) -> Floats:
         """Values at `points` (..., 3), shape (...)."""
@@ -126,6 +132,10 @@ class Evaluator:
         In each order they are those of `monomials.homogeneous_exponents`.  Points are taken as they are; what is not
         finite is outside.
         """
+        return self.scaled.true(self.scaled_derivatives(points, orders, outside))
+
+    def scaled_derivatives(self, points: Floats, orders: Sequence[int], outside: float = np.nan) -> Floats:
+        """The same of the scaled patches: they are in doubles whatever the values are."""
         flat = np.asarray(points, dtype=float).reshape(-1, 3)
         entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
         result = np.full((len(flat), entries), outside)
@@ -140,7 +150,7 @@ class Evaluator:
         return result.reshape(*np.shape(points)[:-1], entries)
 
     def local_derivatives(self, points: Floats, pieces: NDArray[np.intp], orders: Sequence[int]) -> Floats:
-        """The same in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
+        """Those of the scaled patches in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
         entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
         result = np.full((len(points), entries), np.nan)
         for piece in np.unique(pieces[pieces >= 0]).tolist():
@@ -200,7 +210,7 @@ class Evaluator:
 
     @cached_property
     def tables(self) -> _Tables:
-        """Coefficients by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
+        """Coefficients of the scaled patches by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
         return _Tables(self.patches, self.degree)
 
 

@@ -25,6 +25,7 @@ from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, exact, to_float, to_floats, vector
+from pas.algebra.scaling import scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.errors import GeometryError
 from pas.surface.ovals import Strip, ovals
@@ -116,7 +117,7 @@ def outlook(surface: Polynomial, rim: Rim, center: VectorLike) -> tuple[float, F
     """
     points = rim.points()
     sight = points - np.array(to_floats(vector(center, "center")))
-    slopes = surface.gradient(points)
+    slopes = scaled(surface).gradient(points)
     cosines = (slopes * sight).sum(axis=1) / (np.linalg.norm(slopes, axis=1) * np.linalg.norm(sight, axis=1))
     worst = int(cosines.argmin())
     return float(cosines[worst]), points[worst]
@@ -175,7 +176,7 @@ def rim_of(surface: Polynomial, clip: Polynomial, near: VectorLike | None = None
         raise GeometryError(
             f"{words} in a curve that is in no plane; a rim needs a clip, or a surface, that is a plane"
         )
-    plane, other = (clip, surface) if clip.degree == 1 else (-surface, clip)
+    plane, other = map(scaled, (clip, surface) if clip.degree == 1 else (-surface, clip))
     chart = Chart.of(plane)
     restricted = chart.restricted(other)
     found: list[Rim] = []
