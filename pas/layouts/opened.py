@@ -121,8 +121,8 @@ def open_region(contacts: Sequence[Contact]) -> OpenRegion:
     center = apex(opening.clip)
     if center is None or opening.surface.raw(*center) >= 0:
         raise GeometryError(
-            f"contact {number + 1}: its clip {contacts[number].clip} is no cone with its apex inside its surface; give the "
-            "cylinder across a plate, as pas.Plate does, or a cone from inside the surface"
+            f"contact {number + 1}: its clip {contacts[number].clip} is no cone with its apex inside its surface; give "
+            "the cylinder across a plate, as pas.Plate does, or a cone from inside the surface"
         )
     discs = []
     for other, contact in enumerate(contacts, start=1):

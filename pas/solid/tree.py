@@ -13,7 +13,6 @@ from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.scaling import scaled
 
 Bools = NDArray[np.bool_]
 
@@ -64,7 +63,7 @@ class Atom:
 
     def __post_init__(self) -> None:
         if isinstance(self.function, Polynomial):
-            check_coefficients(scaled(self.function).raw, f"the face {self.face!r}" if self.face else "a wall")
+            check_coefficients(self.function.raw, f"the face {self.face!r}" if self.face else "a wall")
 
 
 @dataclass(frozen=True)

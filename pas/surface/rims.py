@@ -25,7 +25,7 @@ from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, exact, to_float, to_floats, vector
-from pas.algebra.scaling import scaled
+from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.errors import GeometryError
 from pas.surface.ovals import Strip, ovals
@@ -135,9 +135,10 @@ class Chart:
     @classmethod
     def of(cls, plane: Polynomial) -> Chart:
         """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
-        x, y, z = (plane.diff(i).raw(0, 0, 0) for i in range(3))
+        slope = Scaled.of([plane - plane.at((0, 0, 0))])
+        x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
         normal = (x, y, z)
-        share = -plane.raw(0, 0, 0) / dot(normal, normal)
+        share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
         least = min(range(3), key=lambda i: abs(normal[i]))
         first = cross(tuple(fmpq(i == least) for i in range(3)), normal)
         return cls(normal, (share * x, share * y, share * z), first, cross(normal, first))
@@ -176,7 +177,7 @@ def rim_of(surface: Polynomial, clip: Polynomial, near: VectorLike | None = None
         raise GeometryError(
             f"{words} in a curve that is in no plane; a rim needs a clip, or a surface, that is a plane"
         )
-    plane, other = map(scaled, (clip, surface) if clip.degree == 1 else (-surface, clip))
+    plane, other = (clip, surface) if clip.degree == 1 else (-surface, clip)
     chart = Chart.of(plane)
     restricted = chart.restricted(other)
     found: list[Rim] = []
