@@ -309,7 +309,7 @@ def test_a_multiple_of_what_vanishes_may_be_added():
     zero = np.array([1.0, -0.5, 0.25, -0.125])
     for times in (0.7, -0.9):
         assert one_simplex(0.05 + times * zero, zero).status is Status.PROVED
-        assert one_simplex(-0.05 + times * zero, zero).status is Status.UNDECIDED
+        assert one_simplex(-0.05 + times * zero, zero).status is Status.REFUTED
     assert one_simplex([0.5, 0.5, -0.1, 0.5], [1.0, -1.0, 0.0, 0.5]).status is Status.UNDECIDED  # nothing to add there
     assert one_simplex([-0.5, -0.5, 0.5, 0.5], [1.0, -1.0, 0.5, 0.5]).status is Status.UNDECIDED  # t > 1/2 and < -1/2
 

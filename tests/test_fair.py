@@ -521,6 +521,18 @@ def test_the_bound_lies_at_the_largest_curvature(text):
     assert surface.curvature_below(round(0.9 * most, 3)).status is pas.Status.REFUTED
 
 
+@pytest.mark.parametrize("text, most, near", [
+    ("x^2 + y^2 + z^2 - 1", 2**0.5, 0.001), ("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)", 8**0.5, 0.02),
+])  # fmt: skip
+def test_the_bound_on_curvature_may_be_close(text, most, near):
+    """Of a ball, and of a torus with the radii 1 and 1/2, whose inner equator is the sharpest: curvatures 2 and -2."""
+    surface = pas.Polynomial(text).surface((-2, -2, -1.5), (2, 2, 1.5))
+    assert surface.curvature_below(most * (1 + near)).proved
+    above = surface.curvature_below(most * (1 - near))
+    mean, gauss = surface.curvatures(above.witness)
+    assert above.status is pas.Status.REFUTED and np.sqrt(4 * mean**2 - 2 * gauss) > most * (1 - near)
+
+
 def test_limits_can_be_changed_one_by_one():
     assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
 

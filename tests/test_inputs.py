@@ -306,11 +306,9 @@ def test_the_exact_library_does_not_end_the_process():
     assert (done.stdout.split(), done.returncode) == (["refused"] * 4, 0), done.stderr
 
 
-@pytest.mark.parametrize("polynomial", ["1e301*x - 1", "x + 1e-301*y - 1"])
+@pytest.mark.parametrize("polynomial", ["1e302*x - 1", "x + 1e-302*y - 1"])
 def test_functions_that_doubles_cannot_hold_bound_no_solid(polynomial):
-    with pytest.raises(
-        ValueError, match=r"^the face 'a' has a coefficient (above 1e300|below 1e-300), which cannot be"
-    ):
+    with pytest.raises(ValueError, match=r"^the face 'a' has coefficients more than 1e300 times as large as others"):
         solid.patch("a", polynomial)
     assert solid.patch("a", "1e299*x - 1").faces == ("a",)
 

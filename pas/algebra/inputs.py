@@ -41,7 +41,7 @@ MOST_TERMS = 100_000
 """Terms that a power may have: those of degree 60 in x, y, z are 39 711."""
 
 WIDEST = 300
-"""Decimal exponent up to which coefficients of functions that are evaluated in doubles may go, large or small."""
+"""Decimal exponent of how much larger coefficients of one function that is evaluated in doubles may be than others."""
 
 HIGHEST_ORDER = 8
 """Of contact: a corner takes degree 8 at order 4 already, and the search for a blend ends at degree 12."""
@@ -202,15 +202,13 @@ def check_power(base: fmpq_mpoly, exponent: int, highest: int = HIGHEST_POWER) -
 
 
 def check_coefficients(polynomial: fmpq_mpoly, name: str) -> None:
-    """Raise `ValueError` for coefficients that doubles cannot hold; `name` says whose they are."""
-    for c in polynomial.coeffs():
-        size = abs(int(c.p)).bit_length() - int(c.q).bit_length()
-        if abs(size) > WIDEST * math.log2(10):
-            where = f"above 1e{WIDEST}" if size > 0 else f"below 1e-{WIDEST}"
-            raise ValueError(
-                f"{name} has a coefficient {where}, which cannot be evaluated in floating point; multiply its "
-                "polynomial by a constant"
-            )
+    """Raise `ValueError` for coefficients that doubles cannot hold together; `name` says whose they are."""
+    sizes = [abs(int(c.p)).bit_length() - int(c.q).bit_length() for c in polynomial.coeffs()]
+    if sizes and max(sizes) - min(sizes) > WIDEST * math.log2(10):
+        raise ValueError(
+            f"{name} has coefficients more than 1e{WIDEST} times as large as others, which cannot be evaluated in "
+            "floating point together; choose another unit of length"
+        )
 
 
 def _check_size(degree: int, terms: int, letters: int, highest: int) -> None:

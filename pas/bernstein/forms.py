@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, to_floats
+from pas.algebra.scaling import scaled
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -170,8 +171,8 @@ def nearby_forms(
 
 
 def _polar_table(polynomial: fmpq_mpoly, degree: int) -> Floats:
-    """The polar form at unit vectors and 0, in the order of `exponents`."""
-    return Polynomial.from_raw(polynomial).dense(degree) * _polar_weights(degree)
+    """The polar form of the scaled polynomial at unit vectors and 0, in the order of `exponents`."""
+    return scaled(Polynomial.from_raw(polynomial)).dense(degree) * _polar_weights(degree)
 
 
 @cache

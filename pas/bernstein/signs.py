@@ -4,12 +4,13 @@ The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, wi
 where several polynomials vanish at once).  A polynomial lies between its smallest and largest
 B-coefficient, and equals them at the vertices.  So a simplex is settled when all coefficients of
 one `zero` have one sign or those of `value` are positive, or those of `value + t zero` for some
-number t: they are where `zero` vanishes only, and there both are the same.  The claim is refuted
-when those of `value` are negative and `zero` changes sign between two vertices (then it vanishes in
-between); any other simplex is halved at its longest edge.  Several polynomials may change their signs
-without a common zero: with them a claim is proved or left undecided.  Of where other polynomials are
-not positive, a simplex is settled when all coefficients of one of them or of `value` are positive, or of
-`value` and t >= 0 times one, and the claim is refuted where all are negative at a vertex.
+number t, if both are written as of one degree: they are where `zero` vanishes only, and there both are
+the same.  The claim is refuted when those of `value`, or of such a sum, are negative and `zero` changes
+sign between two vertices (then it vanishes in between); any other simplex is halved at its longest edge.
+Several polynomials may change their signs without a common zero: with them a claim is proved or left
+undecided.  Of where other polynomials are not positive, a simplex is settled when all coefficients of one of
+them or of `value` are positive, or of `value` and t >= 0 times one, and the claim is refuted where all
+are negative at a vertex.
 
 Rounding: coefficients come scaled to at most 1 in absolute value, rounded to nearest (error
 2^-53), or with another error that is known.  One halving is a product with rows of at most n+1
@@ -24,7 +25,7 @@ within 1 + 2 |t| roundings of what they are by the computed ones of both, so the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -222,8 +223,10 @@ def _violations(batch: _Simplices, bound: float) -> NDArray[np.bool_]:
     if len(batch.zeros) > 1:
         return np.zeros(len(batch), dtype=bool)
     at_vertices = _at_vertices(batch.zeros[0], batch.corners.shape[1])
-    changes = (at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound)
-    return changes & (batch.value.max(axis=1) < -bound)
+    changing = np.flatnonzero((at_vertices.min(axis=1) < -bound) & (at_vertices.max(axis=1) > bound))
+    opposite, result = replace(batch.select(changing), value=-batch.value[changing]), np.zeros(len(batch), dtype=bool)
+    result[changing] = (opposite.value.min(axis=1) > bound) | _by_multiple(opposite, bound)
+    return result
 
 
 def _near_witnesses(batch: _Simplices) -> Floats:

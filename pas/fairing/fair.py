@@ -180,7 +180,7 @@ def coordinates(fairing: Fairing, surface: PiecewiseSurface) -> Floats:
     left, right = [], []
     for piece, points, weights in fairing.basis.quadrature(2 * fairing.degree):
         root = np.sqrt(weights)
-        column = surface.patches[piece].dense(surface.degree)
+        column = surface.scaled.polynomials[piece].dense(surface.degree)
         left.append(fairing.basis.values(piece, points) * root[:, None])
         right.append(column @ monomial_values(points, surface.degree) * root)
     member = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]

@@ -15,6 +15,7 @@ from flint import fmpq
 
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, minus, to_float, to_floats
+from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.layouts.arms import is_free
 from pas.layouts.nodes import check_outlook, rim_of_contact, seen
@@ -76,10 +77,10 @@ def with_cone(items: Sequence[Any]) -> list[Any]:
     others = [i for i in range(len(items)) if i != number]
     for other in others:
         if is_free(items[other]):
-            result[other] = _ended(items[other], plate.surface, edge, other + 1)
+            result[other] = _ended(items[other], scaled(plate.surface), edge, other + 1)
     if apex(plate.clip) is None:
         rims = {other + 1: rim_of_contact(other + 1, as_contact(result[other])) for other in others}
-        result[number] = Contact(plate.surface, _cone(plate, _center(plate.surface, edge, rims, number + 1)))
+        result[number] = Contact(plate.surface, _cone(plate, _center(scaled(plate.surface), edge, rims, number + 1)))
     return result
 
 
@@ -116,12 +117,12 @@ def open_region(contacts: Sequence[Contact]) -> OpenRegion:
             f"a blend out of an opening joins it with other contacts, and here are {1 + len(more)} and "
             f"{len(contacts) - 1 - len(more)}"
         )
-    opening = contacts[number]
+    opening = contacts[number].scaled
     center = apex(opening.clip)
     if center is None or opening.surface.raw(*center) >= 0:
         raise GeometryError(
-            f"contact {number + 1}: its clip {opening.clip} is no cone with its apex inside its surface; give the "
-            "cylinder across a plate, as pas.Plate does, or a cone from inside the surface"
+            f"contact {number + 1}: its clip {contacts[number].clip} is no cone with its apex inside its surface; give "
+            "the cylinder across a plate, as pas.Plate does, or a cone from inside the surface"
         )
     discs = []
     for other, contact in enumerate(contacts, start=1):
@@ -129,7 +130,7 @@ def open_region(contacts: Sequence[Contact]) -> OpenRegion:
             rim = rim_of_contact(other, contact)
             check_outlook(other, contact, rim, center)
             discs.append(seen(other, rim, center))
-    surfaces = [contact.surface for i, contact in enumerate(contacts) if i != number]
+    surfaces = [contact.scaled.surface for i, contact in enumerate(contacts) if i != number]
     return open_cone(opening, number + 1, discs, surfaces, center)
 
 

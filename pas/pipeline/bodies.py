@@ -15,6 +15,7 @@ from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, rational
+from pas.algebra.scaling import Scaled
 from pas.errors import GeometryError
 from pas.pipeline.mouth import Mouth
 from pas.pipeline.neighbours import walls
@@ -112,7 +113,8 @@ def _plane(surface: PiecewiseSurface, number: int) -> Polynomial:
 
 def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
     """The plane at a distance of `length` beyond another, rounded to a double where that is irrational."""
-    size = exact(float(np.linalg.norm(plane.dense(1)[1:])))
+    steps = Scaled.of([plane])
+    size = exact(float(np.linalg.norm(steps.polynomials[0].dense(1)[1:]))) * fmpq(2) ** steps.exponent
     return plane - Polynomial(length * size)
 
 

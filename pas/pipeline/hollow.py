@@ -137,7 +137,7 @@ class HollowBlend(Shape):
         surface = self.outer.surface
         join = surface.joins[number]
         if join.opening:
-            return End(surface.contacts[number].clip, -join.nappe[0] / np.linalg.norm(join.nappe[0]))
+            return End(surface.contacts[number].scaled.clip, -join.nappe[0] / np.linalg.norm(join.nappe[0]))
         rim = surface.contacts[number].rim
         plane = rim.plane if rim.plane.at(surface.partition.center or rim.center) <= 0 else -rim.plane
         normal = plane.gradient(np.zeros(3))

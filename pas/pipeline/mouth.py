@@ -59,7 +59,7 @@ class Mouth:
     @classmethod
     def of(cls, surface: PiecewiseSurface, number: int) -> Mouth:
         """That of a contact through which a surface's region is open."""
-        contact, center = surface.contacts[number], surface.partition.center
+        contact, center = surface.contacts[number].scaled, surface.partition.center
         join, scale = surface.joins[number], surface.partition.frame.scale
         assert center is not None
         if contact.surface.degree == 1:

@@ -66,8 +66,9 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
     center = surface.partition.center
     if center is None or contact.clip.degree != 1:
         return ""
-    slope = float(np.linalg.norm(contact.clip.gradient(np.zeros(3))))
-    return f", {abs(float(contact.clip.at(center))) / slope:.4g} from the centre"
+    clip = contact.scaled.clip
+    slope = float(np.linalg.norm(clip.gradient(np.zeros(3))))
+    return f", {abs(float(clip.at(center))) / slope:.4g} from the centre"
 
 
 def _tried(blend: Blend) -> str:

@@ -28,7 +28,7 @@ RINGS = 24
 def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mesh]:
     """Each cylindrical contact surface, extruded by `length` (model units) from the blend's mesh."""
     result = []
-    for contact in surface.contacts:
+    for contact in (contact.scaled for contact in surface.contacts):
         rim = contact_rim(contact, mesh)
         if not len(rim):
             continue

@@ -60,7 +60,7 @@ def sharpest_neighbour(surface: PiecewiseSurface) -> float | None:
 
 def _frame(surface: PiecewiseSurface) -> Floats:
     """Unit directions towards the first contacts, completed to a frame by the axes."""
-    rows = [c.clip.gradient(np.zeros(3)) for c in surface.contacts] + list(np.eye(3))
+    rows = [c.scaled.clip.gradient(np.zeros(3)) for c in surface.contacts] + list(np.eye(3))
     frame: list[Floats] = []
     for row in rows:
         rest = np.array(row, dtype=float)

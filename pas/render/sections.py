@@ -48,7 +48,7 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
     """The combs of a surface; `mesh` is its own."""
     extent = float(np.ptp(mesh.points, axis=0).max())
     found, ends = [], []
-    for contact in surface.contacts:
+    for contact in (contact.scaled for contact in surface.contacts):
         rim = contact_rim(contact, mesh)
         if not len(rim):
             continue

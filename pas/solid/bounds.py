@@ -14,6 +14,7 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.distance import followed_by
@@ -131,7 +132,7 @@ def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
     for part in parts:
         if isinstance(part, Node) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
             continue
-        row = part.function.dense(1) * (-1 if part.outside else 1)
+        row = scaled(part.function).dense(1) * (-1 if part.outside else 1)
         rows.append(row / np.abs(row[1:]).max())
     box = np.array([[-FARTHEST] * 3, [FARTHEST] * 3])
     if not rows:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,6 +42,7 @@ class Distance(ABC):
     """
 
     follows: Followed | None = None
+    exponent: ClassVar[int] = 0
 
     @abstractmethod
     def jets(self, points: Floats) -> Floats:

@@ -15,6 +15,7 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
+from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.mesh.field import FaceField, Wall
 from pas.solid.distance import followed_by
@@ -283,7 +284,7 @@ class SolidField:
         for number in np.flatnonzero(self.planes(2 * np.arange(self.program.used))).tolist():
             function = self.program.columns[number].function
             if isinstance(function, Polynomial):
-                row = function.dense(1)
+                row = scaled(function).dense(1)
                 result[number] = row / np.sqrt(row @ row)
         return result
 

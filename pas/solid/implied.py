@@ -26,6 +26,7 @@ from pas.algebra.monomials import Floats, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import to_float
+from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.bounds import bounding_box
@@ -115,7 +116,7 @@ def _cube(box: Floats) -> list[tuple[fmpq, fmpq]]:
 def _in_cube(function: Polynomial, outside: bool, cube: list[tuple[fmpq, fmpq]]) -> Polynomial:
     """The condition's function in coordinates of the unit cube, not positive where it holds."""
     moved = [Polynomial.from_raw(start + length * g) for (start, length), g in zip(cube, GENERATORS, strict=True)]
-    found = function.compose(*moved)
+    found = scaled(function.compose(*moved))
     return -found if outside else found
 
 

@@ -34,8 +34,13 @@ class Pieces:
         planes = [tuple(-p for p in self.partition.planes(i)) for i in range(len(self.partition.cells))]
         return tuple((self.polynomials[p], walls) for p, walls in zip(self.partition.piece_of, planes, strict=True))
 
+    @property
+    def exponent(self) -> int:
+        """Of the power of two that the pieces are scaled by."""
+        return self.surface.scaled.exponent
+
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3); outside all cells, of one that is near."""
+        """Values and gradients (N, 4) of the scaled pieces at points (N, 3); outside all cells, of one that is near."""
         frame = self.partition.frame
         local = frame.local_points(points)
         jets = self.surface.local_jets(local, self.partition.local.location.pieces(local.T, np.inf))
@@ -76,7 +81,7 @@ class Pieces:
 
     @cached_property
     def _bank(self) -> Bank:
-        return Bank(self.surface.patches)
+        return Bank(self.surface.scaled.polynomials)
 
 
 def polynomials_of(function: Function) -> tuple[Polynomial, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
+from pas.algebra.scaling import Scaled
 from pas.solid.bank import Bank
 from pas.solid.gates import Branch, Code, Gates, Leaf
 from pas.solid.jets import Jets
@@ -98,7 +99,7 @@ class Program:
         return result
 
     def values(self, points: Floats) -> Floats:
-        """Values of the tree's columns (M, N) at points (N, 3)."""
+        """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""
         result = np.empty((self.used, len(points)))
         result[self._rows] = self._bank.values(points)
         for number in self._fields:
@@ -106,17 +107,26 @@ class Program:
         return result
 
     def field(self, points: Floats) -> Floats:
-        """Minimum and maximum of the columns (N,) at points (N, 3).
+        """Minimum and maximum of the columns (N,), as they were given, at points (N, 3).
 
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
-        values = self.values(points)
+        values = self._true(self.values(points))
         plain = self._gates.extremes(values)
         walls = [i for i in range(self.used) if not self.columns[i].face]
         selecting = values.copy()
         selecting[walls] = np.where(values[walls] <= 0, -np.inf, np.inf)
         chosen = self._gates.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
+
+    def _true(self, values: Floats) -> Floats:
+        """Values (M, N) of the tree's functions themselves, given those of the columns."""
+        exponents = np.zeros(self.used, dtype=np.intp)
+        exponents[self._rows] = [found.exponent for found in self._scaled]
+        for number, field in self._fields.items():
+            exponents[number] = field.exponent
+        with np.errstate(over="ignore", under="ignore"):
+            return np.asarray(np.ldexp(values, exponents[:, None]))
 
     def jets(self, points: Floats, numbers: Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3), each of a column of its own (N,), extra ones included."""
@@ -139,9 +149,9 @@ class Program:
         """Centres and half edges of boxes in the user's coordinates."""
         return self.world(centers), np.broadcast_to(halves * to_float(self.scale), centers.shape)
 
-    def _localised(self, p: Polynomial) -> Polynomial:
+    def _localised(self, p: Polynomial) -> Scaled:
         moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
-        return p.compose(*moved)
+        return Scaled.of([p.compose(*moved)])
 
     @cached_property
     def _fields(self) -> dict[int, Field]:
@@ -155,13 +165,17 @@ class Program:
         return np.array([i for i in range(self.used) if i not in self._fields], dtype=np.intp)
 
     @cached_property
-    def _bank(self) -> Bank:
-        """The tree's polynomials in local coordinates."""
+    def _scaled(self) -> list[Scaled]:
+        """The tree's polynomials in local coordinates, each scaled by itself."""
         functions = (c.function for c in self.columns[: self.used])
-        return Bank([self._localised(f) for f in functions if isinstance(f, Polynomial)])
+        return [self._localised(f) for f in functions if isinstance(f, Polynomial)]
+
+    @cached_property
+    def _bank(self) -> Bank:
+        return Bank([p for found in self._scaled for p in found.polynomials])
 
     def polynomial(self, number: int) -> Polynomial | None:
-        """The polynomial of a column in local coordinates; None where it is none."""
+        """The polynomial of a column in local coordinates, scaled; None where it is none."""
         if number in self._fields:
             return None
         return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
@@ -185,7 +199,7 @@ class Program:
     def _jets(self) -> Jets:
         """The polynomials of all columns, extra ones after those of the tree."""
         extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
-        return Jets([*self._bank.polynomials, *extra])
+        return Jets([p for found in (*self._scaled, *extra) for p in found.polynomials])
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""

@@ -19,10 +19,14 @@ Bools = NDArray[np.bool_]
 
 @runtime_checkable
 class Field(Protocol):
-    """A function that is no polynomial, such as a distance or a piecewise polynomial."""
+    """A function that is no polynomial, such as a distance or a piecewise polynomial, over `2^exponent`."""
+
+    @property
+    def exponent(self) -> int:
+        """Of the power of two that it is scaled by (see `pas.algebra.scaling`); 0 for distances."""
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3)."""
+        """Values and gradients (N, 4) at points (N, 3), scaled."""
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""
@@ -50,7 +54,7 @@ class Atom:
     """`{f <= 0}`, or `{f >= 0}` where `outside`.
 
     `face` names the part of the boundary that lies on f = 0; a wall (name "") only bounds a region
-    and is no face of its own.  Raises `ValueError` for a polynomial whose coefficients doubles cannot hold.
+    and is no face of its own.  Raises `ValueError` for a polynomial whose coefficients are further apart than doubles.
     """
 
     function: Function

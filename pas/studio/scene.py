@@ -67,8 +67,8 @@ def name_of_scene(message: Message) -> str:
 
 
 def coefficients(surface: PiecewiseSurface) -> Floats:
-    """The coefficients (pieces, C(n + 3, 3)) in local coordinates, in the order of `pas.algebra.monomials`."""
-    return np.array([patch.dense(surface.degree) for patch in surface.patches])
+    """The scaled coefficients (pieces, C(n + 3, 3)) in local coordinates, in the order of `pas.algebra.monomials`."""
+    return np.array([patch.dense(surface.degree) for patch in surface.scaled.polynomials])
 
 
 def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:

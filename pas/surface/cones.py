@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
 
 HALVINGS = 60
@@ -15,6 +16,10 @@ HALVINGS = 60
 
 FARTHEST = 64.0
 """How far along rays, over the size of what is looked at, surfaces are looked for."""
+
+
+WIDEST = 1e6
+"""Of the tangent of half a cone's angle, and of one over it: in doubles four digits of the square are left beside 1."""
 
 
 def apex(clip: Polynomial) -> Vector | None:
@@ -34,12 +39,16 @@ def nappe(cone: Polynomial, towards: Floats) -> Floats:
     """Three vectors (3, 3), of which the first, plus the others times cosine and sine, are rays along a nappe.
 
     The first is its axis, on the side of `towards` (3,).  Raises `GeometryError` for what is no cone that is negative
-    inside: its form must have one negative square and two positive ones.
+    inside: its form must have one negative square and two positive ones; and for one wider or narrower than `WIDEST`.
     """
-    form = np.array([[float(cone.diff(i).diff(j).raw(0, 0, 0)) / 2 for j in range(3)] for i in range(3)])
+    form = np.array([[to_float(cone.diff(i).diff(j).raw(0, 0, 0)) / 2 for j in range(3)] for i in range(3)])
     values, axes = np.linalg.eigh(form)
-    if not values[0] < 0 < values[1]:
-        raise GeometryError(f"{cone} is no cone with an inside: it must be negative along an axis, positive across it")
+    squares, most = -values[1:] / values[0] if values[0] < 0 else np.zeros(2), 2 * WIDEST**2  # rounding counts as well
+    if not 1 / most < squares[0] <= squares[1] < most:
+        raise GeometryError(
+            f"{short(str(cone))} is no cone with an inside: it must be negative along an axis, positive across it, and "
+            f"its half angle must have a tangent from {1 / WIDEST:g} to {WIDEST:g}"
+        )
     found = (axes / np.sqrt(np.abs(values))).T
     found[0] *= 1.0 if found[0] @ towards > 0 else -1.0
     return np.asarray(found)

@@ -7,6 +7,7 @@ along the curve V(f, h).  Signs: `f < 0` inside, `f > 0` outside; `h < 0` on the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from pas.algebra.brief import brief
@@ -14,6 +15,7 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, VectorLike, vector
+from pas.algebra.scaling import scaled
 from pas.registry import Registry
 from pas.surface.movable import Movable
 
@@ -50,6 +52,11 @@ class Contact(Movable):
     def contact(self) -> Contact:
         """Itself."""
         return self
+
+    @cached_property
+    def scaled(self) -> Contact:
+        """The same contact by polynomials that are scaled, as whatever works in doubles takes them."""
+        return Contact(scaled(self.surface), scaled(self.clip), self.near)
 
     def __str__(self) -> str:
         return f"{self.surface} = 0 up to {self.clip} = 0"

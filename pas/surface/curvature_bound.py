@@ -5,8 +5,10 @@ With g = grad f, H the second derivatives of f and M = |g|^2 tr H - g^T H g,
     k1^2 + k2^2 = (M^2 - 2 |g|^2 g^T adj(H) g) / |g|^6
 
 so that `sqrt(k1^2 + k2^2) < K` wherever f = 0 if the polynomial `K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g`, of degree
-6 (n - 1), is positive there: branch and bound as for the other proofs.  The bound holds for both principal curvatures;
-a pipe, one of whose curvatures is 0, has its own curvature for the root.
+6 (n - 1), is positive there: branch and bound as for the other proofs.  f is written as of the same degree, so that
+multiples of it count: near the surface the polynomial changes by what one of these does, and slowly along it.
+
+The bound holds for both principal curvatures; a pipe, one of whose curvatures is 0, has its own curvature for the root.
 """
 
 from __future__ import annotations
@@ -36,12 +38,12 @@ def curvature_below(surface: PiecewiseSurface, bound: fmpq) -> Verdict:
     claim = f"sqrt(k1^2 + k2^2) below {plain(bound)}"
     local = surface.local
     square = (bound * surface.partition.frame.scale) ** 2
-    zero, value = [], []
+    zero, value, degree = [], [], 6 * max(surface.degree - 1, 0)
     for cell, piece in zip(local.cells, local.piece_of, strict=True):
         checkpoint("bounding curvature")
         corners, patch = local.corners(cell), surface.patches[int(piece)].raw
-        zero.append(rounded(b_form(on_simplex(patch, corners), surface.degree, 3)))
-        value.append(rounded(b_form(_difference(patch, corners, square), 6 * max(surface.degree - 1, 0), 3)))
+        zero.append(rounded(b_form(on_simplex(patch, corners), degree, 3)))
+        value.append(rounded(b_form(_difference(patch, corners, square), degree, 3)))
     result = prove_positive(np.array(value), local.points[np.array(local.cells)], np.array(zero))
     if result.status is Status.PROVED:
         reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.simplices} tetrahedra"

@@ -46,7 +46,7 @@ class Depth:
     def __init__(self, surface: PiecewiseSurface) -> None:
         frame = surface.partition.frame
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
-        self._pieces = [Sheet.of(patch, surface.degree) for patch in surface.patches]
+        self._pieces = [Sheet.of(patch, surface.degree) for patch in surface.scaled.polynomials]
         columns = [piece.column for piece in self._pieces]
         rays = Directions.of(surface.placed, columns, surface.degree, SAMPLES)
         self._samples = rays.directions * rays.distances[:, None]

@@ -20,6 +20,7 @@ from pas.algebra.kernels import horner
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
+from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.partition.location import BLOCK, Group
@@ -80,6 +81,7 @@ class Evaluator:
             partition = SingleCell()
         self.partition: Partition = partition
         self.patches: tuple[Polynomial, ...] = tuple(patches)
+        self.scaled = Scaled.of(self.patches)
         self.degree = max(0, *(patch.degree for patch in self.patches))
 
     def __repr__(self) -> str:
@@ -126,9 +128,21 @@ class Evaluator:
         In each order they are those of `monomials.homogeneous_exponents`.  Points are taken as they are; what is not
         finite is outside.
         """
+        found, inside = self._located(points, orders)
+        result = self.scaled.true(found)
+        if not np.isnan(outside):
+            result[~inside] = outside
+        return result
+
+    def scaled_derivatives(self, points: Floats, orders: Sequence[int]) -> Floats:
+        """The same of the scaled patches, in doubles whatever the values are; NaN outside."""
+        return self._located(points, orders)[0]
+
+    def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, NDArray[np.bool_]]:
+        """The derivatives of the scaled patches (..., entries), and which points (...) are in the region."""
         flat = np.asarray(points, dtype=float).reshape(-1, 3)
         entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
-        result = np.full((len(flat), entries), outside)
+        result, inside = np.full((len(flat), entries), np.nan), np.zeros(len(flat), dtype=bool)
         for start in range(0, len(flat), BLOCK):
             checkpoint()
             local = np.array(flat[start : start + BLOCK].T, order="C")
@@ -136,11 +150,13 @@ class Evaluator:
             local /= self.scale
             for group in self.partition.local.location.groups(local, self.tolerance):
                 self._write(group, orders, result[start : start + BLOCK])
+                inside[start : start + BLOCK][group[1]] = True
         self._rescale(result, orders)
-        return result.reshape(*np.shape(points)[:-1], entries)
+        shape = np.shape(points)[:-1]
+        return result.reshape(*shape, entries), inside.reshape(shape)
 
     def local_derivatives(self, points: Floats, pieces: NDArray[np.intp], orders: Sequence[int]) -> Floats:
-        """The same in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
+        """Those of the scaled patches in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
         entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
         result = np.full((len(points), entries), np.nan)
         for piece in np.unique(pieces[pieces >= 0]).tolist():
@@ -200,8 +216,8 @@ class Evaluator:
 
     @cached_property
     def tables(self) -> _Tables:
-        """Coefficients by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
-        return _Tables(self.patches, self.degree)
+        """Coefficients of the scaled patches by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
+        return _Tables(self.scaled.polynomials, self.degree)
 
 
 class _Tables(dict[int, list[Floats]]):

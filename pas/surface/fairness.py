@@ -170,7 +170,7 @@ class _Measuring:
             raise GeometryError("fairness is measured on rays from the centre of a region with contacts; there is none")
         self.surface, self.degree = surface, surface.degree
         self.scale = to_float(surface.partition.frame.scale)
-        self.columns = [patch.dense(surface.degree) for patch in surface.patches]
+        self.columns = [patch.dense(surface.degree) for patch in surface.scaled.polynomials]
         if any(column[0] >= 0 for column in self.columns):
             raise GeometryError("fairness is measured on rays from the centre, and it is not inside the surface")
         if not self.neighbours:

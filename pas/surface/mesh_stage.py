@@ -15,6 +15,7 @@ import numpy as np
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
+from pas.algebra.scaling import Scaled
 from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
@@ -58,8 +59,10 @@ class Stage:
         self.origin = np.array(to_floats(frame.origin))
         self.frame = Frame(exact_vector(self.origin.tolist()), frame.scale)
         self._same_frame = self.frame.origin == frame.origin
-        patches = surface.patches if self._same_frame else [self.frame.localise(p) for p in surface.polynomials]
-        self.patches: tuple[Polynomial, ...] = tuple(patches)
+        scaled = surface.scaled
+        if not self._same_frame:
+            scaled = Scaled.of(self.frame.localise(p) for p in surface.polynomials)
+        self.patches: tuple[Polynomial, ...] = scaled.polynomials
         self.degree, self.scale = max(surface.degree, 1), to_float(frame.scale)
 
     @cached_property
@@ -77,10 +80,11 @@ class Stage:
         return self.frame.global_points(points)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values (N,) and gradients (3, N) at points (N, 3); NaN outside of a region of several pieces."""
+        """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of a region of
+        several pieces."""
         if len(self.patches) == 1:
             return self.makers[0].jets(points)
-        jets = self.surface.evaluator.jets(self.world(points))
+        jets = self.surface.evaluator.scaled_derivatives(self.world(points), (0, 1))
         return jets[:, 0], jets[:, 1:].T * self.scale
 
     @cached_property

@@ -24,6 +24,7 @@ from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, plain, to_float, to_floats
+from pas.algebra.scaling import Scaled
 from pas.errors import GeometryError
 from pas.surface.cones import apex, nappe, nappe_rays
 from pas.surface.contact import Contact
@@ -52,17 +53,17 @@ def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact
     Raises `GeometryError`, naming contact `number`, where the thickness is not below its radius, where the point from
     which a cone opens is not deeper inside, and where its surface is none of those that have an inner one.
     """
-
+    factor = fmpq(2) ** Scaled.of([contact.surface]).exponent
     for recognised in KINDS:
         try:
-            surface = recognised(contact, thickness)
+            surface = recognised(contact.scaled, thickness)
         except _TooThickError as error:
             raise GeometryError(
                 f"contact {number} has the radius {error}; the thickness must be below that, not {plain(thickness)}"
             ) from None
         if surface is not None:
             _check_apex(contact, surface, thickness, number)
-            return Contact(surface, contact.clip, contact.near)
+            return Contact(Polynomial.from_raw(surface.raw * factor), contact.clip, contact.near)
     raise GeometryError(
         f"contact {number}: no inner surface is known for {short(str(contact.surface))}, only for planes, tori and "
         "quadrics with rational principal axes that have an inside; give the inner contacts yourself, as in "

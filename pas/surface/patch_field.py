@@ -37,14 +37,14 @@ BENDS = sum(1 for e in JETS if sum(e) <= 2)
 
 
 class PatchField(ABC):
-    """The function of a piecewise surface; how a point's piece is found is left to those who know."""
+    """The function of a piecewise surface, scaled; how a point's piece is found is left to those who know."""
 
     def __init__(self, surface: PiecewiseSurface) -> None:
         local, self.degree = surface.local, max(surface.degree, 1)
         self.frame = surface.partition.frame
         self.scale = float(to_fraction(self.frame.scale))
         self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
-        self._columns = np.array([p.dense(self.degree) for p in surface.patches])
+        self._columns = np.array([p.dense(self.degree) for p in surface.scaled.polynomials])
         jets = np.array([derived(column, self.degree)[:BENDS] for column in self._columns])
         self._bends = PieceTables(jets, tuple(max(self.degree - sum(e), 0) for e in JETS[:BENDS]))
         self._jets, self._value = self._bends.first(4), self._bends.first(1)

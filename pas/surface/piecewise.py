@@ -14,6 +14,7 @@ from pas.algebra.inputs import check_limit, check_surface_degree, check_toleranc
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, plain, rational, to_fraction, vector
+from pas.algebra.scaling import Scaled
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
@@ -123,6 +124,11 @@ class PiecewiseSurface(InPlace, Shape):
         """The polynomial of each piece, exact, in the user's coordinates."""
         return tuple(map(self.partition.frame.globalise, self.patches))
 
+    @property
+    def scaled(self) -> Scaled:
+        """The patches over their common power of two, as whatever works in doubles takes them."""
+        return self.evaluator.scaled
+
     @cached_property
     def cells(self) -> tuple[Cell, ...]:
         """The cells with their exact vertices and polynomials, in the user's coordinates."""
@@ -183,7 +189,7 @@ class PiecewiseSurface(InPlace, Shape):
         return Stage(self)
 
     def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of the patches of given pieces at local points (N, 3)."""
+        """Values and gradients (N, 4) of the scaled patches of given pieces at local points (N, 3)."""
         return self.evaluator.local_derivatives(points, pieces, (0, 1))
 
     def curvatures(self, points: ArrayLike) -> Floats:
@@ -192,7 +198,8 @@ class PiecewiseSurface(InPlace, Shape):
         The mean curvature is positive where the surface bends like a ball that is inside
         (Goldman 2005: `(|g|^2 tr H - g^T H g) / (2 |g|^3)` and `g^T adj(H) g / |g|^4`).
         """
-        g, h = self.gradient(points), self.hessian(points)
+        jets = self.evaluator.scaled_derivatives(_shaped(points), (1, 2))
+        g, h = jets[..., :3], symmetric(jets[..., 3:], 2)
         length = np.linalg.norm(g, axis=-1)
         quadratic = np.einsum("...i,...ij,...j", g, h, g)
         mean = (length**2 * np.trace(h, axis1=-2, axis2=-1) - quadratic) / (2 * length**3)
@@ -211,9 +218,10 @@ class PiecewiseSurface(InPlace, Shape):
     def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
         """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface in its region: proved, refuted or undecided.
 
-        k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  Seconds for surfaces of degree 4,
-        minutes for degree 6, where close bounds stay undecided.  Raises `ValueError` for a
-        bound that is not positive, `GeometryError` for a surface without a region.
+        k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  A second for surfaces of degree 4,
+        ten for degree 6; bounds that are nearer than some thousandth to the largest stay undecided.
+
+        Raises `ValueError` for a bound that is not positive, `GeometryError` for a surface without a region.
         """
         number = rational(bound, "bound")
         if number <= 0:

@@ -39,9 +39,9 @@ class PlacedContacts:
 
     @cached_property
     def local_contacts(self) -> tuple[Contact, ...]:
-        """The contacts in local coordinates."""
+        """The contacts in local coordinates, scaled."""
         frame = self.partition.frame
-        return tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)) for c in self.contacts)
+        return tuple(Contact(frame.localise(c.surface), frame.localise(c.clip)).scaled for c in self.contacts)
 
     @cached_property
     def joins(self) -> tuple[Join, ...]:

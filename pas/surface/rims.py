@@ -25,6 +25,7 @@ from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, exact, to_float, to_floats, vector
+from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.errors import GeometryError
 from pas.surface.ovals import Strip, ovals
@@ -116,7 +117,7 @@ def outlook(surface: Polynomial, rim: Rim, center: VectorLike) -> tuple[float, F
     """
     points = rim.points()
     sight = points - np.array(to_floats(vector(center, "center")))
-    slopes = surface.gradient(points)
+    slopes = scaled(surface).gradient(points)
     cosines = (slopes * sight).sum(axis=1) / (np.linalg.norm(slopes, axis=1) * np.linalg.norm(sight, axis=1))
     worst = int(cosines.argmin())
     return float(cosines[worst]), points[worst]
@@ -134,9 +135,10 @@ class Chart:
     @classmethod
     def of(cls, plane: Polynomial) -> Chart:
         """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
-        x, y, z = (plane.diff(i).raw(0, 0, 0) for i in range(3))
+        slope = Scaled.of([plane - plane.at((0, 0, 0))])
+        x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
         normal = (x, y, z)
-        share = -plane.raw(0, 0, 0) / dot(normal, normal)
+        share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
         least = min(range(3), key=lambda i: abs(normal[i]))
         first = cross(tuple(fmpq(i == least) for i in range(3)), normal)
         return cls(normal, (share * x, share * y, share * z), first, cross(normal, first))

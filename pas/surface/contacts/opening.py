@@ -9,10 +9,12 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.brief import brief
+from pas.algebra.inputs import short
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, vector
 from pas.errors import GeometryError
 from pas.surface.axial import listed, positive
+from pas.surface.cones import WIDEST
 from pas.surface.contact import Contact
 from pas.surface.movable import Movable
 
@@ -27,8 +29,8 @@ class Opening(Movable):
 
     A blend of an opening and one other contact is proved around the apex (see `pas.surface.openings`).
 
-    Raises `ValueError` for a zero axis and a slope that is not positive, `GeometryError` for a point that is not
-    inside.
+    Raises `ValueError` for a zero axis and a slope that is not from 1e-6 to 1e6, `GeometryError` for a point that is
+    not inside.
     """
 
     table: ClassVar[str] = "openings"
@@ -50,6 +52,11 @@ class Opening(Movable):
         if not any(self.axis):
             raise ValueError("axis must not be the zero vector")
         positive(self.slope, "slope")
+        if not 1 <= self.slope * fmpq(int(WIDEST)) <= int(WIDEST) ** 2:
+            raise ValueError(
+                f"slope must be from {1 / WIDEST:g} to {WIDEST:g}, not {short(plain(self.slope))}: it is the tangent "
+                "of half of the cone's angle"
+            )
         if polynomial.raw(*self.point) >= 0:
             raise GeometryError(
                 f"the point ({', '.join(map(plain, self.point))}) must be inside the surface, where {polynomial} is "
