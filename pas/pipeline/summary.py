@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +14,8 @@ if TYPE_CHECKING:
     from pas.pipeline.result import Blend
 
 
-def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
-    """A table of what was asked, what was found and what was proved; `extra` adds lines."""
+def summary(blend: Blend) -> str:
+    """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [
@@ -27,14 +26,9 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind})"),
     ]
     rows += _fairness(blend)
-    rows += (extra or {}).items()
     rows += [(f"seconds: {name}", f"{spent:.3f}") for name, spent in blend.timings.items()]
     width = max(len(name) for name, _ in rows)
-    lines = [f"{name:<{width}}  {value}" for name, value in rows]
-    certificate = blend.certificate
-    proved = sum(v.proved for v in certificate.verdicts)
-    lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
-    return "\n".join(lines)
+    return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
 
 
 def _between(surface: PiecewiseSurface) -> str:
