@@ -47,7 +47,12 @@ class Shape(ABC):
 
     @abstractmethod
     def __str__(self) -> str:
-        """What it is, for people."""
+        """What it is, for people; of some kinds with the verdicts."""
+
+    @property
+    def description(self) -> str:
+        """What it is, for people, without the verdicts: for where these are shown in another way."""
+        return str(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import EQUAL, ROOT, solved
 
 from pas import __version__
 from pas.cli import main
+from pas.cli.common import EXIT_CODES as EXPLAINED
 from pas.exchange.picture_options import STYLES
 
 PROBLEM = ROOT / "examples/corners/equal_gc1.toml"
@@ -164,10 +166,74 @@ def test_unprovable_problems_write_what_they_found(tmp_path, capsys):
     code, out, _ = run(
         capsys, "blend", ROOT / "examples/corners/published_c.toml", "-o", tmp_path, "--no-picture", "--tolerance", 0.01
     )
-    assert code == 0  # nothing was asked to be proved
+    assert code == 1  # nothing was asked to be proved, but this is wrong
     assert "refuted" in out
-    code, out, _ = run(capsys, "check", tmp_path / "published_c.pas.json")
-    assert code == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["published_c.pas.json", "published_c.stl"]
+
+
+REFUTED, PROVED = "corners/published_c", "corners/published_proved"
+TWISTED, QUADRICS = "parametric/generatrix/helicoid_twisted", "parametric/generatrix/quadrics"
+EXIT_CODES = [
+    # problem, its `prove`, and the exit codes of `blend`, `check`, `check --independent`
+    (PROVED, "", 0, 0, 0),
+    (REFUTED, "", 1, 1, 1),
+    ("corners/undecided", "false", 0, 1, 1),
+    ("parametric/example_1", "", 1, 1, None),
+    ("parametric/example_1", "false", 1, 1, None),
+    ("parametric/wavy_pipes", "", 0, 1, None),
+    (QUADRICS, "", 0, 0, None),
+    (QUADRICS, "true", 1, 0, None),
+    (QUADRICS, "false", 0, 0, None),
+    (TWISTED, "", 1, 1, None),
+    pytest.param(TWISTED, "true", 1, 1, None, marks=pytest.mark.slow),
+    (TWISTED, "false", 1, 1, None),
+]
+UNDECIDED = """order = 1
+degree = 4
+guard = false
+contacts = [
+    { surface = "y^2 + z^2 - 1", clip = "x^2 + y^2 + z^2 - 4" },
+    { surface = "x^2 + z^2 - 1/2", clip = "x^2 + y^2 + z^2 - 4" },
+]
+partition = { kind = "single cell", lower = [-2, -2, -2], upper = [2, 2, 2] }
+normalize = { kind = "value-at", point = [0, 0, 0], value = -1 }
+"""
+"""Two pipes that end at a sphere."""
+
+
+@pytest.mark.parametrize(("name", "prove", "made", "checked", "again"), EXIT_CODES)
+def test_exit_codes_follow_one_rule(name, prove, made, checked, again, tmp_path, capsys):
+    text = UNDECIDED if name.endswith("undecided") else (ROOT / f"examples/{name}.toml").read_text()
+    file = tmp_path / f"{Path(name).name}.toml"
+    file.write_text(f"prove = {prove}\n{text}" if prove else text)
+    code, out, _ = run(capsys, "blend", file, "-o", tmp_path, "--no-picture", "--tolerance", 0.1, "--json")
+    said = {verdict["status"] for verdict in json.loads(out)["verdicts"]}
+    assert code == made
+    assert code == 1 or not said & {"refuted", "fails, measured"}
+    project = file.with_suffix(".pas.json")
+    assert run(capsys, "check", project)[0] == checked
+    if again is not None:
+        assert run(capsys, "check", project, "--independent")[0] == again
+    for command in (["mesh", project, "-o"], ["render", project, "-o"], ["write", project]):  # which print no verdicts
+        suffix = {"mesh": ".obj", "render": ".png", "write": ".glb"}[command[0]]
+        assert run(capsys, *command, file.with_suffix(suffix), "--tolerance", 0.1)[0] == 0
+
+
+@pytest.mark.parametrize(("joined", "wanted"), [(True, 0), (False, 1)])
+def test_the_teapot_fails_where_nothing_is_proved_of_it(joined, wanted, tmp_path, capsys, monkeypatch):
+    from pas import solid
+    from pas.designs.teapot import Teapot
+
+    body, other = solved(EQUAL, 1).solid(), solid.box((3, 0, 0), (4, 1, 1))
+    pot = Teapot("paper", body if joined else other, body, other)
+    monkeypatch.setattr(sys.modules[Teapot.__module__], "teapot", lambda *_, **__: pot)
+    assert run(capsys, "teapot", "-o", tmp_path, "--tolerance", 0.1)[0] == wanted
+
+
+def test_help_says_what_exit_codes_mean(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert EXPLAINED in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["blend", "parametric"])

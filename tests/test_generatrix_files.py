@@ -175,9 +175,6 @@ l2 = "1/2"
 """
 
 
-VERDICTS = (("true", 1), ("false", 0))
-
-
 def problem(tmp_path, text):
     path = tmp_path / "case.toml"
     path.write_text(text)
@@ -251,13 +248,10 @@ def test_failures_leave_nothing(tmp_path, capsys, change, words):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    ("prove", "code"), [("", 1), *(pytest.param(f"prove = {v}\n", c, marks=pytest.mark.slow) for v, c in VERDICTS)]
-)
-def test_a_refuted_claim_is_an_exit_code(tmp_path, capsys, prove, code):
-    text = prove + (FOLDER / "helicoid_twisted.toml").read_text()
+def test_a_refuted_claim_is_an_exit_code(tmp_path, capsys):
+    text = (FOLDER / "helicoid_twisted.toml").read_text()
     arguments = ["-o", str(tmp_path), "--no-picture", "--tolerance", "0.1"]
-    assert main(["parametric", str(problem(tmp_path, text)), *arguments]) == code
+    assert main(["parametric", str(problem(tmp_path, text)), *arguments]) == 1
     assert "the two curves run the same way: fails, measured;" in capsys.readouterr().out
 
 

@@ -6,6 +6,7 @@ import inspect
 import json
 from dataclasses import replace
 from functools import cache
+from html import escape
 
 import pytest
 from conftest import DATA, EQUAL, ROOT, solved
@@ -191,6 +192,23 @@ def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     assert "data:image/png;base64," in html
     monkeypatch.setattr("pas.render.offscreen.LIBRARIES", {"libnothing.so.9": "libnothing9"})
     assert "no picture: pictures need OpenGL" in shape._repr_html_()
+
+
+JOINED = {
+    "solid with joints": lambda: solved(EQUAL, 1).solid(),
+    "assembly with joints": lambda: solid.assembly(node=solved(EQUAL, 1).solid()),
+}
+
+
+@pytest.mark.parametrize("name", [*KINDS, *JOINED])
+def test_notebooks_show_each_verdict_once(name, monkeypatch):
+    monkeypatch.setattr("pas.render.notebook._picture", lambda _: "")
+    shape = JOINED[name]() if name in JOINED else sample(name)
+    text, _, table = shape._repr_html_().partition("<table>")
+    assert "verdicts proved" not in text and "joints" not in text
+    for verdict in shape.certificate.verdicts:
+        row = f"<td>{escape(verdict.claim)}</td><td>{verdict.status.value}</td><td>{escape(verdict.reason)}</td>"
+        assert table.count(row) == 1 and escape(verdict.reason) not in text
 
 
 @every_kind

@@ -274,7 +274,7 @@ def test_a_refuted_proof_is_an_exit_code(tmp_path, capsys):
     arguments = ["-o", str(tmp_path), "--no-picture"]
     assert main(["parametric", str(problem(tmp_path, apex)), *arguments]) == 1
     assert "refuted; the normal vanishes" in capsys.readouterr().out
-    assert main(["parametric", str(problem(tmp_path, "prove = false\n" + apex)), *arguments]) == 0
+    assert main(["parametric", str(problem(tmp_path, "prove = false\n" + apex)), *arguments]) == 1
 
 
 @pytest.mark.parametrize(

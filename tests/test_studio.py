@@ -34,7 +34,7 @@ from pas.studio.messages import Message
 from pas.studio.scene import coefficients, picture
 from pas.studio.server import PAGE, Studio, listening
 from pas.studio.session import REST, Session, request_of
-from pas.studio.workers import StoppedError
+from pas.studio.workers import INSIDE, RefusedError, StoppedError
 
 CORNER = {
     "kind": "problem",
@@ -480,6 +480,50 @@ def test_formats_that_are_offered_are_written_and_no_others(name):
                 made.solved[1].write(f"x{suffix}")
 
 
+MESHLESS = {
+    "kind": "problem",
+    "problem": {
+        "name": "meshless", "order": 1, "degree": 4, "prove": False, "guard": False,
+        "contacts": [{"surface": "y^2 + z^2 - 1", "clip": "x - 2"}, {"surface": "x^2 + z^2 - 1", "clip": "y - 2"}],
+        "partition": {"kind": "single cell", "lower": [-2, -2, -2], "upper": [2, 2, 2]},
+        "points": {"outside": [["0", "0", "0"], ["1", "1", "0"], ["1", "0", "0"], ["0", "1", "0"]]},
+    },
+}  # fmt: skip
+"""An elbow that is kept away from where it would be: it crosses a wall of its cell, and no mesh of it is found."""
+
+
+def test_what_has_no_mesh_is_drawn_by_rays_and_its_export_says_why():
+    made = Desk()
+    assert made.solve(MESHLESS).head["how"] == "cast"
+    for suffix in (".stl", ".glb"):
+        with pytest.raises(pas.MeshError, match="no good mesh was found"):
+            made.export(MESHLESS, suffix)
+    assert made.export(MESHLESS, ".pas.json").arrays["content"].size > 500
+    scene = made.move(MESHLESS, anew=True).head["scene"]
+    moved = made.move(MESHLESS, scene, mesh=True)
+    assert moved.head["kind"] == "moved" and set(moved.arrays) == {"coefficients"}
+
+
+def with_radius(document, radius):
+    first, *others = document["problem"]["pipes"]
+    return {**document, "problem": {**document["problem"], "pipes": [{**first, "radius": radius}, *others]}}
+
+
+@pytest.mark.parametrize(
+    ("document", "unfair"),
+    [
+        (CORNER, r""),
+        (changed(degree=3, pipes=[{**p, "radius": "1/3"} for p in CORNER["problem"]["pipes"]]),
+         r"sharpness 1\.0\d above 1\.02; bulge 0\.\d+ above 0\.05; .*"),
+        (with_radius(GALLERY["T joint"], "1.4"), r"9\.\d* times as sharp as its sharpest neighbour, .* no room .*"),
+    ],
+)  # fmt: skip
+def test_what_is_not_fair_is_named_though_all_is_proved(document, unfair):
+    made = Desk()
+    assert made.solve(document).head["proved"]
+    assert re.fullmatch(unfair, "; ".join(made.measure(document).head["unfair"]))
+
+
 def test_patches_and_closed_bodies_are_offered_as_such():
     patch, ball = pas.fit_patch(pas.torus(2, 1, angle=True), 0.1), pas.solid.ball((0, 0, 0), 1)
     if importlib.util.find_spec("OCP"):
@@ -565,6 +609,10 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         assert quick.asked[-1] == ("move", {"n": 1}, "", False, True)
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await settle()
+        assert quick.asked[-1] == ("measure",)  # which takes less than what was solved anew
+        quick.gates[-1].set_result(Message({"kind": "measures"}))
+        await settle()
+        assert sent[-1] == {"kind": "measures", "shot": 1}
         assert quick.asked[-1][:2] == ("move", {"n": 3})  # 2 was never worked on
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await ask("rest", 3)
@@ -572,7 +620,9 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         await ask("move", 4)  # ends the proof of 3
         quick.gates[-1].set_result(Message({"kind": "moved"}))
         await ask("rest", 4)  # and its final shape
-        assert [m["seq"] for m in sent] == [1, 1, 3, 4] and not [m for m in sent if m["kind"] == "verdicts"]
+        assert [m["seq"] for m in sent if m["kind"] != "measures"] == [1, 1, 3, 4] and not [
+            m for m in sent if m["kind"] == "verdicts"
+        ]
         assert final.asked[-1] == ("solve", {"n": 4})
         final.gates[-1].set_result(Message({"kind": "picture", "final": True}))
         await settle()
@@ -598,6 +648,37 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
         running.cancel()
 
     asyncio.run(talk())
+
+
+def test_every_request_is_answered_even_where_the_program_fails(capsys):
+    async def talk():
+        sent, quick, final = [], Slow(), Slow()
+
+        async def send(message):
+            message.packed()
+            sent.append(dict(message.head))
+
+        session = Session(send, quick, final)
+        running = asyncio.create_task(session.run())
+        for verb, worker, wrong in (
+            ("export", final, ZeroDivisionError()),
+            ("export", final, RefusedError("no good mesh was found")),
+            ("combs", final, Message({"length": float("nan")})),  # which is no JSON
+            ("move", quick, ZeroDivisionError()),
+            ("rest", final, Message({"kind": "picture", "unit": float("inf")})),
+            ("move", quick, RefusedError("no surface")),  # and it goes on
+        ):
+            await session.receive(json.dumps({"do": verb, "seq": 7, "document": {}}))
+            await settle()
+            (worker.gates[-1].set_result if isinstance(wrong, Message) else worker.gates[-1].set_exception)(wrong)
+            await settle()
+            text = str(wrong) if isinstance(wrong, RefusedError) else INSIDE
+            assert sent[-1] == {"kind": "refused", "text": text, "seq": 7, "of": verb}
+        assert len(sent) == 6 and not running.done()
+        running.cancel()
+
+    asyncio.run(talk())
+    assert capsys.readouterr().err.count("Traceback") == 4
 
 
 # ---- the server

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT
-from test_studio import children
+from test_studio import MESHLESS, children
 
 import pas
 from pas.studio.documents import problem_of
@@ -769,6 +769,79 @@ def test_without_webgl_the_page_says_so(browser, studio):
     page.until("/has no WebGL 2/.test(document.querySelector('.message').textContent)")
     assert page.trouble == []
     context.close()
+
+
+def test_an_address_is_opened_in_another_tab_and_elsewhere_it_is_said_what_to_do(browser, studio):
+    context = browser.new_context(viewport={"width": 860, "height": 480})
+    page = Page(context, studio[1])
+    page.until(FINAL)
+    page.ask("studio.act.move(['problem', 'tension'], '7', true); studio.act.commit()")
+    page.until(FINAL)
+    assert "token" not in page.page.url
+    other = Page(context, page.page.url)
+    other.until(FINAL)
+    assert other.problem["tension"] == "7" and other.proved and other.trouble == []
+    stranger = browser.new_context()
+    alone = Page(stranger, page.page.url)
+    known = "/open the address that `pas studio` printed/.test(document.querySelector('.message').textContent)"
+    alone.until(known)
+    alone.page.evaluate("localStorage.setItem('pas token', 'of another studio')")
+    time.sleep(4)  # it has tried again
+    alone.until(known)
+    alone.page.goto(studio[1])
+    alone.page.reload()
+    alone.until(FINAL)
+    stranger.close()
+    context.close()
+
+
+MEASURED = f"{FINAL} && studio.state.measured === studio.state.shot"
+
+
+def said(page, where):
+    return page.page.locator(where).first.inner_text() if page.page.locator(where).first.is_visible() else ""
+
+
+def test_what_is_not_fair_is_named_while_it_is_dragged_and_the_last_fair_value_is_marked(page):
+    before, path = page.problem, "['problem', 'pipes', 0, 'radius']"
+    page.page.evaluate(OPEN, GALLERY["T joint"]["problem"])
+    page.until(MEASURED)
+    assert (said(page, ".told"), said(page, ".warning")) == ("✓ fair", "")
+    page.ask(f"studio.act.move({path}, '0.4')")
+    assert said(page, ".told") == "being measured …"  # what was said is of another state
+    page.until("studio.state.shown === studio.state.seq && studio.state.fair?.problem.pipes[0].radius === '0.4'")
+    page.ask(f"studio.act.move({path}, '1.4')")
+    page.until("studio.state.shown === studio.state.seq && studio.state.measured === studio.state.shot")
+    assert "times as sharp as its sharpest neighbour" in said(page, ".warning") and said(page, ".told") == "▲ not fair"
+    assert said(page, ".number.away .safe:not([hidden])") == "▲ last fair at 0.4"
+    assert page.page.locator(".number.away").count() == 1  # the slider that has left it
+    at = page.page.locator(".number.away .tick").bounding_box()
+    box = page.page.locator("#c-problem-pipes-0-radius-s").bounding_box()
+    assert abs((at["x"] - box["x"]) / box["width"] - 0.4 / 2) < 0.06
+    page.ask("studio.act.commit()")
+    page.until(MEASURED)
+    assert page.proved and "times as sharp" in said(page, ".warning")
+    page.page.click("text=Back to the last fair")
+    page.until(MEASURED)
+    assert page.problem["pipes"][0]["radius"] == "0.4" and said(page, ".warning") == ""
+    assert page.page.locator(".number.away").count() == 0
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
+
+
+def test_the_page_says_why_a_shape_without_a_mesh_is_not_written(page):
+    before = page.problem
+    page.page.evaluate(OPEN, MESHLESS["problem"])
+    page.until(FINAL)
+    page.ask("studio.view.onslow()")  # as where rays are too slow: it goes on with them
+    page.page.select_option("[aria-label=Format]", ".stl")
+    page.page.locator("button", has_text=re.compile("^Export$")).click()
+    page.until("/no good mesh was found/.test(document.querySelector('.message.bad')?.textContent)")
+    assert "refuted" in said(page, ".overall") and page.page.locator(".lamps li").count() == 4
+    assert not page.ask("document.querySelector('.place').classList.contains('ghost')")
+    assert page.page.locator("button", has_text=re.compile("^Export$")).is_enabled()
+    page.page.evaluate(OPEN, before)
+    page.until(FINAL)
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
 """The command line `pas`.
 
-Exit codes: 0 done (for `check`: all that its kind can give holds), 1 what could not be done or proved, 2 what the user
-got wrong, 130 interrupted.  Errors go to stderr as one sentence; `--debug` shows the traceback.
+`pas.cli.common.EXIT_CODES` says what the exit codes mean.  Errors go to stderr as one sentence; `--debug` shows the
+traceback.
 """
 
 from __future__ import annotations

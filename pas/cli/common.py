@@ -14,6 +14,14 @@ from pas.limits import note, stage_line
 FILES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".3mf", ".step", ".png", ".json", ".toml")
 """Endings that no folder has: who names such a one means a file."""
 
+EXIT_CODES = """\
+Exit codes: 0 done; 1 what could not be done or proved; 2 what the user got wrong; 130 interrupted.
+A command that prints verdicts ends with 1 where one of them is refuted, or fails as measured, whatever
+the file says of proofs.  What is only not proved is a failure for `pas check` and `pas teapot` and, of
+problem files, unless they say `prove = false`; where a kind of shape has claims that can only be measured,
+these need not be proved (but with `prove = true`, and for `pas check --independent`)."""
+"""The one rule of all commands, as `pas --help` shows it."""
+
 DONE, FAILED, WRONG = 0, 1, 2
 INTERRUPTED = 130
 """After Ctrl-C, as shells expect it: 128 and the number of the signal."""

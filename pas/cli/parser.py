@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from pas.cli import commands, problems
 from pas.cli.bench import run_bench
+from pas.cli.common import EXIT_CODES
 from pas.errors import meant
 
 if TYPE_CHECKING:
@@ -53,7 +54,8 @@ def parser() -> argparse.ArgumentParser:
     result = Parser(
         prog="pas",
         description="Smooth transitions between algebraic surfaces, with a proof.",
-        epilog="`pas COMMAND --help` tells more of a command.",
+        epilog=f"`pas COMMAND --help` tells more of a command.\n\n{EXIT_CODES}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
     result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")

@@ -71,6 +71,11 @@ class Teapot(Shape):
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)
 
+    @property
+    def description(self) -> str:
+        """The faces with their degrees."""
+        return self.solid.description
+
     def __str__(self) -> str:
         return str(self.solid)
 

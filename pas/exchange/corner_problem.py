@@ -39,7 +39,8 @@
     kind = "mean-alpha"            # or "sum-of-coefficients", or "value-at" with point and value
 
 `basis` (a list of members, each a list of one polynomial a cell) restricts the solutions to a
-given basis; `prove = false` and `guard = false` are as in `pas.blend`.
+given basis; `prove = false` and `guard = false` are as in `pas.blend`.  The command's exit code is 1 where a claim is
+refuted, whatever `prove` says.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@ method = "generatrix"          # or "quadrics": the same, of two closed plane se
 align = true                   # optional; false: the curves are left as they run
 unit = true                    # optional; false: vectors as long as they are, which keeps rational data rational
 tolerance = 1e-3               # optional; of the mesh, in the model's units
-prove = true                   # optional; true: the exit code asks for all proofs, false: for none; else no
-                               # claim may be refuted, or fail as measured
+prove = true                   # optional; true: the exit code asks for all proofs, else only that no claim is
+                               # refuted, or fails as measured
 
 [[boundaries]]                 # two of these; kinds and keys: `pas.exchange.boundaries`
 quadric = "x^2 + y^2 - 1"

@@ -7,7 +7,7 @@ method = "hermite"             # the default; or "weighted", or another one of M
 values = [0, 1]                # optional: the value of the second parameter at which each surface is met
 parameters = ["t", "h"]        # optional
 tolerance = 1e-3               # optional; of the mesh, in the model's units
-prove = true                   # optional; false: the exit code does not depend on the proof of regularity
+prove = true                   # optional; false: the exit code asks only that no claim is refuted, not for all proofs
 
 balance = "1/2"                # options of the method "weighted": balance (one number or one for each surface),
 normalized = false             # normalized and exponent

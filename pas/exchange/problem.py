@@ -5,7 +5,8 @@ hold stands in `corner_problem`, `parametric_problem` and `generatrix_problem`. 
 
     name = "corner"                # of the files to write; by default that of the problem file
     tolerance = 1e-3               # of the mesh, in the model's units
-    prove = true                   # true: all must be proved, false: nothing; else what the kind of shape can give
+    prove = true                   # true: all must be proved, false: nothing need be; else what the kind can give;
+                                   # in no case may a claim be refuted, or fail as measured
 
     [picture]
     style = "zebra"                # plain, zebra, highlights; mean, gauss, max, min (curvature)
@@ -61,10 +62,10 @@ class Problem(ABC):
         return replace(self, **wanted)  # type: ignore[type-var]
 
     def satisfied(self, certificate: Verdicts) -> bool:
-        """Whether a certificate is as the file wants it."""
-        if self.prove is None:
-            return certificate.holds
-        return certificate.proved or not self.prove
+        """Whether a certificate is as the file wants it: nothing is refuted, and proved is what was to be proved."""
+        if certificate.failed:
+            return False
+        return certificate.holds if self.prove is None else certificate.proved or not self.prove
 
 
 @dataclass(frozen=True)

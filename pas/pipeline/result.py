@@ -241,8 +241,15 @@ class Blend(Shape):
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
         return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)
 
-    def __str__(self) -> str:
+    @property
+    def description(self) -> str:
+        """What was asked and what was found: all that `print` says but the verdicts."""
         return summary(self)
+
+    def __str__(self) -> str:
+        verdicts = self.certificate.verdicts
+        proved = sum(v.proved for v in verdicts)
+        return f"{self.description}\n\n{proved} of {len(verdicts)} verdicts proved\n{self.certificate}"
 
     def __repr__(self) -> str:
         s = self.surface

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +17,8 @@ MEASURABLE = 0.0005
 """Seconds below which nothing is said of a stage: they would be printed as none."""
 
 
-def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
-    """A table of what was asked, what was found and what was proved; `extra` adds lines."""
+def summary(blend: Blend) -> str:
+    """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [
@@ -30,18 +29,13 @@ def summary(blend: Blend, extra: Mapping[str, str] | None = None) -> str:
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
     rows += _fairness(blend)
-    rows += (extra or {}).items()
     rows += [
         (f"seconds: {name}", f"{spent:.3f}{_told(blend)}")
         for name, spent in blend.timings.items()
         if spent >= MEASURABLE
     ]
     width = max(len(name) for name, _ in rows)
-    lines = [f"{name:<{width}}  {value}" for name, value in rows]
-    certificate = blend.certificate
-    proved = sum(v.proved for v in certificate.verdicts)
-    lines += ["", f"{proved} of {len(certificate.verdicts)} verdicts proved", str(certificate)]
-    return "\n".join(lines)
+    return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
 
 
 def _told(blend: Blend) -> str:

@@ -1,4 +1,4 @@
-"""Shapes in notebooks: what `print` says, the verdicts, and a picture."""
+"""Shapes in notebooks: what they are, the verdicts, and a picture."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ SIZE = (480, 360)
 
 
 def html(shape: Shape) -> str:
-    """A text, the table of the verdicts and a picture; where there can be no picture, why not."""
-    return f"<pre>{escape(str(shape))}</pre>{shape.certificate._repr_html_()}{_picture(shape)}"
+    """What it is, the table of the verdicts and a picture; where there can be no picture, why not."""
+    return f"<pre>{escape(shape.description)}</pre>{shape.certificate._repr_html_()}{_picture(shape)}"
 
 
 def _picture(shape: Shape) -> str:

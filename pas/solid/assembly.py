@@ -38,6 +38,11 @@ class Part(Shape):
         """That of its solid or mesh."""
         return self.shape.certificate
 
+    @property
+    def description(self) -> str:
+        """What its shape is, and its colour."""
+        return f"{self.shape.description} in {self.color}"
+
     def __str__(self) -> str:
         return f"{self.shape} in {self.color}"
 
@@ -128,6 +133,11 @@ class Assembly(Shape):
     def proved(self) -> bool:
         """Whether some joint is claimed and all joints of all parts are proved."""
         return self.certificate.proved
+
+    @property
+    def description(self) -> str:
+        """What each part is."""
+        return "\n\n".join(f"{name} ({part.color})\n{part.shape.description}" for name, part in self.parts.items())
 
     def __str__(self) -> str:
         return "\n\n".join(f"{name} ({part.color})\n{part.shape}" for name, part in self.parts.items())

@@ -307,6 +307,13 @@ class Solid(Shape):
             self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]
 
+    @property
+    def description(self) -> str:
+        """The faces with their degrees; `print` adds the joints with their verdicts."""
+        from pas.solid.parts import face_list
+
+        return face_list(self)
+
     def __str__(self) -> str:
         from pas.solid.parts import part_list
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.errors import InfeasibleError, InputError, NoSolutionError, NotProvedError
+from pas.errors import InfeasibleError, InputError, MeshError, NoSolutionError, NotProvedError
 from pas.exchange.formats import FORMATS, suffixes_for
 from pas.exchange.problem import read_problem
 from pas.exchange.tables import read_toml
@@ -37,6 +37,7 @@ from pas.studio.messages import Message
 from pas.studio.repairs import remedies
 from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
 from pas.studio.sections import hairs
+from pas.surface.fairness_limits import LOOSE, NODE_SHARPNESS
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 from pas.surface.surface_mesh import SurfaceMesh
@@ -158,7 +159,9 @@ class Desk:
                 return quick(shape)
             surface = shape.surface  # type: ignore[attr-defined]  # of blends
             if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
-                parts = triangles(self._meshed(surface), surface) if mesh else {}
+                parts = {}
+                with suppress(MeshError):  # what has no mesh is drawn by rays, however slowly
+                    parts = triangles(self._meshed(surface), surface) if mesh else {}
                 return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface), **parts})
             message = picture(shape)
             name = name_of_scene(message)
@@ -205,7 +208,7 @@ class Desk:
             told = {} if shape is None else kind_of(shape).facts(shape)
         limits = getattr(shape, "limits", None)
         facts = {"fairness": told.get("fairness"), "limits": {} if limits is None else vars(limits)}
-        return Message({"kind": "measures", "facts": facts})
+        return Message({"kind": "measures", "facts": facts, "unfair": list(unfair(shape))})
 
     def repair(self, document: Data) -> Data:
         """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
@@ -244,7 +247,7 @@ class Desk:
         if suffix != PROJECT and suffix not in FORMATS:
             raise InputError(f"there is no format {suffix!r}; there are {PROJECT}, {', '.join(FORMATS)}")
         shape, name = self.shape_of(document), name_of(document) + suffix
-        if suffix not in (known := formats_for(shape)):
+        if suffix != PROJECT and suffix not in (known := formats_for(shape)):
             raise InputError(f"this shape cannot be written as {suffix} here; it can be as {', '.join(known)}")
         with TemporaryDirectory() as folder, limit(PATIENCE, stopped=self.stopped):
             path = Path(folder) / name
@@ -332,6 +335,20 @@ def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
     moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
     plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
     return moved if plain_ones else None
+
+
+def unfair(shape: Any) -> Iterator[str]:
+    """What is not fair of a blend, each in some words; nothing of other kinds.
+
+    Where the neighbours leave no room for a fair surface it has no limit of sharpness, and is compared with the usual
+    one.
+    """
+    if not can_follow(shape) or shape.fairness is None:
+        return
+    yield from shape.fairness.beyond(shape.limits)
+    if shape.limits.sharpness >= LOOSE and shape.fairness.sharpness > NODE_SHARPNESS:
+        times = f"{shape.fairness.sharpness:.3g} times as sharp as its sharpest neighbour"
+        yield f"{times}, for the neighbours leave no room for a fair surface"
 
 
 def can_follow(shape: Any) -> bool:

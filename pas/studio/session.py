@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import asyncio
 import json
+import sys
+import traceback
 from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
 from typing import Any
 
 from pas.studio.gallery import GALLERY
 from pas.studio.messages import Message, refusal
-from pas.studio.workers import RefusedError, StoppedError, Worker
+from pas.studio.workers import INSIDE, RefusedError, StoppedError, Worker
 
 REST = 0.08
 """Seconds without a move after which what is seen is proved."""
@@ -101,11 +103,14 @@ class Session:
     async def _follow(self, request: Request) -> None:
         asked = ("move", request["document"], str(request.get("scene", "")), bool(request.get("mesh")))
         message = await self.quick.ask(*asked)
-        if message.head["kind"] == "outline":  # of what has to be solved anew, which takes longer
+        anew = message.head["kind"] == "outline"  # of what has to be solved anew, which takes longer
+        if anew:
             await self._send(message.numbered(int(request.get("seq", 0))))
             message = await self.quick.ask(*asked, True)
         await self._picture(message, request)
         self._seen = self._shot
+        if anew:  # measuring takes less: so a hand that does not rest is told how fair what it made is
+            await self._tell("measure", self._shot)
 
     async def _prove_once(self, request: Request) -> None:
         """Prove what is seen, unless that was done, or it is a final picture, which has its verdicts."""
@@ -117,10 +122,14 @@ class Session:
         self._proving = True
         try:
             for verb in ("prove", "measure"):
-                message: Message = await self.quick.ask(verb)
-                await self._send(Message({**message.head, "shot": shot}))
+                await self._tell(verb, shot)
         finally:
             self._proving = False
+
+    async def _tell(self, verb: str, shot: int) -> None:
+        """Send what is known of the shape of the last move, which a shot shows."""
+        message: Message = await self.quick.ask(verb)
+        await self._send(Message({**message.head, "shot": shot}))
 
     async def _ahead(self, document: dict[str, Any]) -> None:
         """Solve where the hand rests, before it lets go: the answer is kept by the desk, and sent when asked for."""
@@ -157,13 +166,16 @@ class Session:
         await self._send(Message(head, message.arrays))
 
     async def _answer(self, request: Request, work: Awaitable[None]) -> None:
-        """Do it; what is refused is said, what was stopped is not."""
+        """Do it; what is refused is said, and of which request; what was stopped is not."""
         try:
             await work
-        except RefusedError as error:
-            await self._send(refusal(error).numbered(int(request.get("seq", 0))))
         except StoppedError:
             pass
+        except Exception as error:
+            if not isinstance(error, RefusedError):  # no user's: the page is told, the terminal shows where
+                traceback.print_exc(file=sys.stderr)
+            told = refusal(error if isinstance(error, RefusedError) else RefusedError(INSIDE))
+            await self._send(Message({**told.head, "seq": int(request.get("seq", 0)), "of": request["do"]}))
 
     async def _do(self, verb: str, request: Request) -> None:
         if verb == "gallery":

@@ -117,7 +117,8 @@ def widget_class() -> type[Any]:
         def _tell(self, message: Message, request: dict[str, Any]) -> None:
             shown = message.head["kind"] in ("picture", "moved")
             self._shot += shown
-            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot, "view": request.get("view")}
+            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot, "of": request.get("do"),
+                    "view": request.get("view")}  # fmt: skip
             table, parts = Message(head, message.arrays).parts()
             self.send(table, parts)
 

@@ -57,12 +57,20 @@ export function numberControl(c, act, label = c.label, path = c.path) {
 	const ends = c.ends ? make("span", { class: "ends", "aria-hidden": "true" }, make("span", {}, c.ends[0]), make("span", {}, c.ends[1])) : null;
 	const safe = make("small", { class: "safe", hidden: true });
 	const mark = (limits) => { const most = limits[path.at(-1)]; safe.hidden = most === undefined || most > c.high; if (!safe.hidden) { safe.textContent = `▲ safe up to ${Number(most.toPrecision(3))}`; safe.style.marginLeft = `${Math.min(45, (100 * (most - c.low)) / span)}%`; } };
-	return { element: make("div", { class: "number" }, make("label", { for: id }, label), slider, field, ends, safe), update: (doc) => show(get(doc, path)), mark };
+	const tick = make("i", { class: "tick", hidden: true }), fair = make("small", { class: "safe", hidden: true });
+	// The value at which the shape was last fair, where it is another one now; `doc` is the document that was fair, or null.
+	const warn = (doc, now) => {
+		const was = doc && number(get(doc, path) ?? c.usual), away = Boolean(doc) && was !== number(get(now, path) ?? c.usual) && Number.isFinite(was);
+		tick.hidden = fair.hidden = !away; element.classList.toggle("away", away);
+		if (away) { tick.style.setProperty("--at", to(was) / STEPS); fair.textContent = `▲ last fair at ${Number(was.toPrecision(4))}`; }
+	};
+	const element = make("div", { class: "number" }, make("label", { for: id }, label), slider, field, tick, ends, safe, fair);
+	return { element, update: (doc) => show(get(doc, path)), mark, warn };
 }
 
 function vectorControl(c, act) {
 	const parts = ["x", "y", "z"].map((axis, i) => numberControl(c, act, `${c.label} ${axis}`, [...c.path, i]));
-	return { element: make("details", {}, make("summary", {}, c.label), ...parts.map((p) => p.element)), update: (doc) => parts.forEach((p) => p.update(doc)) };
+	return { element: make("details", {}, make("summary", {}, c.label), ...parts.map((p) => p.element)), update: (doc) => parts.forEach((p) => p.update(doc)), warn: (fair, doc) => parts.forEach((p) => p.warn(fair, doc)) };
 }
 
 function textControl(c, act) {
@@ -150,6 +158,7 @@ export class Panel {
 		this.controls.forEach((c) => c.settle?.(members));
 		this.update(doc);
 	}
+	warn(fair, doc) { this.controls.forEach((c) => c.warn?.(fair, doc)); }
 	mark(limits) { this.controls.forEach((c) => c.mark?.(limits)); }
 	update(doc) { this.controls.forEach((c) => c.update(doc)); }
 }

@@ -27,7 +27,7 @@ const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 const short = (x) => (x === null || x === undefined ? "none" : String(Math.abs(x) < 5e-4 ? 0 : Number(Number(x).toPrecision(3))));
 
 export function render({ channel, el, start = null, keep = () => {} }) {
-	const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, scene: null, mode: "shaded", section: null, picked: null, combs: null };
+	const s = { doc: start, seq: 0, shot: 0, shown: -1, final: null, judged: null, past: [], future: [], before: null, lastProved: null, fair: null, asked: new Map(), scene: null, mode: "shaded", section: null, picked: null, combs: null };
 	const $ = {};
 	const button = (name, label, act, more = {}) => ($[name] = make("button", { type: "button", onclick: act, ...more }, label));
 	const row = (...inside) => make("div", { class: "row" }, ...inside), section = (title, ...inside) => make("section", {}, make("h2", {}, title), ...inside);
@@ -51,9 +51,9 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			make("header", {}, ($.title = make("h1", {}, "Studio")), ($.gallery = make("select", { "aria-label": "Starting points", hidden: true, onchange: () => pickStart() }))),
 			row(button("undo", "Undo", () => step(s.past, s.future), { title: "Ctrl+Z" }), button("redo", "Redo", () => step(s.future, s.past), { title: "Ctrl+Y" }),
 				button("open", "Open …", () => $.file.click()), ($.file = make("input", { type: "file", hidden: true, accept: ".toml,.json", onchange: () => { if ($.file.files[0]) openFile($.file.files[0]); $.file.value = ""; } }))),
-			make("section", {}, make("h2", {}, "Proof ", ($.overall = make("span", { class: "overall" }))), ($.lamps = make("ul", { class: "lamps" })),
+			make("section", {}, make("h2", {}, "Proof ", ($.overall = make("span", { class: "overall" }))), ($.unfair = make("div", { class: "warning", role: "alert", hidden: true }, ($.reasons = make("span", {})), button("fairer", "Back to the last fair", () => openDocument(s.fair, false), { class: "small" }))), ($.lamps = make("ul", { class: "lamps" })),
 				($.help = make("div", { class: "row", hidden: true }, button("repair", "Repair", () => repair()), button("back", "Back to the last proved", () => back())))),
-			($.measured = make("section", { hidden: true }, make("h2", {}, "Fairness"), ($.fairness = make("dl", {})))),
+			($.measured = make("section", { hidden: true }, make("h2", {}, "Fairness ", ($.measuring = make("span", { class: "told" }))), ($.fairness = make("dl", {})))),
 			($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => drawDiagram() })), ($.diagram = make("div", { class: "diagram" })))),
 			section("Shape", ($.controls = make("div", {}))),
 			section("The same in code", row(button("python", "Copy as Python", () => copy("python")), button("toml", "Copy as TOML", () => copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
@@ -64,7 +64,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	const say = (text, bad = false) => { $.message.textContent = text; $.message.classList.toggle("bad", bad); };
 	let view;
 	try { view = new View($.place, () => overlay()); } catch (error) { say(error.message, true); return { destroy() {} }; }
-	view.onslow = () => { if (s.final?.seq === s.seq && s.scene.how === "cast") channel.send({ do: "mesh", seq: s.seq, document: s.doc }); };
+	view.onslow = () => { if (s.final?.seq !== s.seq || s.scene.how !== "cast" || s.meshing === s.seq) return; s.meshing = s.seq; channel.send({ do: "mesh", seq: s.seq, document: s.doc }); };
 	view.onpick = (x, y) => { const p = view.pick(x, y); s.picked = p; if (p) say(`at ${s.scene.world(p.point).map(short).join(", ")}: mean curvature ${short(p.mean / s.scene.scale)}, Gauss curvature ${short(p.gauss / s.scene.scale ** 2)}`); };
 
 	// ---- the document
@@ -86,7 +86,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	const pointsPath = () => (s.doc.kind === "project" ? ["sliders", "points"] : ["problem", "points"]);
 	function someSurfacePoint() { const r = $.place.getBoundingClientRect(); for (const [x, y] of PLACES) { const p = view.pick(x * r.width, y * r.height); if (p) return s.scene.world(p.point); } return s.scene.origin; }
 	function change(doc, settled) {
-		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay();
+		s.doc = doc; s.seq++; stale(); panel.update(doc); buttons(); overlay(); s.asked.set(s.seq, doc);
 		const move = () => channel.send({ do: "move", seq: s.seq, document: doc, scene: s.sceneName || "", mesh: view.tooSlow && s.scene?.how === "cast" });
 		clearTimeout(s.asking);
 		if (!settled && drawnHere(doc)) s.asking = setTimeout(move, PAUSE); else if (!settled) move();
@@ -98,11 +98,11 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		if (!usual || !shape || !same(bare(doc, usual), bare(s.solved, usual))) return false;
 		const values = Object.keys(usual).filter((name) => name in shape).map((name) => [name, number(shape[name])]);
 		if (!s.scene.generated(Object.fromEntries(values))) return false;
-		view.caster.setMeshes(s.scene.meshes); view.ask(); s.shot = 0; s.shown = s.seq; s.came = performance.now(); say("moving …");
+		view.caster.setMeshes(s.scene.meshes); view.ask(); s.shot = 0; s.shown = s.seq; settled(); s.came = performance.now(); say("moving …");
 		return true;
 	}
 	const bare = (doc, names) => Object.keys(names).reduce((d, name) => put(d, ["problem", "shape", name], undefined), doc);
-	function rest() { clearTimeout(s.asking); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
+	function rest() { clearTimeout(s.asking); s.asked.set(s.seq, s.doc); channel.send({ do: "rest", seq: s.seq, document: s.doc }); keep(s.doc); buttons(); ghostLater(); }
 	function remember(doc) { s.past.push(doc); if (s.past.length > SAVED) s.past.shift(); s.future.length = 0; }
 	function go(doc) { s.doc = doc; s.seq++; stale(); panel.update(doc); rest(); }
 	function settle() { // ends what is dragged or held by a key, as a state of its own, before the document is replaced
@@ -112,12 +112,12 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function step(from, to) { settle(); if (!from.length) return; to.push(s.doc); const doc = from.pop(), name = (d) => [d.kind, d.name, d.problem?.name]; s.fresh = !same(name(doc), name(s.doc)); go(doc); }
 	function openDocument(doc, fresh = true) { settle(); if (s.doc && !same(s.doc, doc)) remember(s.doc); s.fresh = fresh; go(doc); }
-	const buttons = () => { $.gallery.value = Object.keys(s.starts || {}).find((name) => same(s.starts[name], s.doc)) || ""; $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; for (const b of ["python", "export"]) $[b].disabled = !done; $.toml.disabled = !done || !s.final.toml; };
+	const buttons = () => { $.gallery.value = Object.keys(s.starts || {}).find((name) => same(s.starts[name], s.doc)) || ""; $.undo.disabled = !s.past.length; $.redo.disabled = !s.future.length; const done = s.final?.seq === s.seq; $.python.disabled = !done; $.export.disabled = !done || s.writing; $.toml.disabled = !done || !s.final.toml; };
 	function ghostLater() { clearTimeout(s.ghost); s.ghost = setTimeout(() => { const old = s.shown !== s.seq; $.place.classList.toggle("ghost", old); if (old) say("solving …"); }, GHOST); }
 
 	// ---- lamps
 	function stale() {
-		$.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true;
+		$.overall.textContent = "checking"; $.overall.className = "overall checking"; $.help.hidden = true; settled();
 		for (const l of $.lamps.children) { l.className = "checking"; l.firstChild.replaceChildren(SIGNS.checking, make("span", { class: "unseen" }, " checking ")); }
 	}
 	function judge(head) {
@@ -131,12 +131,13 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		$.overall.textContent = `${head.proved ? SIGNS.proved : bad ? SIGNS.refuted : SIGNS.undecided} ${word}`;
 		$.overall.className = `overall ${head.proved ? "proved" : bad ? "refuted" : "undecided"}`;
 		$.help.hidden = !bad; $.back.disabled = !s.lastProved;
-		$.fairness.classList.add("old"); overlay();
+		settled(); overlay();
 	}
-	function measures({ shot, facts }) {
-		if (shot !== s.shot || s.shown !== s.seq) return;
-		$.fairness.classList.remove("old");
+	// How fair is what is seen: said as long as it is seen, and "being measured" once another picture is.
+	function measures({ shot, facts, unfair = [] }) {
+		if (shot !== s.shot) return;
 		const f = facts.fairness, limits = facts.limits || {};
+		s.measured = shot; s.unfair = unfair; s.known = Boolean(f); settled();
 		$.measured.hidden = !f; if (!f) return;
 		$.fairness.replaceChildren(...Object.entries(MEASURES).flatMap(([key, label]) => {
 			const value = f[key], most = limits[key], high = most !== undefined && value > most;
@@ -144,6 +145,18 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 			return [make("dt", {}, label), make("dd", { class: high ? "high" : "" }, none ? "none" : `${short(value)}${most === undefined || most > 100 ? "" : ` / ${short(most)}`}${high ? " ▲" : ""}`)];
 		}));
 	}
+
+	// Takes what is proved and fair for the last such state: its values are marked on the sliders that have left it.
+	function settled() {
+		const now = s.measured === s.shot, doc = s.asked.get(s.shown);
+		if (now && s.known && !s.unfair.length && s.judged?.proved && s.judged.shot === s.shot) s.fair = doc;
+		s.beyond = now && s.unfair.length > 0;
+		const said = s.beyond ? "undecided" : now && s.shown === s.seq ? "proved" : "checking"; // what is fair is said of the newest state alone
+		$.fairness.classList.toggle("old", said === "checking"); $.measuring.textContent = { undecided: "▲ not fair", proved: s.known ? "✓ fair" : "", checking: "being measured …" }[said]; $.measuring.className = `told ${said}`;
+		$.unfair.hidden = !s.beyond; $.reasons.textContent = s.beyond ? `▲ not fair: ${s.unfair.join("; ")} ` : ""; $.fairer.hidden = !s.fair || same(s.fair, doc);
+		marked();
+	}
+	function marked() { panel.warn(s.fair && (s.beyond || s.judged?.verdicts.some((v) => v.status === "refuted")) ? s.fair : null, s.doc); }
 
 	// ---- what comes from the other side
 	function receive(head, arrays) {
@@ -178,13 +191,15 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function outline(head, arrays) { if (head.seq >= s.shown && s.scene?.how === "cast" && s.scene.outlined(head, arrays)) { s.sceneName = ""; s.scene.load(view.caster); view.ask(); } }
 	function arrived(head) {
-		s.shot = head.shot; s.shown = head.seq; s.came = performance.now(); s.spent = head.spent || 0;
+		s.shot = head.shot; s.shown = head.seq; s.came = performance.now(); s.spent = head.spent || 0; settled();
+		for (const seq of s.asked.keys()) if (seq < s.shown) s.asked.delete(seq);
 		if (head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.remove("ghost"); if (!head.final) say("moving …"); }
 	}
 	function judged(head) { if (head.shot !== s.shot || s.shown !== s.seq) return; judge(head); say(`seen now: ${head.proved ? "all proved" : head.counts}`); }
 	function refused(head) {
-		say(head.text, true); $.repair.disabled = false;
-		if (head.seq && head.seq === s.seq) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
+		if (head.of === "mesh" || head.of === "safe") return; // which nobody asked for but the page, and which it can do without
+		say(head.text, true); $.repair.disabled = false; if (head.of === "export") written();
+		if (head.seq && head.seq === s.seq && (head.of === "move" || head.of === "rest")) { clearTimeout(s.ghost); $.place.classList.add("ghost"); $.overall.textContent = "no surface for this state; the last one is shown"; $.overall.className = "overall undecided"; $.lamps.replaceChildren(); $.help.hidden = false; $.back.disabled = !s.lastProved; }
 	}
 	function opened(head) {
 		if (head.kept && s.doc) { go(s.doc); return; }
@@ -197,6 +212,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	}
 	function pickStart() { openDocument(s.starts[$.gallery.value]); }
 	function file(head, arrays) {
+		written();
 		const name = head.proved ? head.name : head.name.replace(/^([^.]*)/, "$1-not-proved");
 		download(new Blob([arrays.content]), name); say(head.proved ? `${name} was saved` : `${name} was saved; its shape is not proved`);
 	}
@@ -205,7 +221,8 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	// ---- buttons
 	function repair() { $.repair.disabled = true; say("looking for a shape near this one that is proved …"); channel.send({ do: "repair", document: s.doc }); }
 	function back() { if (s.lastProved) openDocument(s.lastProved, false); }
-	function exportNow() { say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
+	function written() { s.writing = false; buttons(); }
+	function exportNow() { s.writing = true; buttons(); say("writing …"); channel.send({ do: "export", document: s.doc, format: $.format.value }); }
 	const paper = () => getComputedStyle($.code).backgroundColor; // as it came out: a canvas takes no formula for light and dark
 	async function png() { const [w, h] = $.pixels.value.split(" x ").map(Number); download(await view.png(w, h, paper()), `${$.title.textContent || "shape"}.png`); }
 	async function film() {
@@ -323,7 +340,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	el.addEventListener("dragover", (e) => e.preventDefault());
 	el.addEventListener("drop", (e) => { e.preventDefault(); const f = e.dataTransfer?.files[0]; if (f) openFile(f); });
 	channel.receive(receive);
-	channel.onstate?.((text, again) => say(text, !again));
+	channel.onstate?.((text, again) => { written(); say(text, !again); });
 	buttons();
 	return { state: s, view, panel, act, openDocument, go, destroy() { keys.removeEventListener("keydown", onkey); clearTimeout(s.ghost); view.destroy(); } };
 }
