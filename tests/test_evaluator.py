@@ -8,6 +8,7 @@ import subprocess
 import sys
 from fractions import Fraction
 from functools import cache
+from math import comb
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from pas.algebra.kernels import NUMPY, VARIABLE, evaluate
 from pas.algebra.monomials import count, exponents
 from pas.algebra.polynomial import Polynomial
 from pas.surface.exact_crossings import exact_crossings
+from pas.surface.ray_forms import _interpolation
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 15/16)^2 - 4*(x^2 + y^2)"  # radii 1 and 1/4
@@ -274,10 +276,143 @@ def test_rays_that_touch_start_on_or_lie_in_the_surface():
     assert along(ball, [1, 0, 0], [0, 1, 0]) == [(0, 1)]  # tangent, where it starts: outside from there on
     assert along(ball, [0, 0, 0], [0, 0, 2]) == [(0.5, 1)]
     cylinder = pas.Evaluator(box("x^2 + y^2 - 1"))
-    assert along(cylinder, [1, 0, -9], [0, 0, 1])[0] == (7, 0)
+    assert along(cylinder, [1, 0, -9], [0, 0, 1]) == [(7, 0)]
     assert along(pas.Evaluator("x^2 + y^2 - 1"), [1, 0, -9], [0, 0, 1]) == [(0, 0)]
     assert along(pas.Evaluator("(x - 1)^2 * (x - 2)^3"), [0, 0, 0], [1, 0, 0]) == [(1, 0), (2, 1)]
     assert along(pas.Evaluator("7"), [0, 0, 0], [1, 0, 0]) == []
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("name", ["corner", "torus anywhere"])
+def test_scaling_directions_by_a_power_of_two_changes_no_crossing(name, kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    known = evaluator(name)
+    origins, ends = 3 * sample(known, 300, 1), sample(known, 300, 2)
+    directions = ends - origins
+    found, first = known.rays(origins, directions), known.first(origins, directions)
+    assert len(found.rays) > 80
+    for power in (-1000, -300, -60, -53, -1, 1, 53, 300, 1000):
+        same = known.rays(origins, np.ldexp(directions, power))
+        assert np.array_equal(same.rays, found.rays) and np.array_equal(same.sides, found.sides), power
+        assert np.array_equal(same.points, found.points)
+        assert np.array_equal(same.parameters, np.ldexp(found.parameters, -power))
+        longer = known.first(origins, np.ldexp(directions, power))
+        assert np.array_equal(longer, np.ldexp(first, -power), equal_nan=True)
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("power", [-1074, -1022, -500, 500, 1023])
+def test_parameters_beyond_doubles_are_infinite_or_zero(power, kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    for surface in (SPHERE, box(SPHERE)):
+        found = pas.Evaluator(surface).rays([[-1.5, 0, 0]], [[2.0**power, 0, 0]])
+        assert found.sides.tolist() == [-1, 1]
+        assert np.allclose(found.points, [[-1, 0, 0], [1, 0, 0]], rtol=0, atol=1e-15)
+        with np.errstate(over="ignore"):
+            expected = np.ldexp([0.5, 2.5], -power)
+        assert np.array_equal(np.isinf(found.parameters), np.isinf(expected))
+        assert found.parameters == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("power", [10, 20, 30, 40, 45, 46, 52, 60, 200, 1000])
+def test_rays_from_far_away(power, kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    far = 2.0**power
+    for surface in (SPHERE, box(SPHERE)):
+        known = pas.Evaluator(surface)
+        for height, expected in ((0.5, [-1, 1]), (1.0, [0]), (1 + 2.0**-52, []), (1.75, [])):
+            assert known.rays([[-far, height, 0]], [[1, 0, 0]]).sides.tolist() == expected
+            assert known.rays([[far, height, 0]], [[1, 0, 0]]).sides.tolist() == []
+    inside = known.rays([[-far, -far, 0.5]], [[2, 2, 0]])
+    assert inside.parameters == pytest.approx([far / 2, far / 2], rel=max(2 / far, 1e-15))
+    assert known.rays([[-far, -far + max(8.0, far / 2**40), 0.5]], [[2, 2, 0]]).sides.tolist() == []
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("far", [2.0**2, 2.0**12, 2.0**20, 2.0**27])
+def test_rays_from_afar_that_meet_the_rim_or_touch_within_rounding(far, kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    rng = np.random.default_rng(int(far))
+    turns, ways = rng.uniform(0, 7, 60), rng.normal(size=(60, 3))
+    ways[:, 2] = -np.abs(ways[:, 2])  # from above
+    rim = np.stack([np.cos(turns), np.sin(turns), np.full(60, 2.0)], axis=1)
+    touched = np.stack([np.cos(turns), np.sin(turns), rng.uniform(-1, 1, 60)], axis=1)
+    flat = np.cross(touched * [1, 1, 0], ways)
+    tube = pas.Evaluator(box("x^2 + y^2 - 1"))
+    numbers = set()
+    for ends, along_ray in ((rim, ways), (touched, flat)):
+        origins = ends - far * along_ray
+        found = tube.rays(origins, along_ray)
+        for ray in range(60):
+            expected = [side for _, side in exact_crossings(tube, origins[ray], along_ray[ray])]
+            assert found.sides[found.rays == ray].tolist() == expected
+            numbers.add(len(expected))
+    assert {0, 1, 2} <= numbers
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+def test_the_region_is_closed_and_has_no_tolerance(kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    tube, below, above = pas.Evaluator(box("x^2 + y^2 - 1")), 2 - 2.0**-52, 2 + 2.0**-51
+    for height, expected in ((below, [-1, 1]), (2.0, [-1, 1]), (above, [])):
+        assert [side for _, side in along(tube, [-1.5, 0, height], [1, 0, 0])] == expected
+    assert along(pas.Evaluator(box("x - 2")), [0, 0, 0], [1, 0.5, 0.25]) == [(2, 1)]
+    assert along(pas.Evaluator(box("x - 2 - 1/1000000000000000")), [0, 0, 0], [1, 0.5, 0.25]) == []
+    edge = pas.Evaluator(box("x + y - 4"))  # which is 0 in an edge of the box
+    assert along(edge, [3, 1, 0], [-1, 1, 0]) == [(1, 0)]
+    assert along(edge, [3, 0.75, 0], [-1, 1, 0]) == []
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+@pytest.mark.parametrize("surface", [SPHERE, box(SPHERE)], ids=["anywhere", "in a box"])
+def test_rays_from_points_beside_the_surface_cross_it_or_not_as_they_are(surface, kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    known = pas.Evaluator(surface)
+    assert along(known, [1 + 2.0**-52, 0, 0], [1, 0, 0]) == []
+    assert along(known, [1 - 2.0**-53, 0, 0], [1, 0, 0]) == [(2.0**-53, 1)]
+    assert along(known, [1 + 2.0**-52, 0, 0], [-1, 0, 0]) == [(2.0**-52, -1), (2 + 2.0**-52, 1)]
+
+
+@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
+def test_rays_on_polynomials_whose_coefficients_lose_digits(kernel, monkeypatch):
+    monkeypatch.setenv(VARIABLE, kernel)
+    known = pas.Evaluator(box(f"(3*x^2 + 2*y^2 - 1)/1{'0' * 320}"))
+    edge = 3**-0.5
+    for x, expected in ((edge * (1 - 1e-6), [-1, 1]), (edge * (1 + 1e-6), [])):
+        assert known.rays([[x, -1.5, 0.125]], [[0, 1, 0]]).sides.tolist() == expected
+
+
+def test_stretches_in_the_surface_count_once():
+    tube = pas.Evaluator(box("x^2 + y^2 - 1"))
+    assert along(tube, [1, 0, -9], [0, 0, 1]) == [(7, 0)]
+    assert along(tube, [1, 0, 0], [0, 0, -0.5]) == [(0, 0)]
+
+
+def test_a_face_that_cells_do_not_agree_on_is_the_first_ones():
+    torn = pas.PiecewiseSurface.from_polynomials(pas.SixTetrahedra(), (), 0, [f"{SPHERE} + {i}/16" for i in range(6)])
+    for direction in ([1, 1, 1], [1, 1, 0], [1, 0, 0]):
+        assert [side for _, side in along(pas.Evaluator(torn), [0, 0, 0], direction)] in ([1], [])
+    assert len(along(pas.Evaluator(torn), [0, 0, 0], [1, 1, 1])) == 1
+
+
+@pytest.mark.parametrize("degree", range(16))
+def test_forms_are_interpolated_as_well_as_their_bounds_say(degree):
+    nodes, to_bernstein, growth = _interpolation(degree)
+    exact = [Fraction(s) for s in nodes.tolist()]
+    basis = [[comb(degree, j) * (1 - s) ** (degree - j) * s**j for j in range(degree + 1)] for s in exact]
+    norm = Fraction(growth) / 2
+    for row, entries in enumerate(to_bernstein.tolist()):
+        for column in range(degree + 1):
+            error = sum(Fraction(e) * b[column] for e, b in zip(entries, basis, strict=True)) - (row == column)
+            assert abs(error) <= norm / 2**53
+
+
+def test_constants_outweigh_other_terms_where_they_are_said_to():
+    known = pas.Evaluator(box("x^2 + y^2 + z^2 - 1/100"))
+    reach = known.walls.clear * known.scale
+    assert (reach > 1e-3).all() and (reach < 0.1 / 3**0.5).all()
+    assert (pas.Evaluator(box("x + y")).walls.clear == 0).all()
 
 
 def test_rays_in_the_faces_of_cells():

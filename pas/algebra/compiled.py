@@ -1,9 +1,10 @@
 """Libraries in C, compiled by the system's compiler when they are first worth it, and kept; Horner's rule is one.
 
 A library is kept in the user's cache (`$XDG_CACHE_HOME/pas`, by default `~/.cache/pas`) under a name that
-says of which sources, compiler and machine it is.  It does what the package does with numpy, in the same
-order and without contracting products and sums, so its results are the same to the last bit.  Where there is no
-compiler, or it fails, or the folder may be written by others, there is no such library, and numpy serves.
+says of which sources, compiler and machine it is.  It does what the package does with numpy, without contracting
+products and sums: values by Horner's rule, which does them in the same order, are the same to the last bit, all else
+is the same to rounding.  Where there is no compiler, or it fails, or the folder may be written by others, there is no
+such library, and numpy serves.
 """
 
 from __future__ import annotations

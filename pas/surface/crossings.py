@@ -1,26 +1,38 @@
-"""Where rays cross a piecewise surface: all crossings in order, none missed.
+"""Where rays cross a piecewise surface: all crossings in order, none missed and none invented.
 
-In each cell the surface along a ray is a polynomial in one variable.  Its Bernstein form on the ray's segment there
-is worked out with a bound on its rounding error and halved until each part certainly has no root, or is certainly
-monotone and so has at most one (Lane and Riesenfeld 1981), which is then found by Newton's method within its
-bracket.  Rays on which doubles cannot decide (tangent to the surface within rounding, or crossing it on the face of
-a cell) are worked out exactly (see `pas.surface.exact_crossings`).
+What is counted: the numbers of the ray, of the region's corners and of the polynomials are taken as they are, exactly.
+A crossing is a t >= 0 for which `origin + t direction` is in a closed cell whose polynomial is 0 there; where a whole
+stretch of the ray is such, its start.  (Of cells that share a face in which the ray runs the first counts, should their
+polynomials differ there.)  So rays that pass the region or the surface within rounding do not cross it, and
+rays from a point that is on the surface only within rounding cross it there or not as these numbers have it.
+
+In each cell the surface along a ray is a polynomial in one variable.  Its Bernstein form on the longest stretch on
+which the ray may be in the cell (see `pas.surface.ray_cells`) is worked out with a bound on its rounding error and
+halved until each part certainly has no root, or is certainly monotone and so has at most one (Lane and Riesenfeld
+1981), which is then found by Newton's method within its bracket.  Near the ends, where it is not certain that the ray
+is in the cell, there must certainly be no root; so the roots of all cells are crossings, and different ones.  Rays on
+which doubles cannot decide that (tangent to the surface within rounding, or crossing it on the face of a cell or at the
+origin) are worked out exactly (see `pas.surface.exact_crossings`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
+from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.subdivision import halving
 from pas.limits import checkpoint
 from pas.surface.exact_crossings import exact_crossings
 from pas.surface.kernels import compiled
+from pas.surface.ray_cells import Bools, LocalRays, Rows
 from pas.surface.ray_forms import Segments, bernstein_values, forms_on, joined, segments_of
 
 if TYPE_CHECKING:
@@ -42,10 +54,8 @@ STEPS, CLOSE = 60, 1e-11
 """Of Newton's method, or of bisection where that fails, and the last step over the part of the segment: the number of
 right digits doubles with each step, and another step follows on the polynomial itself."""
 
-Rows = NDArray[np.intp]
-Bools = NDArray[np.bool_]
 Found = tuple[Rows, Floats, Rows]
-"""Numbers of rays, parameters and sides (M,) each."""
+"""Numbers of rays, parameters in units of `LocalRays`, and sides (M,) each."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +64,8 @@ class Crossings:
 
     `rays` (M,) are the numbers of their rays, `parameters` (M,) the t of `origin + t direction`, `points` (M, 3)
     where that is; `sides` (M,) are 1 where the ray goes out (the value rises), -1 where it goes in, and 0 where it
-    touches the surface from one side, and at the start of a stretch that lies in it.  A ray that starts on the
-    surface within rounding crosses it at 0.
+    touches the surface from one side, and at the start of a stretch that lies in it.  Counts and sides are exact (for
+    what is counted see `Evaluator.rays`); parameters are right to rounding, and infinite beyond the range of doubles.
     """
 
     rays: Rows
@@ -88,58 +98,71 @@ class Crossings:
 
 def crossings(evaluator: Evaluator, origins: Floats, directions: Floats) -> Crossings:
     """All crossings of rays (N, 3), t >= 0."""
-    rays, parameters, sides = _found(evaluator, origins, directions, False)
-    points = origins[rays] + parameters[:, None] * directions[rays]
-    return Crossings(rays, parameters, points, sides.astype(np.int8), len(origins))
+    parts: list[tuple[Rows, Floats, Floats, NDArray[np.int8]]] = []
+    for start, local, (rays, lengths, sides) in _blocks(evaluator, origins, directions, False):
+        points = local.points(evaluator, origins[start:], rays, lengths)
+        parts.append((rays + start, local.parameters(rays, lengths), points, sides.astype(np.int8)))
+    rays, parameters, points, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Crossings(rays, parameters, points, kinds, len(origins))
 
 
 def first_crossings(evaluator: Evaluator, origins: Floats, directions: Floats) -> Floats:
     """The parameters of first crossings (N,), NaN for rays that miss."""
     result = np.full(len(origins), np.nan)
-    rays, parameters, _ = _found(evaluator, origins, directions, True)
-    result[rays[::-1]] = parameters[::-1]
+    for start, local, (rays, lengths, _) in _blocks(evaluator, origins, directions, True):
+        result[start + rays[::-1]] = local.parameters(rays, lengths)[::-1]
     return result
 
 
-def _found(evaluator: Evaluator, origins: Floats, directions: Floats, first: bool) -> Found:
-    """Rays, parameters and sides of all crossings, or of the first ones at least, in order."""
-    parts: list[Found] = []
+def _blocks(
+    evaluator: Evaluator, origins: Floats, directions: Floats, first: bool
+) -> Iterator[tuple[int, LocalRays, Found]]:
+    """Blocks of rays, each from which number on, and all their crossings, or the first ones at least, in order."""
     for start in range(0, len(origins), BLOCK):
         checkpoint("shooting rays")
         here = slice(start, start + BLOCK)
-        rays, parameters, sides = _of_block(evaluator, origins[here], directions[here], first)
-        parts.append((rays + start, parameters, sides))
-    rays, parameters, sides = (np.concatenate(part) for part in zip(*parts, strict=True))
-    after = (rays[1:] > rays[:-1]) | ((rays[1:] == rays[:-1]) & (parameters[1:] >= parameters[:-1]))
+        local = LocalRays.of(evaluator, origins[here], directions[here])
+        yield start, local, _ordered(_of_block(evaluator, local, origins[here], directions[here], first))
+
+
+def _ordered(found: Found) -> Found:
+    """The same by ray and along each ray."""
+    rays, lengths, sides = found
+    after = (rays[1:] > rays[:-1]) | ((rays[1:] == rays[:-1]) & (lengths[1:] >= lengths[:-1]))
     if after.all():
-        return rays, parameters, sides
-    order = np.lexsort((parameters, rays))
-    return rays[order], parameters[order], sides[order]
+        return found
+    order = np.lexsort((lengths, rays))
+    return rays[order], lengths[order], sides[order]
 
 
-def _of_block(evaluator: Evaluator, origins: Floats, directions: Floats, first: bool) -> Found:
-    """The same of a block of rays, in no order; by compiled code where there is some."""
-    kernel = None if evaluator.scene is None else compiled(EACH * len(origins))
+def _of_block(evaluator: Evaluator, local: LocalRays, origins: Floats, directions: Floats, first: bool) -> Found:
+    """Rays, parameters and sides of a block of rays, in no order."""
+    clear = np.flatnonzero(~local.doubtful)
+    found, undecided = _in_doubles(evaluator, local if len(clear) == len(origins) else local.some(clear), first)
+    parts: list[Found] = [(clear[found[0]], found[1], found[2])]
+    exact = local.doubtful.copy()
+    exact[clear[undecided]] = True
+    for ray in np.flatnonzero(exact).tolist():
+        checkpoint("working out rays exactly")
+        unit = fmpq(2) ** -int(local.exponents[ray])
+        known = exact_crossings(evaluator, origins[ray], directions[ray], unit)
+        lengths, sides = np.array([t for t, _ in known]), np.array([side for _, side in known], dtype=np.intp)
+        parts.append((np.full(len(known), ray), lengths, sides))
+    rays, lengths, sides = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return rays, lengths, sides
+
+
+def _in_doubles(evaluator: Evaluator, local: LocalRays, first: bool) -> tuple[Found, Bools]:
+    """The crossings of rays that are not doubtful, and on which of them (N,) these decide nothing.
+
+    By compiled code where there is some.
+    """
+    kernel = None if evaluator.scene is None else compiled(EACH * len(local.origins))
     if kernel is not None and evaluator.scene is not None:
-        local = evaluator.partition.frame.local_points(origins), directions / evaluator.scale
-        shot = kernel.rays(evaluator.scene, *local, first)
+        shot = kernel.rays(evaluator.scene, local.origins, local.ways, first)
         if shot is not None:
-            *found, exact = shot
-            parts = [(found[0], found[1], found[2])]
-            for ray in np.flatnonzero(exact).tolist():
-                _, parameters, sides = _exactly(evaluator, origins[ray], directions[ray])
-                parts.append((np.full(len(parameters), ray), parameters, sides))
-            rays, parameters, sides = (np.concatenate(column) for column in zip(*parts, strict=True))
-            return rays, parameters, sides
-    return _Search(evaluator, origins, directions, first).run()
-
-
-def _exactly(evaluator: Evaluator, origin: Floats, direction: Floats) -> Found:
-    """The crossings of one ray, numbered 0, worked out exactly."""
-    checkpoint("working out rays exactly")
-    known = exact_crossings(evaluator, origin, direction)
-    parameters, sides = np.array([t for t, _ in known]), np.array([side for _, side in known], dtype=np.intp)
-    return np.zeros(len(known), dtype=np.intp), parameters, sides
+            return shot[:3], shot[3]
+    return _Search(evaluator, local, first).run()
 
 
 @dataclass(frozen=True)
@@ -158,47 +181,46 @@ class _Parts:
 
     def halves(self) -> _Parts:
         left, right = halving(len(self.forms) - 1, 2, 0)
+        errors = self.errors + (len(self.forms) + 1) * UNIT_ROUNDOFF * np.abs(self.forms).max(axis=0)
         return _Parts(
             np.tile(self.rows, 2),
             np.concatenate([self.low, self.low + self.width / 2]),
             np.tile(self.width / 2, 2),
             np.concatenate([left @ self.forms, right @ self.forms], axis=1),
-            np.tile(self.errors, 2),
+            np.tile(errors, 2),
         )
 
 
 class _Search:
     """The crossings of a block of rays."""
 
-    def __init__(self, evaluator: Evaluator, origins: Floats, directions: Floats, first: bool) -> None:
-        self.evaluator, self.origins, self.directions, self.first = evaluator, origins, directions, first
-        self.exact = np.zeros(len(origins), dtype=bool)
-        self.hit = np.zeros(len(origins), dtype=bool)
-        self.before = np.zeros(len(origins))  # the sign at the end of the last segment, 0 where there is none
-        self.reached = np.full(len(origins), np.nan)
+    def __init__(self, evaluator: Evaluator, local: LocalRays, first: bool) -> None:
+        self.evaluator, self.local, self.first = evaluator, local, first
+        self.exact = np.zeros(len(local.origins), dtype=bool)
+        self.until = np.full(len(local.origins), np.inf)  # the end of the segment with the first crossing
         self.brackets: list[tuple[Segments, _Parts]] = []
         self.found: list[Found] = [(np.empty(0, dtype=np.intp), np.empty(0), np.empty(0, dtype=np.intp))]
 
-    def run(self) -> Found:
-        """Rays, parameters and sides, in no order."""
-        for segments in segments_of(self.evaluator, self.origins, self.directions):
-            wanted = ~self.exact[segments.rays]
-            if self.first:
-                wanted &= ~self.hit[segments.rays]
-            if wanted.any():
-                self._cross(segments.some(wanted))
+    def run(self) -> tuple[Found, Bools]:
+        """Rays, parameters and sides, in no order, of rays on which doubles decide, and which (N,) the others are."""
+        if len(self.local.origins):
+            for segments in segments_of(self.evaluator, self.local):
+                wanted = ~self.exact[segments.rays]
+                if self.first:
+                    wanted &= segments.start <= self.until[segments.rays]
+                if wanted.any():
+                    self._cross(segments.some(wanted))
         self._refine()
-        for ray in np.flatnonzero(self.exact).tolist():
-            zeros, parameters, sides = _exactly(self.evaluator, self.origins[ray], self.directions[ray])
-            self.found.append((zeros - 1 - ray, parameters, sides))
         rays, parameters, sides = (np.concatenate(column) for column in zip(*self.found, strict=True))
-        kept = (rays < 0) | ~self.exact[rays]  # numbers of rays that were worked out exactly are marked by -1 - number
-        return np.where(rays < 0, -1 - rays, rays)[kept], parameters[kept], sides[kept]
+        kept = ~self.exact[rays]
+        return (rays[kept], parameters[kept], sides[kept]), self.exact
 
     def _cross(self, segments: Segments) -> None:
         """Look into one segment of each of some rays."""
         forms, errors = forms_on(self.evaluator, segments)
-        self._join(segments, forms, errors)
+        some = ~((forms.min(axis=0) > errors) | (forms.max(axis=0) < -errors))
+        segments, forms, errors = segments.some(some), forms[:, some], errors[some]
+        self.exact[segments.rays[~_rootless(segments, forms, errors)]] = True
         size = len(errors)
         parts = _Parts(np.arange(size), np.zeros(size), np.ones(size), forms, errors)
         brackets = []
@@ -217,27 +239,8 @@ class _Search:
         self.exact[segments.rays[parts.rows]] = True
         for found in brackets:
             self.brackets.append((segments.some(found.rows), found))
-            self.hit[segments.rays[found.rows]] = True
-
-    def _join(self, segments: Segments, forms: Floats, errors: Floats) -> None:
-        """See that signs at the ends are certain and agree with those before; a ray may start on the surface."""
-        rays = segments.rays
-        signs = np.where(np.abs(forms[[0, -1]]) > errors, np.sign(forms[[0, -1]]), 0)
-        begun = (signs[0] == 0) & (segments.start == 0) & (signs[1] != 0) & (self.before[rays] == 0)
-        joined = self.reached[rays] == segments.start
-        doubtful = (signs == 0).any(axis=0) & ~begun
-        doubtful |= joined & (self.before[rays] != signs[0]) & ~begun
-        self.exact[rays[doubtful]] = True
-        self.before[rays], self.reached[rays] = signs[1], segments.end
-        self._start(segments, forms, errors, np.flatnonzero(begun))
-
-    def _start(self, segments: Segments, forms: Floats, errors: Floats, begun: Rows) -> None:
-        """Rays that start on the surface cross it there; their form is then given the sign that it has afterwards."""
-        certain = np.abs(forms[:, begun]) > errors[begun]
-        away = np.sign(forms[np.argmax(certain, axis=0), begun])
-        forms[0, begun] = away * np.finfo(float).tiny
-        self.found.append((segments.rays[begun], np.zeros(len(begun)), away.astype(np.intp)))
-        self.hit[segments.rays[begun]] = True
+            rays = segments.rays[found.rows]
+            self.until[rays] = np.minimum(self.until[rays], segments.end[found.rows])
 
     def _refine(self) -> None:
         """The roots in all parts that have one."""
@@ -250,6 +253,16 @@ class _Search:
         shares = parts.low + parts.width * roots_of(parts.forms)
         parameters = _polished(self.evaluator, segments, segments.at(shares), parts, rising)
         self.found.append((segments.rays, parameters, np.where(rising, 1, -1)))
+
+
+def _rootless(segments: Segments, forms: Floats, errors: Floats) -> Bools:
+    """Whether there certainly is no root near the ends of segments, where rays may be outside the piece.
+
+    The slope, in shares, is at most n times the largest difference of the coefficients.
+    """
+    slopes = np.abs(np.diff(forms, axis=0)).max(axis=0, initial=0.0) + 2 * errors
+    changes = (len(forms) - 1) * slopes * segments.slack()
+    return np.asarray((np.abs(forms[[0, -1]]) > errors + changes).all(axis=0) & np.isfinite(changes).all(axis=0))
 
 
 def _monotone(parts: _Parts) -> Bools:
@@ -285,9 +298,9 @@ def _polished(evaluator: Evaluator, segments: Segments, parameters: Floats, part
     """One step of Newton's method on the polynomial itself, within the part: its form is less accurate."""
     points = segments.points(parameters)
     jets = evaluator.local_derivatives(points, segments.pieces, (0, 1))
-    slopes = (jets[:, 1:] * segments.directions).sum(axis=1)
+    slopes = (jets[:, 1:] * segments.ways).sum(axis=1)
     with np.errstate(all="ignore"):
         better = parameters - jets[:, 0] / slopes
         ends = segments.at(parts.low), segments.at(parts.low + parts.width)
     fits = np.isfinite(better) & ((slopes > 0) == rising)
-    return np.where(fits, np.clip(better, *ends), parameters)
+    return np.clip(np.where(fits, np.clip(better, *ends), parameters), segments.first, segments.last)

@@ -27,6 +27,7 @@ from pas.partition.location import BLOCK, Group
 from pas.partition.single_cell import SingleCell
 from pas.surface.crossings import Crossings, crossings, first_crossings
 from pas.surface.kernels import Scene
+from pas.surface.ray_cells import Walls
 from pas.surface.ray_forms import scene_of
 
 HIGHEST_ORDER = 3
@@ -112,7 +113,11 @@ class Evaluator:
         """All crossings of the rays `origin + t direction`, t >= 0, with the surface in its region, in order.
 
         `origins` and `directions` broadcast to (..., 3); rays are numbered in the order of the flattened result.
-        Raises `ValueError` for directions of length zero.
+        All numbers count as they are, exactly: the region with its boundary, without any tolerance, and the zeros of
+        the polynomials of its cells.  So the counts do not change when directions are multiplied by powers of two.
+        Origins may be far away and directions as short or as long as doubles are; a parameter beyond the range of
+        doubles is infinite, and its point is right where it is not so far away itself.  Raises `ValueError` for
+        directions of length zero.
         """
         return crossings(self, *rays_of(origins, directions))
 
@@ -208,6 +213,11 @@ class Evaluator:
     def reach(self) -> float:
         """The largest coordinate of the region in the user's coordinates, in local units."""
         return float(np.abs(self.partition.points).max(initial=0.0)) / self.scale
+
+    @cached_property
+    def walls(self) -> Walls:
+        """The cells that rays go through, of which there must be some."""
+        return Walls.of(self)
 
     @cached_property
     def scene(self) -> Scene | None:

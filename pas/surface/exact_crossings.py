@@ -1,12 +1,14 @@
-"""All crossings of one ray with a piecewise surface, in exact arithmetic: for rays on which doubles cannot decide."""
+"""All crossings of one ray with a piecewise surface, in exact arithmetic: for rays on which doubles cannot decide.
+
+What is a crossing is said in `pas.surface.crossings`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
@@ -17,37 +19,77 @@ from pas.algebra.roots import exact as middle_of
 if TYPE_CHECKING:
     from pas.surface.evaluator import Evaluator
 
-Span = tuple[fmpq, fmpq | None, fmpq_poly]
-"""A stretch of the ray (to infinity for None), and the polynomial along the ray that holds on it."""
+Stretch = tuple[RealRoot, RealRoot | None]
+"""From one parameter to another, both counted, or to infinity."""
+
+Span = tuple[RealRoot, RealRoot | None, fmpq_poly]
+"""The stretch of a ray in a cell, and the polynomial along the ray that holds there."""
 
 
-def exact_crossings(evaluator: Evaluator, origin: Floats, direction: Floats) -> list[tuple[float, int]]:
-    """The parameters t >= 0 of all crossings of a ray, ascending, each with its side; see `Crossings`.
+def exact_crossings(
+    evaluator: Evaluator, origin: Floats, direction: Floats, unit: fmpq | int = 1
+) -> list[tuple[float, int]]:
+    """The parameters t >= 0 of all crossings of a ray, over a unit, ascending, each with its side; see `Crossings`.
 
     The coordinates of the ray are taken as they are, so the result holds for exactly this ray.
     """
     frame = evaluator.partition.frame
     start = frame.local_point(exact_vector(origin.tolist()))
-    dx, dy, dz = (d / frame.scale for d in exact_vector(direction.tolist()))
+    dx, dy, dz = (d * unit / frame.scale for d in exact_vector(direction.tolist()))
     spans = list(_spans(evaluator, start, (dx, dy, dz)))
-    found = {root for span in spans for root in _roots(span)}
-    return [(to_float(middle_of(root.ball())), _side(root, found, spans)) for root in sorted(found)]
+    inside = _joined([(low, high) for low, high, polynomial in spans if not polynomial and low != high])
+    roots = {root for span in spans for root in _roots(span)}
+    ends = roots | {end for stretch in inside for end in stretch if end is not None}
+    points = {root for root in roots if not any(_holds(stretch, root) for stretch in inside)}
+    sides = {low: 0 for low, _ in inside} | {root: _side(root, ends, spans) for root in points}
+    return [(to_float(middle_of(root.ball())), sides[root]) for root in sorted(sides)]
 
 
 def _spans(evaluator: Evaluator, origin: Vector, direction: Vector) -> Iterator[Span]:
-    """The stretches of a ray between the planes of cells, in the region."""
+    """The stretches of a ray in the cells, some of which may be points; of cells that share one, that of the first."""
     partition = evaluator.partition.local
-    along = [_along(patch, origin, direction) for patch in evaluator.patches]
     if not partition.cells:
-        yield fmpq(0), None, along[0]
+        yield rational_root(fmpq(0)), None, _along(evaluator.patches[0], origin, direction)
         return
-    walls = [[_line(p, origin, direction) for p in partition.planes(cell)] for cell in range(len(partition.cells))]
-    met = {-a / b for planes in walls for a, b in planes if b != 0}
-    for low, high in pairwise(sorted({fmpq(0)} | {t for t in met if t > 0})):
-        middle = (low + high) / 2
-        cell = next((c for c, planes in enumerate(walls) if all(a + b * middle <= 0 for a, b in planes)), None)
-        if cell is not None:
-            yield low, high, along[int(partition.piece_of[cell])]
+    columns = fmpq_mat(4, 2, [fmpq(1), fmpq(0), *(x for pair in zip(origin, direction, strict=True) for x in pair)])
+    lines = iter((evaluator.walls.exact * columns).entries())
+    along: dict[int, fmpq_poly] = {}
+    seen: set[tuple[fmpq, fmpq]] = set()
+    for piece in partition.piece_of.tolist():
+        bounds = _positive([(next(lines), next(lines)) for _ in range(4)])
+        if bounds is not None and bounds not in seen:
+            if bounds[0] != bounds[1]:
+                seen.add(bounds)
+            if piece not in along:
+                along[piece] = _along(evaluator.patches[piece], origin, direction)
+            yield (*map(rational_root, bounds), along[piece])  # type: ignore[misc]
+
+
+def _positive(lines: list[tuple[fmpq, fmpq]]) -> tuple[fmpq, fmpq] | None:
+    """From where to where in t >= 0 all of the four lines a + b t of a cell are not negative, None for nowhere."""
+    if any(b == 0 and a < 0 for a, b in lines):
+        return None
+    low = max((-a / b for a, b in lines if b > 0), default=fmpq(0))
+    high = min(-a / b for a, b in lines if b < 0)  # the four add up to 1, and not all of them are constant
+    low = max(low, fmpq(0))
+    return (low, high) if low <= high else None
+
+
+def _joined(stretches: list[Stretch]) -> list[Stretch]:
+    """The same without overlaps: stretches that meet are one."""
+    result: list[Stretch] = []
+    for low, high in sorted(stretches, key=lambda stretch: stretch[0]):
+        if result and _holds(result[-1], low):
+            first, last = result.pop()
+            result.append((first, None if last is None or high is None else max(last, high)))
+        else:
+            result.append((low, high))
+    return result
+
+
+def _holds(stretch: Stretch, root: RealRoot) -> bool:
+    low, high = stretch
+    return low <= root and (high is None or root <= high)
 
 
 def _along(patch: Polynomial, origin: Vector, direction: Vector) -> fmpq_poly:
@@ -58,40 +100,28 @@ def _along(patch: Polynomial, origin: Vector, direction: Vector) -> fmpq_poly:
     return fmpq_poly([terms.get((i, 0, 0), fmpq(0)) for i in range(size)])
 
 
-def _line(plane: Polynomial, origin: Vector, direction: Vector) -> tuple[fmpq, fmpq]:
-    constant, *slope = plane.row(1)
-    at = constant + sum((s * o for s, o in zip(slope, origin, strict=True)), fmpq(0))
-    return at, sum((s * d for s, d in zip(slope, direction, strict=True)), fmpq(0))
-
-
 def _roots(span: Span) -> Iterator[RealRoot]:
     """The zeros on a stretch, its ends counted; of one that lies in the surface, its start."""
     low, high, polynomial = span
-    first = rational_root(low)
-    if polynomial.degree() < 0:
-        yield first
-        return
-    last = None if high is None else rational_root(high)
-    for root in real_roots(polynomial):
-        if root >= first and (last is None or root <= last):
-            yield root
+    if not polynomial:
+        return iter((low,))
+    return (root for root in real_roots(polynomial) if _holds((low, high), root))
 
 
-def _side(root: RealRoot, found: set[RealRoot], spans: list[Span]) -> int:
+def _side(root: RealRoot, ends: set[RealRoot], spans: list[Span]) -> int:
     """1 where the sign rises, -1 where it falls, 0 where it is the same on both sides.
 
-    Where the region ends there is one side only, and the sign is taken to change.
+    Where the region ends there is one side only, and the sign is taken to change; where there is none, it is 0.
     """
     before = after = 0
     for low, high, polynomial in spans:
-        first, last = rational_root(low), None if high is None else rational_root(high)
-        if first < root and (last is None or root <= last):
-            previous = max((r for r in found if r < root), default=first)
-            before = _sign(polynomial, between(max(previous, first), root))
-        if first <= root and (last is None or root < last):
-            following = min((r for r in found if root < r), default=last)
-            ends = [r for r in (following, last) if r is not None]
-            after = _sign(polynomial, between(root, min(ends) if ends else None))
+        if low < root and (high is None or root <= high):
+            previous = max((end for end in ends if end < root), default=low)
+            before = _sign(polynomial, between(max(previous, low), root))
+        if low <= root and (high is None or root < high):
+            following = min((end for end in ends if root < end), default=high)
+            nearest = [end for end in (following, high) if end is not None]
+            after = _sign(polynomial, between(root, min(nearest) if nearest else None))
     before, after = before or -after, after or -before
     return (after > before) - (after < before)
 

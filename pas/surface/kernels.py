@@ -216,19 +216,20 @@ class CompiledForms:
         return result
 
     def rays(
-        self, scene: Scene, origins: Floats, directions: Floats, first: bool
+        self, scene: Scene, origins: Floats, ways: Floats, first: bool
     ) -> tuple[Integers, Floats, Integers, np.ndarray] | None:
         """Rays, parameters and sides of crossings, ray by ray in order, and which rays (N,) are to be worked out
-        exactly; None where there are more crossings than are usual.  Rays (N, 3) are in local coordinates."""
+        exactly; None where there are more crossings than are usual.  See `pas.surface.ray_cells.LocalRays`."""
         room = ROOM * len(origins) + ROOM
         rays, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, len(origins)))
         parameters, number = np.empty(room), np.zeros(1, dtype=np.intp)
         numbers = np.array([len(scene.piece_of), scene.degree, first], dtype=np.intp)
-        bounds = np.array([scene.growth, scene.tolerance, scene.reach, scene.farthest])
+        bounds = np.array([scene.growth, scene.reach, scene.farthest])
         tables = (scene.tables, scene.sizes, scene.jets)
-        known = (scene.maps, scene.piece_of, *tables, scene.nodes, scene.to_bernstein, scene.largest)
+        cells = (scene.maps, scene.widths, scene.clear, scene.piece_of)
+        known = (*cells, *tables, scene.nodes, scene.to_bernstein, scene.largest)
         try:
-            shot = (len(origins), origins, directions, room, rays, parameters, sides, exact, number)
+            shot = (len(origins), origins, ways, room, rays, parameters, sides, exact, number)
             self._call("pas_rays", numbers, bounds, *known, *shot)
         except MemoryError:
             return None
@@ -238,15 +239,17 @@ class CompiledForms:
 
 @dataclass(frozen=True)
 class Scene:
-    """What rays are shot at: cells by their barycentric `maps` (4, 4, C), of pieces `piece_of` (C,), and polynomials.
+    """What rays are shot at: cells, of pieces `piece_of` (C,), and polynomials.
 
     Of each piece `tables` and `sizes` (P, C(n+3, 3)) are the coefficients and their sizes, `jets` (P, C(n+3, 3), 4)
     those of the function and its gradient, all in the order of the rule; `largest` (P,) are the sizes at coordinates of
-    the size `farthest`.  For the rest see `pas.surface.ray_forms`.
+    the size `farthest`.  For the rest see `pas.surface.ray_cells.Walls` and `pas.surface.ray_forms`.
     """
 
     degree: int
     maps: Floats
+    widths: Floats
+    clear: Floats
     piece_of: Integers
     tables: Floats
     sizes: Floats
@@ -256,7 +259,6 @@ class Scene:
     largest: Floats
     farthest: float
     growth: float
-    tolerance: float
     reach: float
 
 

@@ -9,44 +9,47 @@ from math import comb
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpz_mat
 from numpy.typing import NDArray
 
 from pas.algebra.compiled import order_of_rule
 from pas.algebra.kernels import horner
 from pas.algebra.monomials import Floats, exponents
+from pas.algebra.rational import to_floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.partition.cells import Partition
 from pas.surface.kernels import HIGHEST, Scene
+from pas.surface.ray_cells import MARGIN, RELATIVE, TINY, LocalRays, Rows, Stretches
 
 if TYPE_CHECKING:
     from pas.surface.evaluator import Evaluator
 
-MARGIN = 1 / 8
-"""Local units by which points are moved outwards where errors are bounded (see `_errors`)."""
-
 SPAN_ENTRIES = 1 << 16
 """Barycentric coordinates that are worked on at once (512 KB)."""
 
-RELATIVE = 1e-9
-"""Of sums that are bounds, more than their rounding."""
+ROUNDINGS = 8
+"""Of |origin| + t |way| + reach, by which a point on a ray may be off."""
 
-Rows = NDArray[np.intp]
+NODE_BITS = 16
+"""Of the nodes of interpolation, so that the matrix is one of integers, whose inverse is exact."""
 
 
 @dataclass(frozen=True)
 class Segments:
-    """Parts of rays in pieces, at most one of each ray: `rays`, `pieces`, `start` and `end` (M,).
+    """Parts of rays in pieces, at most one of each ray: `rays`, `pieces`, `start`, `first`, `last` and `end` (M,).
 
-    `origins` and `directions` (M, 3) are those of the rays, in local coordinates.  Where `end` is infinite, `lengths`
-    (M,) is the parameter t for which the share of the way is a half; either all are finite or none.
+    The ray is in the piece at most from `start` to `end`, certainly from `first` to `last` (see
+    `pas.surface.ray_cells`).  `origins` and `ways` (M, 3) are those of the rays, in local coordinates.  Where `end` is
+    infinite, `lengths` (M,) is the parameter t for which the share of the way is a half; all are finite or none.
     """
 
     rays: Rows
     pieces: Rows
     start: Floats
+    first: Floats
+    last: Floats
     end: Floats
     origins: Floats
-    directions: Floats
+    ways: Floats
     lengths: Floats
 
     def some(self, chosen: Rows | NDArray[np.bool_]) -> Segments:
@@ -61,7 +64,14 @@ class Segments:
 
     def points(self, parameters: Floats) -> Floats:
         """The points (M, 3) at parameters (M,)."""
-        return self.origins + parameters[:, None] * self.directions
+        return self.origins + parameters[:, None] * self.ways
+
+    def slack(self) -> Floats:
+        """Up to which shares from `start`, and from `end`, it is not certain that rays are in the piece, (2, M)."""
+        if np.isinf(self.end).any():
+            return np.zeros((2, len(self.rays)))
+        shares = np.stack([self.first - self.start, self.end - self.last]) / (self.end - self.start)
+        return np.where(self.first < self.last, np.minimum(2 * shares, 1.0), np.inf)
 
 
 def joined(parts: list[Segments]) -> Segments:
@@ -69,52 +79,26 @@ def joined(parts: list[Segments]) -> Segments:
     return Segments(*(np.concatenate(column) for column in zip(*(vars(part).values() for part in parts), strict=True)))
 
 
-def segments_of(evaluator: Evaluator, origins: Floats, directions: Floats) -> Iterator[Segments]:
-    """The segments of rays (N, 3) in the user's coordinates: first the first of each, then the second, and so on."""
-    partition = evaluator.partition.local
-    starts, ways = evaluator.partition.frame.local_points(origins), directions / evaluator.scale
+def segments_of(evaluator: Evaluator, rays: LocalRays) -> Iterator[Segments]:
+    """The segments of rays that are not doubtful: first the first of each, then the second, and so on."""
+    partition, number = evaluator.partition.local, len(rays.origins)
     if not partition.cells:
-        lengths = (1 + np.abs(starts).max(axis=1)) / np.abs(ways).max(axis=1)
-        zero = np.zeros(len(starts), dtype=np.intp)
-        yield Segments(
-            np.arange(len(starts)), zero, np.zeros(len(starts)), np.full(len(starts), np.inf), starts, ways, lengths
-        )
+        lengths = (1 + np.abs(rays.origins).max(axis=1)) / np.abs(rays.ways).max(axis=1)
+        zero, whole = np.zeros(number), np.full(number, np.inf)
+        pieces = np.zeros(number, dtype=np.intp)
+        yield Segments(np.arange(number), pieces, zero, zero, whole, whole, rays.origins, rays.ways, lengths)
         return
     step = max(1, SPAN_ENTRIES // (4 * len(partition.cells)))
-    parts = (slice(first, first + step) for first in range(0, len(starts), step))
-    spans = [_spans(partition, starts[part], ways[part], evaluator.tolerance) for part in parts]
-    start, end, cells = (np.concatenate(column, axis=1) for column in zip(*spans, strict=True))
-    for begin, stop, cell in zip(start, end, cells, strict=True):
-        rays = np.flatnonzero(np.isfinite(begin))
-        if not len(rays):
+    parts = (rays.some(np.arange(first, min(first + step, number))) for first in range(0, number, step))
+    found = [Stretches.of(evaluator.walls, part.origins, part.ways, evaluator.reach) for part in parts]
+    stretches = zip(*(np.concatenate(column, axis=1) for column in zip(*found, strict=True)), strict=True)
+    for cells, start, first, last, end in stretches:
+        rows = np.flatnonzero(np.isfinite(start))
+        if not len(rows):
             return
-        pieces = partition.piece_of[cell[rays]]
-        yield Segments(rays, pieces, begin[rays], stop[rays], starts[rays], ways[rays], np.ones(len(rays)))
-
-
-def _spans(partition: Partition, origins: Floats, directions: Floats, tolerance: float) -> tuple[Floats, Floats, Rows]:
-    """Where rays enter and leave cells, and these cells, (cells, N) each: by rays in order, without gaps or overlaps.
-
-    Cells are enlarged by the tolerance; a stretch in several of them counts to the first entered.  What there is no
-    segment for is infinite.
-    """
-    at = partition.barycentric(origins) + tolerance
-    slope = partition.barycentric(directions) - partition.barycentric(np.zeros((1, 3)))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        met = -at / slope
-    enter = np.maximum(np.where(slope > 0, met, -np.inf).max(axis=1), 0.0)
-    leave = np.where(slope < 0, met, np.inf).min(axis=1)
-    leave[((slope == 0) & (at < 0)).any(axis=1)] = -np.inf
-    enter[leave <= enter] = np.inf
-    order = np.argsort(enter, axis=0, kind="stable")
-    enter, leave = (np.take_along_axis(a, order, axis=0) for a in (enter, leave))
-    leave[np.isinf(enter)] = -np.inf
-    before = np.maximum.accumulate(leave, axis=0)[:-1]
-    enter[1:] = np.maximum(enter[1:], before)
-    enter[leave <= enter] = np.inf
-    again = np.argsort(enter, axis=0, kind="stable")
-    start, end, cells = (np.take_along_axis(a, again, axis=0) for a in (enter, leave, order))
-    return start, end, cells
+        own = rays.some(rows)
+        bounds = start[rows], first[rows], last[rows], end[rows]
+        yield Segments(rows, partition.piece_of[cells[rows]], *bounds, own.origins, own.ways, np.ones(len(rows)))
 
 
 def forms_on(evaluator: Evaluator, segments: Segments) -> tuple[Floats, Floats]:
@@ -130,7 +114,7 @@ def forms_on(evaluator: Evaluator, segments: Segments) -> tuple[Floats, Floats]:
         rows = np.flatnonzero(segments.pieces == piece)
         own = segments.some(rows)
         parameters = np.stack([own.at(np.full(len(rows), node)) for node in nodes])
-        points = own.origins.T[:, None] + parameters * own.directions.T[:, None]
+        points = own.origins.T[:, None] + parameters * own.ways.T[:, None]
         table = evaluator.tables[0][piece]
         values = np.empty((1, parameters.size))
         horner(table, degree, points.reshape(3, -1), values)
@@ -145,36 +129,42 @@ def _errors(table: Floats, degree: int, segments: Segments, reach: float) -> Flo
     """How much samples of a polynomial on segments may be off (M,).
 
     With P the polynomial with coefficients |c|, Horner's rule errs by at most g P(|x|), where g = (2n + 8) 2^-53: the
-    last 2 are for the coefficients' own rounding and the factor (1 - s)^n.  A point that is off by d changes the value
-    by at most d P(|x| + h) / h for any h, since P is convex and grows; here h is `MARGIN`.  A point is off by at most
-    four roundings of |origin| + t |direction| + |the region's place|.  On infinite segments the points' roundings are
-    relative to what Horner's rule multiplies, and add 6n to g; (1 - s)^n P(|x|) is at most P(|o| + L |d|).
+    last 2 are for the coefficients' own rounding and the factor (1 - s)^n; what underflows is made up for by adding
+    `TINY` to coefficients.  A point that is off by d <= h changes the value by at most d P(|x| + h) / h, since P is
+    convex and grows; here h is half of `MARGIN`, and the other half is for |x| itself.  For larger d the bound is above
+    P and so above all forms, which decides nothing.  A point is off by at most `ROUNDINGS` of |origin| + t |way| + |the
+    region's place|: two of the local origin, and of t |way| four in t and two in product and sum.  On infinite segments
+    the points' roundings are relative to what Horner's rule multiplies, and with those of (1 - s)^n add 7n to g;
+    (1 - s)^n P(|x|) is at most P(|o| + L |d|).
     """
-    sizes, ways = np.abs(segments.origins), np.abs(segments.directions)
+    sizes, ways = np.abs(segments.origins), np.abs(segments.ways)
     factor: Floats | float
     if np.isinf(segments.end).any():
-        furthest, factor = sizes + segments.lengths[:, None] * ways, (8 * degree + 8) * UNIT_ROUNDOFF
+        furthest, factor = sizes + segments.lengths[:, None] * ways, (9 * degree + 8) * UNIT_ROUNDOFF
     else:
         ends = (np.abs(segments.points(t)) for t in (segments.start, segments.end))
         furthest = np.maximum(*ends) + MARGIN
-        off = 4 * UNIT_ROUNDOFF * (reach + sizes + segments.end[:, None] * ways).max(axis=1)
-        factor = (2 * degree + 8) * UNIT_ROUNDOFF + 3 * off / MARGIN
+        off = ROUNDINGS * UNIT_ROUNDOFF * (reach + sizes + segments.end[:, None] * ways).max(axis=1)
+        factor = (2 * degree + 8) * UNIT_ROUNDOFF + 2 * off / MARGIN
     bound = np.empty((1, len(furthest)))
-    horner(np.abs(table), degree, np.ascontiguousarray(furthest.T), bound)
+    horner(np.abs(table) + TINY, degree, np.ascontiguousarray(furthest.T), bound)
     return np.asarray(factor * bound[0])
 
 
 @cache
 def _interpolation(degree: int) -> tuple[Floats, Floats, float]:
-    """Chebyshev nodes inside [0, 1], the map from values there to Bernstein coefficients, and how errors grow in it.
+    """Nodes inside [0, 1] near Chebyshev's, the map from values there to Bernstein coefficients, and how errors grow.
 
-    The map is rounded, and so are the products with it: errors count twice its norm, and its own are small beside.
+    The map is exact and then rounded, and so are the products with it: (n + 2) roundings in all, less than the samples'
+    own, so that errors count twice the map's norm.
     """
-    powers = range(degree + 1)
-    nodes = (1 - np.cos(np.pi * (2 * np.arange(degree + 1) + 1) / (2 * degree + 2))) / 2
-    basis = np.array([[comb(degree, j) * (1 - s) ** (degree - j) * s**j for j in powers] for s in nodes])
-    inverse = np.linalg.inv(basis)
-    return nodes, inverse, 2 * float(np.abs(inverse).sum(axis=1).max())
+    one = 1 << NODE_BITS
+    angles = np.pi * (2 * np.arange(degree + 1) + 1) / (2 * degree + 2)
+    nodes = np.rint(one * (1 - np.cos(angles)) / 2).astype(int).tolist()
+    basis = [comb(degree, j) * (one - s) ** (degree - j) * s**j for s in nodes for j in range(degree + 1)]
+    inverse = fmpz_mat(degree + 1, degree + 1, basis).inv() * one**degree
+    rounded = np.array(to_floats(inverse.entries())).reshape(degree + 1, -1)
+    return np.array(nodes) / one, rounded, 2 * float(np.abs(rounded).sum(axis=1).max())
 
 
 def scene_of(evaluator: Evaluator) -> Scene | None:
@@ -189,14 +179,12 @@ def scene_of(evaluator: Evaluator) -> Scene | None:
         jets[row, 0], jets[row, 1:, : gradient.shape[1]] = value[0], gradient
     jets = jets[:, :, order]
     tables, piece_of = np.ascontiguousarray(jets[:, 0]), np.asarray(local.piece_of, dtype=np.intp)
-    zero, units = local.barycentric(np.zeros((1, 3))), local.barycentric(np.eye(3))
-    maps = np.concatenate([units - zero, zero], axis=2).transpose(1, 2, 0)
-    polynomials = (tables, np.abs(tables), np.ascontiguousarray(jets.transpose(0, 2, 1)))
-    farthest = float(np.abs(local.points).max()) + MARGIN
+    polynomials = (tables, np.abs(tables) + TINY, np.ascontiguousarray(jets.transpose(0, 2, 1)))
+    walls = evaluator.walls
     powers = np.array([sum(e) for e in exponents(degree)])[order]
-    largest = (polynomials[1] * farthest**powers).sum(axis=1) * (1 + RELATIVE)
-    limits = (farthest, growth, evaluator.tolerance, evaluator.reach)
-    return Scene(degree, np.ascontiguousarray(maps), piece_of, *polynomials, nodes, to_bernstein, largest, *limits)
+    largest = (polynomials[1] * walls.farthest**powers).sum(axis=1) * (1 + RELATIVE)
+    cells, limits = (walls.maps, walls.widths, walls.clear), (walls.farthest, growth, evaluator.reach)
+    return Scene(degree, *cells, piece_of, *polynomials, nodes, to_bernstein, largest, *limits)
 
 
 def bernstein_values(forms: Floats, shares: Floats) -> Floats:

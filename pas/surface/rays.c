@@ -1,5 +1,5 @@
-/* Where rays cross a piecewise polynomial's zeros, as in pas/surface/crossings.py and ray_forms.py: the same cells, forms
-   and bounds on their rounding, ray by ray.
+/* Where rays cross a piecewise polynomial's zeros, as in pas/surface/crossings.py, ray_cells.py and ray_forms.py: the same
+   cells, forms and bounds on their rounding, ray by ray.
 
    What doubles cannot decide of a ray is marked, to be worked out exactly.  A function that finds no memory, or more
    crossings than it has room for, returns -1. */
@@ -20,6 +20,7 @@
 #define UNDECIDED 4.0
 #define UNIT 0x1p-53
 #define MARGIN 0.125
+#define ROUNDINGS 8 /* of numbers on a ray, by which a point may be off */
 
 /* Numbers that the compiler keeps in as few registers as the machine lets it. */
 typedef double Lanes __attribute__((vector_size(WIDE * sizeof(double))));
@@ -67,71 +68,68 @@ static void four_at(whole n, const double *c, double x, double y, double z, doub
 }
 
 typedef struct {
-    double enter, leave;
+    double enter, first, last, leave; /* at most from enter to leave, certainly from first to last */
     whole cell;
 } Span;
 
 typedef struct {
     whole cells, degree;
-    const double *maps; /* (4, 4, cells): of each barycentric coordinate the factors of x, y, z and the constant */
+    const double *maps;   /* (4, 4, cells): of each barycentric coordinate the factors of x, y, z and the constant */
+    const double *widths; /* (4, cells): by how much they may be off */
+    const double *clear;  /* of each cell: closer to 0 its polynomial has no zero */
     const whole *piece_of;
     const double *tables, *sizes, *jets; /* of each piece, with signs, without, and with derivatives side by side */
     Lanes nodes[MOST / WIDE], to_bernstein[MOST][MOST / WIDE]; /* of each value its share in the coefficients */
     double binomials[MOST][MOST];
     const double *largest; /* the sizes of polynomials at coordinates as large as `farthest` */
-    double growth, tolerance, reach, farthest;
+    double growth, reach, farthest;
     int first;
-    double *enter, *leave; /* (cells,) */
+    double *bounds; /* (4, cells): where a ray enters and leaves them, at most and then certainly */
     Span *spans;
 } Scene;
 
-/* Where a ray is in each cell. */
+/* Where a ray is in each cell, at most or certainly: for lines raised (sign 1) or lowered (-1) by their widths. */
 FAST
-static void cross_cells(const Scene *s, const double *o, const double *d, double *enter, double *leave)
+static void cross_cells(const Scene *s, const double *o, const double *d, double longest, double wide, double sign,
+                        double *enter, double *leave)
 {
     const whole cells = s->cells;
     for (whole c = 0; c < cells; c++) {
         enter[c] = 0;
-        leave[c] = INFINITY;
+        leave[c] = longest;
     }
     for (int k = 0; k < 4; k++) {
         const double *a = s->maps + 4 * k * cells, *b = a + cells, *e = b + cells, *f = e + cells;
+        const double *width = s->widths + k * cells;
         for (whole c = 0; c < cells; c++) {
-            const double at = a[c] * o[0] + b[c] * o[1] + e[c] * o[2] + f[c] + s->tolerance;
-            const double slope = a[c] * d[0] + b[c] * d[1] + e[c] * d[2];
+            const double at = a[c] * o[0] + b[c] * o[1] + e[c] * o[2] + f[c] + sign * width[c] * wide;
+            const double slope = a[c] * d[0] + b[c] * d[1] + e[c] * d[2] + sign * width[c];
             const double met = -at / slope;
             const double in = slope > 0 ? met : (slope == 0 && at < 0) ? INFINITY : 0;
-            const double out = slope < 0 ? met : INFINITY;
+            const double out = slope < 0 ? met : longest;
             enter[c] = in > enter[c] ? in : enter[c];
             leave[c] = out < leave[c] ? out : leave[c];
         }
     }
 }
 
-/* The stretches of a ray in cells, in order, without gaps or overlaps; how many. */
+/* The stretches of a ray in cells, by where it enters them; how many. */
 static whole stretches(const Scene *s, const double *o, const double *d)
 {
-    whole count = 0, kept = 0;
-    double before = -INFINITY;
-    cross_cells(s, o, d, s->enter, s->leave);
-    for (whole c = 0; c < s->cells; c++) {
-        whole i = count;
-        if (!(s->leave[c] > s->enter[c])) continue;
-        for (; i > 0 && s->spans[i - 1].enter > s->enter[c]; i--) s->spans[i] = s->spans[i - 1];
-        s->spans[i] = (Span){s->enter[c], s->leave[c], c};
-        count++;
+    const whole cells = s->cells;
+    double *enter = s->bounds, *leave = enter + cells, *first = leave + cells, *last = first + cells, size = 0;
+    whole count = 0;
+    for (int i = 0; i < 3; i++) size = fabs(o[i]) > size ? fabs(o[i]) : size;
+    const double longest = 2 * (size + s->farthest), wide = 1 + size + s->reach;
+    cross_cells(s, o, d, longest, wide, 1, enter, leave);
+    cross_cells(s, o, d, longest, wide, -1, first, last);
+    for (whole c = 0; c < cells; c++) {
+        if (leave[c] < enter[c] || size + leave[c] <= s->clear[c]) continue;
+        whole i = count++;
+        for (; i > 0 && s->spans[i - 1].enter > enter[c]; i--) s->spans[i] = s->spans[i - 1];
+        s->spans[i] = (Span){enter[c], first[c], last[c], leave[c], c};
     }
-    for (whole i = 0; i < count; i++) {
-        Span span = s->spans[i];
-        const double reached = before;
-        before = span.leave > before ? span.leave : before;
-        if (reached > span.enter) span.enter = reached;
-        if (!(span.leave > span.enter)) continue;
-        whole k = kept++;
-        for (; k > 0 && s->spans[k - 1].enter > span.enter; k--) s->spans[k] = s->spans[k - 1];
-        s->spans[k] = span;
-    }
-    return kept;
+    return count;
 }
 
 /* The Bernstein form on a stretch. */
@@ -176,7 +174,7 @@ static double error_on(const Scene *s, const Span *span, const double *o, const 
         at_points(n, s->sizes + piece * count, points, values);
         size = values[0];
     }
-    return s->growth * ((2 * n + 8) * UNIT + 3 * 4 * UNIT * off / MARGIN) * size;
+    return s->growth * ((2 * n + 8) * UNIT + 2 * ROUNDINGS * UNIT * off / MARGIN) * size;
 }
 
 static double bernstein_at(whole n, const double *times, const double *form, double t)
@@ -210,7 +208,7 @@ static double root_of(const Scene *s, const double *form)
     return share;
 }
 
-/* A step of Newton's method on the polynomial itself, within the part. */
+/* A step of Newton's method on the polynomial itself, within the part, and within the cell. */
 static double polished(const Scene *s, const Span *span, const double *o, const double *d, double low, double width,
                        double share, int rising)
 {
@@ -219,18 +217,20 @@ static double polished(const Scene *s, const Span *span, const double *o, const 
     const double begin = span->enter + low * way, end = span->enter + (low + width) * way;
     double jet[4];
     four_at(n, s->jets + 4 * count * s->piece_of[span->cell], o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2], jet);
-    const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2], better = t - jet[0] / slope;
-    if (!isfinite(better) || (slope > 0) != rising) return t;
-    return better < begin ? begin : better > end ? end : better;
+    const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2];
+    double better = t - jet[0] / slope;
+    if (!isfinite(better) || (slope > 0) != rising) better = t;
+    better = better < begin ? begin : better > end ? end : better;
+    return better < span->first ? span->first : better > span->last ? span->last : better;
 }
 
 typedef struct {
-    double low, width, form[MOST];
+    double low, width, error, form[MOST];
 } Part;
 
 typedef struct {
     whole room, number, ray, *rays, *sides;
-    double *parameters;
+    double *parameters, least; /* of the ray's crossings so far */
 } Found;
 
 static int note(Found *found, double parameter, int side)
@@ -239,7 +239,15 @@ static int note(Found *found, double parameter, int side)
     found->rays[found->number] = found->ray;
     found->parameters[found->number] = parameter;
     found->sides[found->number++] = side;
+    found->least = parameter < found->least ? parameter : found->least;
     return 0;
+}
+
+static double largest_of(whole n, const double *form)
+{
+    double result = 0;
+    for (whole i = 0; i <= n; i++) result = fabs(form[i]) > result ? fabs(form[i]) : result;
+    return result;
 }
 
 /* What is on a part: 0 no root, 1 one, 2 it is to be halved, 3 it cannot be decided. */
@@ -258,29 +266,30 @@ static int look(whole n, const double *form, double error)
     return (-low > high ? -low : high) <= UNDECIDED * error ? 3 : 2;
 }
 
-/* The crossings on a stretch: how many, -1 where there is no room, -2 where it cannot be decided. */
-static whole on_stretch(const Scene *s, const Span *span, const double *o, const double *d, const double *form,
+/* The crossings on a stretch: -1 where there is no room, 1 where it cannot be decided. */
+static int on_stretch(const Scene *s, const Span *span, const double *o, const double *d, const double *form,
                         double error, Found *found)
 {
     const whole n = s->degree;
     Part parts[DEEPEST + 2];
-    whole number = 1, hits = 0;
+    whole number = 1;
     parts[0].low = 0;
     parts[0].width = 1;
+    parts[0].error = error;
     for (whole i = 0; i <= n; i++) parts[0].form[i] = form[i];
     while (number) {
         Part part = parts[--number];
-        const int state = look(n, part.form, error);
+        const int state = look(n, part.form, part.error);
         if (state == 0) continue;
-        if (state == 3 || number > DEEPEST || part.width < 0x1p-39) return -2;
+        if (state == 3 || number > DEEPEST || part.width < 0x1p-39) return 1;
         if (state == 1) {
             const int rising = part.form[n] > part.form[0];
             const double share = root_of(s, part.form);
             if (note(found, polished(s, span, o, d, part.low, part.width, share, rising), rising ? 1 : -1)) return -1;
-            hits++;
             continue;
         }
         Part *right = parts + number, *left = right + 1; /* the left one is looked at first */
+        left->error = right->error = part.error + (n + 2) * UNIT * largest_of(n, part.form);
         for (whole k = 0; k <= n; k++) {
             left->form[k] = part.form[0];
             right->form[n - k] = part.form[n - k];
@@ -291,64 +300,68 @@ static whole on_stretch(const Scene *s, const Span *span, const double *o, const
         right->low = part.low + part.width / 2;
         number += 2;
     }
-    return hits;
+    return 0;
 }
 
-static int sign_of(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
+/* What is on a stretch: 0 no root, 1 none near its ends, where the ray may be outside the cell, 2 it cannot be decided. */
+static int ends_of(whole n, const Span *span, const double *form, double error)
+{
+    const double length = span->leave - span->enter;
+    double low = form[0], high = form[0], slope = 0;
+    for (whole i = 1; i <= n; i++) {
+        const double step = fabs(form[i] - form[i - 1]);
+        low = form[i] < low ? form[i] : low;
+        high = form[i] > high ? form[i] : high;
+        slope = step > slope ? step : slope;
+    }
+    if (low > error || high < -error) return 0;
+    if (!(span->first < span->last)) return 2;
+    const double begin = 2 * (span->first - span->enter) / length, end = 2 * (span->leave - span->last) / length;
+    slope = n * (slope + 2 * error); /* at most, in shares */
+    return fabs(form[0]) > error + slope * (begin < 1 ? begin : 1) && fabs(form[n]) > error + slope * (end < 1 ? end : 1)
+               ? 1
+               : 2;
+}
 
 /* One ray in some stretches: -1 where there is no room, 1 where it cannot be decided. */
 static int shoot(const Scene *s, whole count, const double *o, const double *d, int close, Found *found)
 {
-    const whole n = s->degree;
-    int before = 0;
-    double reached = NAN;
+    found->least = INFINITY;
     for (whole i = 0; i < count; i++) {
         const Span *span = s->spans + i;
         double form[MOST];
+        if (s->first && span->enter > found->least) break;
         const double error = error_on(s, span, o, d, close);
         form_on(s, span, o, d, form);
-        int start = sign_of(form[0], error), end = sign_of(form[n], error), hit = 0;
-        const int begun = start == 0 && span->enter == 0 && end != 0 && before == 0;
-        if ((start == 0 || end == 0) && !begun) return 1;
-        if (reached == span->enter && before != start && !begun) return 1;
-        before = end;
-        reached = span->leave;
-        if (begun) {
-            whole k = 0;
-            while (fabs(form[k]) <= error) k++;
-            const int away = form[k] > 0 ? 1 : -1;
-            form[0] = away * 0x1p-1022;
-            if (note(found, 0.0, away)) return -1;
-            hit = 1;
-        }
-        const whole hits = on_stretch(s, span, o, d, form, error, found);
-        if (hits < 0) return hits == -1 ? -1 : 1;
-        if (s->first && (hits || hit)) break;
+        const int state = ends_of(s->degree, span, form, error);
+        const int result = state == 1 ? on_stretch(s, span, o, d, form, error, found) : state / 2;
+        if (result) return result;
     }
     return 0;
 }
 
 /* `numbers` holds how many cells, the degree, and whether only first crossings are wanted; `bounds` the growth of errors,
-   the tolerance of cells, the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The
-   crossings found are counted in `number`, of `room`. */
-int pas_rays(const whole *numbers, const double *bounds, const double *maps, const whole *piece_of, const double *tables,
-             const double *sizes, const double *jets, const double *nodes, const double *to_bernstein,
-             const double *largest, whole count, const double *origins, const double *directions, whole room, whole *rays,
-             double *parameters, whole *sides, whole *exact, whole *number)
+   the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are
+   counted in `number`, of `room`. */
+int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,
+             const whole *piece_of, const double *tables, const double *sizes, const double *jets, const double *nodes,
+             const double *to_bernstein, const double *largest, whole count, const double *origins,
+             const double *directions, whole room, whole *rays, double *parameters, whole *sides, whole *exact,
+             whole *number)
 {
     const whole cells = numbers[0], n = numbers[1];
-    Scene s = {.cells = cells, .degree = n, .maps = maps, .piece_of = piece_of, .tables = tables, .sizes = sizes,
-               .jets = jets, .largest = largest, .growth = bounds[0], .tolerance = bounds[1], .reach = bounds[2],
-               .farthest = bounds[3], .first = numbers[2] != 0, .enter = malloc((cells + 1) * sizeof(double)),
-               .leave = malloc((cells + 1) * sizeof(double)), .spans = malloc((cells + 1) * sizeof(Span))};
+    Scene s = {.cells = cells, .degree = n, .maps = maps, .widths = widths, .clear = clear, .piece_of = piece_of,
+               .tables = tables, .sizes = sizes, .jets = jets, .largest = largest, .growth = bounds[0],
+               .reach = bounds[1], .farthest = bounds[2], .first = numbers[2] != 0,
+               .bounds = malloc((4 * cells + 1) * sizeof(double)), .spans = malloc((cells + 1) * sizeof(Span))};
     for (whole k = 0; k < MOST; k++) {
         s.nodes[k / WIDE][k % WIDE] = nodes[k <= n ? k : n];
         s.binomials[k][0] = 1;
         for (whole i = 1; i <= k; i++) s.binomials[k][i] = s.binomials[k][i - 1] * (k - i + 1) / i;
         for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / WIDE][i % WIDE] = to_bernstein[i * (n + 1) + k];
     }
-    Found found = {room, 0, 0, rays, sides, parameters};
-    int state = s.enter && s.leave && s.spans ? 0 : -1;
+    Found found = {room, 0, 0, rays, sides, parameters, INFINITY};
+    int state = s.bounds && s.spans ? 0 : -1;
     for (whole r = 0; state == 0 && r < count; r++) {
         const whole begun = found.number;
         const double *o = origins + 3 * r, *d = directions + 3 * r;
@@ -364,8 +377,7 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
         if (result == -1) state = -1;
     }
     *number = found.number;
-    free(s.enter);
-    free(s.leave);
+    free(s.bounds);
     free(s.spans);
     return state;
 }

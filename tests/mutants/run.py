@@ -85,7 +85,8 @@ def flaws(mutant: Mutant, root: Path = ROOT) -> Iterator[str]:
         yield f"its old text occurs {times} times in {mutant.file}, not once, or is the new one"
         return
     try:
-        ast.parse(mutant.mutated(root))
+        if path.suffix == ".py":
+            ast.parse(mutant.mutated(root))
     except SyntaxError as error:
         yield f"{mutant.file} does not compile: {error}"
     named = [test for test in mutant.tests if ".py" in test]
