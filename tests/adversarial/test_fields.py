@@ -179,10 +179,16 @@ def outcome(content: Any, path: tuple[Any, ...], value: Any, folder: Path) -> st
         return ""
     again = json.loads(shape.save(folder / "b.pas.json").read_text())["content"]
     if why == TOLD:
-        plain = printed(json.dumps(content), folder).splitlines()
-        unmarked = [line for line in str(shape).splitlines() if line not in plain and "as its file tells" not in line]
+        before = lines(printed(json.dumps(content), folder))
+        new = [line for line in lines(str(shape)) if not any(old.startswith(line) for old in before)]  # or says less
+        unmarked = [line for line in new if "as its file tells" not in line]
         return f"printed as if it were so: {unmarked}" if unmarked else ""
     return "" if again == content else f"kept, and nobody knows why: {value!r}"
+
+
+def lines(text: str) -> list[str]:
+    """The lines of a summary, however wide its columns are."""
+    return [" ".join(line.split()) for line in text.splitlines()]
 
 
 @lru_cache(maxsize=1)
