@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import sys
+from functools import cache
+
 import pytest
+from conftest import ROOT
 
 import pas
+from pas import solid
+from pas.cli import main
 from pas.limits import checkpoint, limit, note
 
 
 class Clock:
-    def __init__(self):
-        self.now = 100.0
+    def __init__(self, step=0.0):
+        self.now, self.step = 100.0, step
 
     def monotonic(self):
+        self.now += self.step
         return self.now
 
 
@@ -21,6 +28,28 @@ def clock(monkeypatch):
     clock = Clock()
     monkeypatch.setattr("pas.limits.time", clock)
     return clock
+
+
+@pytest.fixture
+def ticking(monkeypatch):
+    """A clock that moves on by a second whenever it is looked at."""
+    monkeypatch.setattr("pas.limits.time", Clock(1.0))
+
+
+def given_up(call, folder, least=1):
+    """What was being done at each look from the `least` on at which the call gives up; it leaves nothing, then works.
+
+    At a deadline of n + 1/2 s, the clock moving on by one at each look, the call gives up at the n-th of them.
+    """
+    tasks = []
+    while True:
+        with limit(seconds=least + len(tasks) + 0.5):
+            try:
+                call()
+                return tasks
+            except pas.LimitError as error:
+                tasks.append(str(error).partition(" s while ")[2].partition(";")[0])
+        assert not list(folder.rglob("*.*"))
 
 
 def test_past_the_deadline_it_gives_up_in_words(clock):
@@ -100,3 +129,65 @@ def test_what_is_stopped_ends_at_its_next_look_and_inner_limits_are_stopped_too(
     checkpoint("afterwards nothing is stopped")
     with pytest.raises(TypeError, match="stopped must be a function without arguments"), limit(stopped=True):
         pass
+
+
+@cache
+def parts():
+    """Two bodies, and their meshes."""
+    bodies = {"ball": solid.ball((0, 0, 0), 1), "box": solid.box((2, 0, 0), (3, 1, 1)) - solid.ball((2, 0, 0), "1/2")}
+    return solid.assembly(**bodies), {name: body.mesh(0.2) for name, body in bodies.items()}
+
+
+def test_pictures_look_at_the_clock_between_their_parts(tmp_path, ticking):
+    from pyvista.plotting import plotter
+
+    assembly, meshes = parts()
+    open_before = len(plotter._ALL_PLOTTERS)
+    options = {"mesh": meshes, "size": (60, 45), "four_views": True, "cut": True}
+    tasks = given_up(lambda: assembly.draw(tmp_path / "x.png", **options), tmp_path)
+    assert sum("loading the graphics library" in task for task in tasks) == 3
+    for mesh in meshes.values():  # in each of the four views
+        assert sum(f"drawing {len(mesh.triangles)} triangles" in task for task in tasks) == 4
+    assert "rendering a picture" in tasks[-1]
+    assert len(plotter._ALL_PLOTTERS) == open_before  # what was given up is closed
+
+
+LOOKS = {".stl": 1, ".obj": 14, ".ply": 1, ".glb": 4, ".vtp": 4, ".3mf": 4}
+"""How often the clock is looked at while two bodies of eight faces are written: often where that takes long."""
+
+
+@pytest.mark.parametrize("suffix", LOOKS)
+def test_files_look_at_the_clock_while_they_are_written(suffix, tmp_path, ticking):
+    if suffix == ".3mf":
+        pytest.importorskip("lib3mf")
+    meshes = list(parts()[1].values())
+    tasks = given_up(lambda: pas.write(meshes, tmp_path / f"x{suffix}"), tmp_path)
+    assert sum(f"writing x{suffix}" in task for task in tasks) == LOOKS[suffix]
+
+
+@pytest.mark.parametrize("command", ["blend", "teapot"])
+def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, tmp_path, monkeypatch, capsys):
+    """However late: once the files are there nothing looks at the clock any more."""
+    from pas.designs.teapot import Teapot
+
+    body, clock = parts()[0]["box"].shape, Clock(1.0)
+    monkeypatch.setattr(sys.modules[Teapot.__module__], "teapot", lambda *_, **__: Teapot("paper", body, body, body))
+    problem = [str(ROOT / "examples/corners/published_proved.toml")] if command == "blend" else []
+
+    def run(seconds):
+        """How many files there are then, and what was said."""
+        main([command, *problem, "-o", str(tmp_path), "--tolerance", "0.5", "--seconds", str(seconds)])
+        files = list(tmp_path.iterdir())
+        for file in files:
+            file.unlink()
+        return len(files), capsys.readouterr().err.splitlines()[-1]
+
+    run(1e9)  # the first one in a process fills tables that are kept
+    monkeypatch.setattr("pas.limits.time", clock)
+    assert run(1e9)[0] == 3
+    looks, late = int(clock.now) - 100, set()
+    for before_the_end in range(1, 8):
+        files, said = run(looks - before_the_end)
+        assert files == (0 if "pas: gave up after" in said else 3)
+        late |= {said.partition(" s while ")[2].partition(";")[0]} if not files else set()
+    assert "drawing (rendering a picture)" in late

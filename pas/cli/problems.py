@@ -35,19 +35,20 @@ def run_problem(options: argparse.Namespace) -> Outcome:
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     drawn = {"style": problem.style, "view": problem.view, "combs": problem.combs}
     drawn["mesh"] = None if Picture.of(drawn).coloring.fine else mesh
+    text, facts = kind.text(shape), kind.facts(shape)  # nothing that may give up comes after the files are written
     with together(folder) as place:
         base = place / problem.name
         written = [shape.save(f"{base}.pas.json", certificate=certificate), mesh.write(f"{base}.stl")]
         reason = "" if options.no_picture else _draw(shape, f"{base}.png", drawn, written, clock)
     files = [str(folder / path.name) for path in written]
     done = problem.satisfied(certificate) and not reason
-    lines = [kind.text(shape), "", f"mesh: {size_of(mesh)}", clock_line(clock), "", "written:"]
+    lines = [text, "", f"mesh: {size_of(mesh)}", clock_line(clock), "", "written:"]
     record = {
         "name": problem.name,
         "written": files,
         "seconds": clock.seconds,
         **size_record(mesh),
-        **kind.facts(shape),
+        **facts,
         "proved": certificate.proved,
         "holds": certificate.holds,
         "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
@@ -72,12 +73,13 @@ def run_teapot(options: argparse.Namespace) -> Outcome:
     clock.passed("build and prove")
     mesh = pot.mesh(tolerance)
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
+    text = str(pot)
     with together(folder) as place:
         written = [mesh.write(place / "teapot.stl"), pot.assembly.save(place / "teapot.pas.json")]
         _draw(pot, str(place / "teapot.png"), {"mesh": mesh, "four_views": True}, written, clock)
     files = [str(folder / path.name) for path in written]
     record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}
-    text = "\n".join([str(pot), "", "written:", *(f"  {name}" for name in files)])
+    text = "\n".join([text, "", "written:", *(f"  {name}" for name in files)])
     return Outcome(text, record, DONE if pot.certificate.holds else FAILED)
 
 

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
-from pas.limits import Report, limited
+from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.shape import Shape
 
@@ -81,6 +81,7 @@ def _written(thing: Writable, path: str | Path, **options: Any) -> Path:
     format_.check(request)
     content = format_.content.of(thing, request)
     with replacing(place) as temporary:
+        checkpoint(f"writing {place.name}")
         format_.write(content, temporary, request)
     return place
 

@@ -11,6 +11,7 @@ A turntable is `pas.animate(lambda _: blend, range(36), "turntable.gif", turn=36
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import closing
 from math import cos, inf, radians, sin
 from pathlib import Path
 from typing import Any, TypeVar, Unpack
@@ -110,9 +111,8 @@ def _frames(scenes: list[Scene], picture: Picture, turn: float) -> list[Any]:
     for number, scene in enumerate(scenes):
         checkpoint("drawing", number / len(scenes))
         scene.view, scene.frame = tuple(_turned(view, turn * number / len(scenes))), first.frame
-        plotter = plotted(pyvista, scene, picture, off_screen=True, around=around)
-        frames.append(Image.fromarray(plotter.screenshot(None, return_img=True)))
-        plotter.close()
+        with closing(plotted(pyvista, scene, picture, off_screen=True, around=around)) as plotter:
+            frames.append(Image.fromarray(plotter.screenshot(None, return_img=True)))
     return frames
 
 

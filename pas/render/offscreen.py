@@ -10,6 +10,7 @@ import os
 from typing import Any
 
 from pas.errors import MissingLibraryError
+from pas.limits import checkpoint
 
 LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1"}
 """The shared libraries that drawing needs, and Debian's packages of them."""
@@ -26,8 +27,13 @@ def offscreen_pyvista() -> Any:
             f"pictures need OpenGL, which is not installed; on Debian: apt-get install {' '.join(missing)}"
         )
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    checkpoint("loading the graphics library")  # which takes seconds on slow machines: looked at between its halves
     import pyvista
 
+    checkpoint()
+    import pyvista.plotting
+
+    checkpoint()
     pyvista.OFF_SCREEN = True
     return pyvista
 

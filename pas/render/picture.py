@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
-from pas.limits import Report, limited
+from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.render.camera import FOUR_VIEWS, look_at, widest_view
 from pas.render.coloring import Legend, Paint
@@ -72,17 +73,27 @@ def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
     """Draw a scene into a PNG file; returns the path.  Raises `ValueError` for another suffix."""
     target(path, (".png",), "a picture")
     plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
-    with replacing(path) as temporary:
+    with closing(plotter), replacing(path) as temporary:
+        checkpoint("rendering a picture")
         plotter.screenshot(str(temporary))
-    plotter.close()
     return Path(path)
 
 
 def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, around: Floats | None = None) -> Any:
     """A `pyvista.Plotter` with everything in its place; the camera has room for points `around` (n, 3), if given."""
     grid = (2, 2) if picture.four_views else (1, 1)
+    plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(picture.size), shape=grid, border=False)
+    try:
+        _fill(plotter, scene, picture, grid, around)
+    except BaseException:  # pyvista keeps what is not closed
+        plotter.close()
+        raise
+    return plotter
+
+
+def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], around: Floats | None) -> None:
+    """Put everything into its place in each view."""
     width, height = picture.size
-    plotter = pyvista.Plotter(off_screen=off_screen, window_size=[width, height], shape=grid, border=False)
     meshes = [layer.mesh for layer in scene.layers]
     shifts = [_shift(picture, place, meshes) for place in range(len(meshes))]
     paints, legend = picture.coloring.paint(scene)
@@ -99,6 +110,7 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, a
         plotter.subplot(number // 2, number % 2)
         plotter.set_background(low, top=high)
         for place in _far_first(meshes, np.array(direction, dtype=float) @ scene.frame):
+            checkpoint(f"drawing {len(meshes[place].triangles)} triangles")
             layer, shift = scene.layers[place], shifts[place]
             _add(plotter, layer, paints[place], picture, shift, legend, size[0])
             add_combs(plotter, layer, hair, shift, _cutter(picture, layer.mesh, shift))
@@ -108,7 +120,6 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, a
             add_comb_legend(plotter, scene.layers, size[0])
         plotter.enable_anti_aliasing("ssaa")
         look_at(plotter, scene.frame, direction, points, size, room(legend, picture))
-    return plotter
 
 
 def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:

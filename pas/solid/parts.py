@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def face_list(solid: Solid) -> str:
-    """A table of the faces."""
+    """A table of the faces with their degrees."""
     polynomials = solid.polynomials
     width = max(map(len, solid.faces), default=4)
     lines = [f"{'face':<{width}}  degree"]

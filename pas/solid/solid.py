@@ -32,6 +32,7 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.joints import Joint, refuse_unknown
 from pas.solid.measures import curved_measures
+from pas.solid.parts import face_list, part_list
 from pas.solid.pieces import polynomials_of
 from pas.solid.proofs import prove
 from pas.solid.shell import shelled
@@ -307,16 +308,9 @@ class Solid(Shape):
             self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]
 
-    @property
-    def description(self) -> str:
-        """The faces with their degrees; `print` adds the joints with their verdicts."""
-        from pas.solid.parts import face_list
-
-        return face_list(self)
+    description = property(face_list)
 
     def __str__(self) -> str:
-        from pas.solid.parts import part_list
-
         return part_list(self)
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -27,17 +27,17 @@ from pas.exchange.tables import read_toml
 from pas.kinds.files import load
 from pas.limits import limit
 from pas.pipeline.result import Blend
-from pas.shape import KINDS, Shape, kind_of
+from pas.shape import KINDS, Shape
 from pas.studio import documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
 from pas.studio.following import sliders_of
 from pas.studio.freedoms import at_degree, coefficients_of, freedoms, pulled_by_coefficients, shares_of, with_handle
 from pas.studio.gallery import Data
+from pas.studio.measures import measures
 from pas.studio.messages import Message
 from pas.studio.repairs import remedies
 from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
 from pas.studio.sections import hairs
-from pas.surface.fairness_limits import LOOSE, NODE_SHARPNESS
 from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 from pas.surface.surface_mesh import SurfaceMesh
@@ -205,10 +205,7 @@ class Desk:
         """How fair a document's shape is, or that of the last `move`."""
         with limit(PATIENCE, stopped=self.stopped):
             shape = self.seen if document is None else self.shape_of(document)
-            told = {} if shape is None else kind_of(shape).facts(shape)
-        limits = getattr(shape, "limits", None)
-        facts = {"fairness": told.get("fairness"), "limits": {} if limits is None else vars(limits)}
-        return Message({"kind": "measures", "facts": facts, "unfair": list(unfair(shape))})
+            return measures(shape)
 
     def repair(self, document: Data) -> Data:
         """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
@@ -335,20 +332,6 @@ def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
     moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
     plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
     return moved if plain_ones else None
-
-
-def unfair(shape: Any) -> Iterator[str]:
-    """What is not fair of a blend, each in some words; nothing of other kinds.
-
-    Where the neighbours leave no room for a fair surface it has no limit of sharpness, and is compared with the usual
-    one.
-    """
-    if not can_follow(shape) or shape.fairness is None:
-        return
-    yield from shape.fairness.beyond(shape.limits)
-    if shape.limits.sharpness >= LOOSE and shape.fairness.sharpness > NODE_SHARPNESS:
-        times = f"{shape.fairness.sharpness:.3g} times as sharp as its sharpest neighbour"
-        yield f"{times}, for the neighbours leave no room for a fair surface"
 
 
 def can_follow(shape: Any) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 
 from pas.exchange.formats.format import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece
+from pas.limits import checkpoint
 
 
 def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -23,6 +24,7 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
         root += "_"
     scene: Any = trimesh.Scene(metadata={"unit": request.unit}, base_frame=root)
     for part in parts:
+        checkpoint()
         scene.add_geometry(part.mesh.to_trimesh(), node_name=part.name, geom_name=part.name)
 
     def paint(tree: dict[str, Any]) -> None:
@@ -31,6 +33,7 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
             for primitive in mesh["primitives"]:
                 primitive["material"] = names.index(mesh["name"])
 
+    checkpoint()
     path.write_bytes(scene.export(file_type="glb", include_normals=True, tree_postprocessor=paint))
 
 

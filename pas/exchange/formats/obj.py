@@ -12,6 +12,7 @@ import numpy as np
 
 from pas.exchange.formats.format import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, all_different, face_names
+from pas.limits import checkpoint
 
 
 def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -27,16 +28,20 @@ def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
         corners = np.stack([mesh.triangles.ravel() + points_before, numbers.ravel() + normals_before], axis=1)
         rows = corners.reshape(-1, 6).tolist()
         lines.append(f"o {title}")
+        checkpoint()
         lines += [f"v {x!r} {y!r} {z!r} {color}" for x, y, z in mesh.points.tolist()]
+        checkpoint()
         lines += [f"vn {x:.7g} {y:.7g} {z:.7g}" for x, y, z in normals.tolist()]
         for face in range(len(mesh.names)):
             group = next(names)
             here = np.flatnonzero(mesh.faces == face).tolist()
+            checkpoint()
             if here:
                 lines.append(f"g {group}")
                 lines += ["f {}//{} {}//{} {}//{}".format(*rows[i]) for i in here]
         points_before += len(mesh.points)
         normals_before += len(normals)
+    checkpoint()
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

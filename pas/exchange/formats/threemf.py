@@ -15,6 +15,7 @@ import numpy as np
 from pas.errors import MissingLibraryError
 from pas.exchange.formats.format import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, is_closed
+from pas.limits import checkpoint
 
 UNITS = {
     "micrometer": "MicroMeter",
@@ -49,6 +50,7 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
     model = wrapper.CreateModel()
     model.SetUnit(getattr(lib3mf.ModelUnit, UNITS[request.unit]))
     for part in parts:
+        checkpoint()
         if not part.mesh.is_closed:
             raise ValueError(f"3MF files hold closed bodies, and the mesh of {part.name!r} is open")
         item = model.AddMeshObject()
@@ -58,6 +60,7 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
         group = model.AddColorGroup()
         item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*part.color, 255)))
         model.AddBuildItem(item, wrapper.GetIdentityTransform())
+    checkpoint()
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(DIGITS)
     writer.WriteToFile(str(path))

@@ -12,13 +12,16 @@ import numpy as np
 
 from pas.exchange.formats.format import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, face_numbers, repeated_colors, triangles_of
+from pas.limits import checkpoint
 
 
 def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts put together."""
     import pyvista
 
+    checkpoint()  # that library takes long to load
     shading = [p.mesh.shading for p in parts]
+    checkpoint()
     starts = np.cumsum([0, *(len(points) for points, _, _ in shading)])
     triangles = [(t + start).astype(int) for (_, t, _), start in zip(shading, starts, strict=False)]
     data = pyvista.PolyData.from_regular_faces(np.concatenate([s[0] for s in shading]), np.concatenate(triangles))
@@ -33,6 +36,7 @@ def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
     data.field_data["face names"] = np.array(names)
     data.field_data["part names"] = np.array([p.name for p in parts])
     data.field_data["unit"] = np.array([request.unit])
+    checkpoint()
     data.save(path)
 
 
