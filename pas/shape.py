@@ -88,6 +88,21 @@ class Shape(ABC):
         return str(loaded(VERBS["html"])(self))
 
 
+def refuse_mixed(first: Shape, second: object) -> None:
+    """Raise `TypeError` for an operation of a solid or mesh and a shape that is not of its kind."""
+    if isinstance(second, Shape):
+        kinds = first.kind, second.kind
+        other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
+        raise TypeError(
+            f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
+            + (
+                f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
+                if other
+                else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
+            )
+        )
+
+
 S = TypeVar("S")
 
 

@@ -41,8 +41,8 @@ def boolean(first: Triangles, second: Triangles, operation: str) -> Triangles:
 
 
 def _manifold(manifold3d: Any, mesh: Triangles) -> Any:
-    made = manifold3d.Mesh64(
-        vert_properties=np.ascontiguousarray(mesh.points),
+    made = manifold3d.Mesh64(  # which takes no arrays that cannot be written to, as are those that it gives
+        vert_properties=np.array(mesh.points, dtype=np.float64, order="C"),
         tri_verts=mesh.triangles.astype(np.uint64),
         face_id=mesh.faces.astype(np.uint64),
     )

@@ -58,18 +58,29 @@ class FaceMesh:
     deviation: float
 
     def named(self, field: FaceField) -> Mesh:
-        """The mesh in the user's coordinates, with the names of the field's faces; equal names are one face."""
-        labels = np.unique(self.mesh.labels)
-        title = {int(label): field.face(int(label)) for label in labels}
-        names = tuple(dict.fromkeys(title.values()))
-        numbers = np.zeros(int(labels.max()) + 1, dtype=np.intp)
-        numbers[labels] = [names.index(title[int(label)]) for label in labels]
+        """The mesh in the user's coordinates, with the names of the field's faces; equal names are one face.
+
+        Each connected piece of a label is named by itself, so that faces that are apart keep their names.
+        """
+        mesh = self.mesh
+        corners = mesh.points[mesh.triangles]
+        low, high = corners.min(axis=1) - self.deviation, corners.max(axis=1) + self.deviation
+        centers, halves = (low + high) / 2, (high - low) / 2
+        pieces = mesh.topology.pieces
+        labels = [int(mesh.labels[rows[0]]) for rows in pieces]
+        titles = [
+            field.face_within(label, centers[rows], halves[rows]) for label, rows in zip(labels, pieces, strict=True)
+        ]
+        names = tuple(dict.fromkeys(title for _, title in sorted(zip(labels, titles, strict=True))))
+        numbers = np.empty(len(mesh.triangles), dtype=np.intp)
+        for rows, title in zip(pieces, titles, strict=True):
+            numbers[rows] = names.index(title)
         return Mesh(
-            field.world(self.mesh.points),
-            self.mesh.triangles,
-            numbers[self.mesh.labels],
+            field.world(mesh.points),
+            mesh.triangles,
+            numbers,
             names,
-            self.normals[self.mesh.topology.corner_pairs],
+            self.normals[mesh.topology.corner_pairs],
             deviation=self.deviation * field.scale,
         )
 

@@ -226,6 +226,12 @@ class FaceField(Field, Protocol):
     def face(self, label: int) -> str:
         """The name of a label's face."""
 
+    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
+        """The name of a label's face as far as it is in boxes of given centres and half edges (N, 3).
+
+        Of the names of several faces on one surface, those that may be there.
+        """
+
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """For each function (M, N), whether it is <= 0 at points (N, 3)."""
 
@@ -261,6 +267,9 @@ class FaceField(Field, Protocol):
 
     def planes(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether faces of given labels (N,) are planes (N,)."""
+
+    def walls(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether given labels (N,) are no faces, but only bound regions (N,)."""
 
     def without_lines(self) -> FaceField:
         """The same, none of whose faces is said to have straight lines; itself if none has."""

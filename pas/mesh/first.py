@@ -274,6 +274,9 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
     steps = least_norm(field, labels[:, None], mesh.points[vertices])
     np.maximum.at(far, vertices, norms(steps) / (CORNER * tolerance))
     if far.max() > 1:
-        place = place_of(field, mesh.points[far.argmax()])
-        return f"near {place} faces come close without meeting", mesh.points[far > 1]
+        worst = int(far.argmax())
+        around = mesh.topology.vertex_labels[worst]
+        names = dict.fromkeys(repr(field.face(label)) for label in around[around >= 0].tolist())
+        place = place_of(field, mesh.points[worst])
+        return f"near {place} {' and '.join(names)} come close without meeting", mesh.points[far > 1]
     return "", NOWHERE

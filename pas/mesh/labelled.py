@@ -11,6 +11,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
@@ -135,6 +137,15 @@ class Topology:
         for _ in range(rings):
             result[self.triangles[any_of(result[self.triangles])]] = True
         return result
+
+    @cached_property
+    def pieces(self) -> list[Integers]:
+        """The connected pieces of labels: the rows of the triangles of each, by ascending labels."""
+        ends = self.corner_pairs[:, [0, 1, 1, 2]].reshape(-1, 2)
+        graph = coo_array((np.ones(len(ends)), ends.T), shape=(len(self.pairs),) * 2)
+        piece = connected_components(graph, directed=False)[1][self.corner_pairs[:, 0]]
+        order = np.lexsort((piece, self.labels))
+        return np.split(order, np.flatnonzero(np.diff(piece[order])) + 1)
 
     @cached_property
     def vertex_labels(self) -> Integers:

@@ -17,7 +17,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
-from pas.shape import Shape
+from pas.shape import Shape, refuse_mixed
 from pas.verdicts import Findings
 
 if TYPE_CHECKING:
@@ -266,6 +266,7 @@ class Mesh(Shape):
 
     def _boolean(self, other: object, operation: str) -> Mesh:
         if not isinstance(other, Mesh):
+            refuse_mixed(self, other)
             return NotImplemented
         names = tuple(dict.fromkeys(self.names + other.names))
         points, triangles, faces = boolean(self._named(names), other._named(names), operation)

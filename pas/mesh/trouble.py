@@ -45,9 +45,11 @@ MOST_ACTIVE = 8
 
 WORDS = {
     "singular": "{} is singular",
-    "touch": "{} touch; let them cross, or keep them apart",
+    "thin": "{} touch, and the solid has no thickness between them there; let them cross, or leave a wall between them",
+    "gap": "{} touch, and the parts that they bound do not overlap there; let them cross, or keep them apart",
+    "touch": "{} touch; claim the curve as a joint if they are to go on smoothly, let them cross, or keep them apart",
     "itself": "the solid touches itself along an edge of {}; let its parts overlap, or keep them apart",
-    "curve": "{} touch, or meet in one curve",
+    "curve": "{} touch, or meet in one curve; move one of them a little",
     "flat": f"{{}} meet at an angle below {FLAT:.0f} degrees",
     "many": "{} meet in one point",
     "close": "{} come very close",
@@ -116,7 +118,9 @@ class _Place:
             point = self._parallel(a, b)
             if point is not None and {a, b} <= {*self._deciding(point, [a, b])}:
                 touching = self._distance(point, a) <= ZERO * self.extent
-                yield "touch" if touching else "close", self._names([a, b]), point
+                kind = self._tangency(point, a, b) if touching else "close"
+                if kind:
+                    yield kind, self._names([a, b]), point
         for groups in ([self.near], pairs) if len(self.near) > 1 else ():
             found = [(group, p) for group, p in zip(groups, self._common(groups), strict=True) if p is not None]
             close = self._vanishing(np.array([p for _, p in found]).reshape(-1, 3))
@@ -130,7 +134,7 @@ class _Place:
         if len(deciding) == 2:
             kind = self._edge(point, deciding, normals)
         elif len(deciding) > 2 and np.linalg.svd(normals, compute_uv=False)[2] < PARALLEL:
-            kind = "curve"
+            kind = "" if self._on_seam(point, deciding) else "curve"
         else:
             kind = "many" if len(deciding) > 3 else ""
         if kind:
@@ -147,6 +151,24 @@ class _Place:
             return ""
         odd = alone.index(sum(alone) == 1)
         return "flat" if (180 - angle if odd in (0, 3) else angle) < FLAT else ""
+
+    def _tangency(self, point: Floats, a: int, b: int) -> str:
+        """What is wrong where two surfaces touch, by the two sides that are not between them; nothing on a known seam
+        along which the boundary goes on from one to the other."""
+        both, first, second, neither = self._patterns(point, (a, b))
+        alike = float(self._normal(point, a) @ self._normal(point, b)) > 0
+        beside = (both, neither) if alike else (first, second)
+        if beside[0] == beside[1]:
+            return "gap" if beside[0] else "thin"
+        pair = 2 * min(a, b), 2 * max(a, b)
+        return "touch" if self.field.functions(pair) == pair else ""
+
+    def _on_seam(self, point: Floats, columns: Sequence[int]) -> bool:
+        """Whether two of some surfaces touch along a known seam that the others pass through as well."""
+        labels = tuple(2 * c for c in sorted(columns))
+        placing = self.field.functions(labels)
+        normals = np.array([self._normal(point, label // 2) for label in placing])
+        return placing != labels and bool((np.linalg.svd(normals, compute_uv=False)[2:] < PARALLEL).all())
 
     def _vanishing(self, points: Floats) -> NDArray[np.bool_]:
         """Which functions of `near` vanish at points (K, 3), (K, n)."""
@@ -292,7 +314,11 @@ class _Place:
         return {c: float(np.linalg.norm(self._jet(self.place, c)[1:])) / max(b, 1e-300) for c, b in bends.items()}
 
     def _names(self, columns: Sequence[int]) -> str:
-        times = Counter(self.field.face(2 * c) for c in columns)
+        """The faces in words; walls, which nobody may have named, where there are no two faces."""
+        walls = [c for c, wall in zip(columns, self.field.walls(2 * np.array(columns)), strict=True) if wall]
+        times = Counter(self.field.face(2 * c) for c in columns if c not in walls)
         words = [f"{name!r}" if n == 1 else f"{name!r} ({n} times)" for name, n in times.items()]
+        if times.total() < 2:
+            words += [f"the wall {self.field.face(2 * c)}" for c in walls]
         listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
-        return f"the face{'s' if len(columns) > 1 else ''} {listed}"
+        return listed if not times else f"the face{'s' if times.total() > 1 else ''} {listed}"

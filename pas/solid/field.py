@@ -8,21 +8,18 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
-from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.mesh.field import FaceField, Wall
 from pas.solid.distance import followed_by
 from pas.solid.hidden import PlanesInside
 from pas.solid.implied import needed
-from pas.solid.pieces import polynomials_of
-from pas.solid.program import Program
+from pas.solid.program import Program, called
+from pas.solid.seams import Seams, quadratic_form, seams_of
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
 from pas.solid.tree import Function, Tree
 
@@ -34,10 +31,6 @@ STEEP = 0.3
 ON = 1e-9
 """A function's value at points that are on it."""
 
-INDEPENDENT = 1e-6
-"""Length of what is left of a vector of length 1 without its parts along others, above which it is not in their span:
-rounding leaves 1e-9 at most."""
-
 TOGETHER = 4096
 """Cubes of which all gradients are kept at once."""
 
@@ -48,8 +41,7 @@ TURNS = 4
 class SolidField:
     """The boundary of a tree inside a box, in the program's local coordinates; see `pas.mesh.field.FaceField`.
 
-    `seams` are curves, each given by two functions, along which faces are joined: where two faces
-    touch, their own two functions do not say where.
+    `seams` are curves, each given by two functions, along which faces are joined; see `pas.solid.seams`.
     """
 
     def __init__(
@@ -61,12 +53,12 @@ class SolidField:
     ) -> None:
         center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
-        extra: list[Function] = [f for pair in seams for f in pair]
-        self.program = Program(tree, center, scale, tuple(extra))
+        given = seams_of(tree, seams)
+        self.program = Program(tree, center, scale, tuple(f for seam in given for f in seam.functions))
+        self._seams = Seams(self.program, given)
         self.box = self.program.local(box)
         self.special_points = self.program.local(special_points)
         self._made_of = tree, box, tuple(seams), special_points
-        self._seams = [(self.program.used + 2 * i, Ideal(*pair)) for i, pair in enumerate(seams)]
 
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary that are proved to be apart, each as the boundary of a solid."""
@@ -157,7 +149,7 @@ class SolidField:
         yes, no = self.program.taylor(centers, halves)
         below, above = self.program.relevant(yes, no)
         both = below & above
-        switches = both & (self._walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
+        switches = both & (self.program.walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
         below, above = below & ~switches, above & ~switches
         faces = below | above
         faces[:, (below & above).any(axis=0)] = False
@@ -179,11 +171,6 @@ class SolidField:
     def _planes_inside(self) -> PlanesInside:
         return PlanesInside(self.program)
 
-    @cached_property
-    def _walls(self) -> NDArray[np.bool_]:
-        """Which columns are no faces."""
-        return np.array([not c.face for c in self.program.columns[: self.program.used]])
-
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """Which columns are <= 0 (M, N)."""
         return self.program.signs(points)
@@ -203,8 +190,11 @@ class SolidField:
 
     def planes(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes (N,)."""
-        functions = [c.function for c in self.program.columns[: self.program.used]]
-        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])[labels // 2]
+        return self.program.planes[labels // 2]
+
+    def walls(self, labels: Integers) -> NDArray[np.bool_]:
+        """Whether labels' functions (N,) have no face (N,)."""
+        return self.program.walls[labels // 2]
 
     def without_lines(self) -> SolidField:
         """The same, none of whose faces is said to have straight lines; itself if none has."""
@@ -237,7 +227,7 @@ class SolidField:
         free = set(columns)
         for i, a in enumerate(columns):
             for b in columns[i + 1 :]:
-                seam = self._seam(a, b)
+                seam = self._seams.between(a, b)
                 if seam:
                     known += seam
                     free -= {a, b}
@@ -248,9 +238,13 @@ class SolidField:
         column = self.program.columns[label // 2]
         return column.face or f"{column.function} = 0"
 
+    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
+        """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
+        return called(self.program.names_within(label // 2, centers, halves)) or self.face(label)
+
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two faces lie on different functions with a common surface."""
-        faces = [c for c in self.program.columns[: self.program.used] if c.face and isinstance(c.function, Polynomial)]
+        faces = [c for c in self.program.columns[: self.program.used] if c.names and isinstance(c.function, Polynomial)]
         for a, b in combinations(faces, 2):
             common = a.function.raw.gcd(b.function.raw)  # type: ignore[union-attr]
             if not common.is_constant():
@@ -258,57 +252,6 @@ class SolidField:
                     f"the faces {a.face!r} and {b.face!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
-
-    def _seam(self, a: int, b: int) -> tuple[int, ...]:
-        """The columns of the curve in which two columns' faces touch, or nothing where they cross."""
-        if (a, b) not in self._found:
-            self._found[a, b] = self._find_seam(a, b)
-        return self._found[a, b]
-
-    def _may_join(self, a: int, b: int) -> NDArray[np.bool_]:
-        """Which columns are walls (M,) on which two faces may touch: three planes must depend on each other."""
-        result, units = self._walls.copy(), self._units
-        first, second = units[a], units[b]
-        second = second - (second @ first) * first
-        length = float(np.sqrt(second @ second))
-        if length > INDEPENDENT:  # not where it is NaN
-            second = second / length
-            rest = units - np.outer(units @ first, first) - np.outer(units @ second, second)
-            result &= ~(np.sqrt((rest * rest).sum(axis=1)) > INDEPENDENT)
-        return result
-
-    @cached_property
-    def _units(self) -> Floats:
-        """The four coefficients (M, 4) of the tree's planes, as vectors of length 1; NaN for others."""
-        result = np.full((self.program.used, 4), np.nan)
-        for number in np.flatnonzero(self.planes(2 * np.arange(self.program.used))).tolist():
-            function = self.program.columns[number].function
-            if isinstance(function, Polynomial):
-                row = scaled(function).dense(1)
-                result[number] = row / np.sqrt(row @ row)
-        return result
-
-    @cached_property
-    def _found(self) -> dict[tuple[int, int], tuple[int, ...]]:
-        return {}
-
-    def _find_seam(self, a: int, b: int) -> tuple[int, ...]:
-        first, second = (polynomials_of(self.program.columns[c].function) for c in (a, b))
-        for number, ideal in self._seams:
-            if any(map(ideal.contains, first)) and any(map(ideal.contains, second)):
-                return number, number + 1
-        if len(first) != 1 or len(second) != 1:
-            return ()
-        f, g = first[0], second[0]
-        for number in np.flatnonzero(self._may_join(a, b)).tolist():
-            w = self.program.columns[number].function
-            if not isinstance(w, Polynomial) or number in (a, b):
-                continue
-            for kept, p, q in ((a, f, g), (b, g, f)):
-                ideal = Ideal(p, w)
-                if ideal.contains(q) and not ideal.is_whole_ring:
-                    return kept, number
-        return ()
 
 
 def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
@@ -320,11 +263,7 @@ def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
 def _has_lines(function: Function) -> bool:
     if not isinstance(function, Polynomial) or function.degree > 2:
         return False
-    homogeneous: dict[tuple[int, int], fmpq] = {}
-    for exponent, coefficient in function.raw.to_dict().items():
-        i, j = [*(axis for axis, power in enumerate(exponent) for _ in range(power)), 3, 3][:2]
-        homogeneous[i, j] = homogeneous[j, i] = coefficient * (2 if i == j else 1)
-    return fmpq_mat(4, 4, [homogeneous.get((i, j), fmpq(0)) for i in range(4) for j in range(4)]).det() == 0
+    return quadratic_form(function).det() == 0
 
 
 def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:

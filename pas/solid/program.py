@@ -6,6 +6,7 @@ here are), so that far from the origin nothing is lost.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,19 +25,26 @@ from pas.solid.tree import Atom, Bools, Field, Function, Tree
 
 Integers = NDArray[np.intp]
 
-SEPARATOR = " + "
-"""Between the names of faces that lie on one surface."""
-
 SPLITS = 6
 """Columns read from both sides that are tried together as either: a box that meets more is halved first."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A function of the tree and the name of its face ("" for a wall)."""
+    """A function of the tree and the different names of the faces on it, in the order of the tree (none: a wall)."""
 
     function: Function
-    face: str
+    names: tuple[str, ...]
+
+    @property
+    def face(self) -> str:
+        """What its face is called, "" for a wall."""
+        return called(self.names)
+
+
+def called(names: Iterable[str]) -> str:
+    """What a face of a mesh is called on which faces of some different names lie: "a", or "a + b"."""
+    return " + ".join(names)
 
 
 class Program:
@@ -52,23 +60,58 @@ class Program:
         self._numbers: dict[object, int] = {}
         self.columns: list[Column] = []
         self._signs: list[int] = []
-        code = self._compile(tree)
+        self._tree = tree
+        code = _compiled(tree, self._leaf)
         self.used = len(self.columns)
         self._gates = Gates(code, self.used)
         for function in extra:
-            self.columns.append(Column(function, ""))
+            self.columns.append(Column(function, ()))
 
-    def _compile(self, tree: Tree) -> Code:
-        if not isinstance(tree, Atom):
-            return Branch(tuple(map(self._compile, tree.parts)), tree.union)
-        key, sign = _key(tree.function)
+    def _leaf(self, atom: Atom) -> Leaf:
+        key, sign = _key(atom.function)
         number = self._numbers.setdefault(key, len(self.columns))
         if number == len(self.columns):
-            self.columns.append(Column(tree.function, tree.face))
+            self.columns.append(Column(atom.function, ()))
             self._signs.append(sign)
-        names = dict.fromkeys(filter(None, (*self.columns[number].face.split(SEPARATOR), tree.face)))
-        self.columns[number] = Column(self.columns[number].function, SEPARATOR.join(names))
-        return Leaf(number, tree.outside != (sign != self._signs[number]))
+        column = self.columns[number]
+        if atom.face and atom.face not in column.names:
+            self.columns[number] = Column(column.function, (*column.names, atom.face))
+        return Leaf(number, atom.outside != (sign != self._signs[number]))
+
+    @cached_property
+    def _named(self) -> tuple[dict[tuple[int, str], int], Gates]:
+        """Each column once for each name on it, "" included, and the code that combines these."""
+        rows: dict[tuple[int, str], int] = {}
+
+        def leaf(atom: Atom) -> Leaf:
+            own = self._leaf(atom)
+            return Leaf(rows.setdefault((own.column, atom.face), len(rows)), own.negated)
+
+        code = _compiled(self._tree, leaf)
+        return rows, Gates(code, len(rows))
+
+    def names_within(self, number: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names on a column that may be on the boundary in some boxes of given half edges (N, 3).
+
+        One is not where, with all other inequalities on that surface held to be true, or to be false, the tree does not
+        depend on its own.
+        """
+        names = self.columns[number].names
+        if len(names) < 2:
+            return names
+        rows, gates = self._named
+        columns = np.array([column for column, _ in rows])
+        yes, no = (known[columns] for known in self.taylor(centers, halves))
+        found = []
+        for name in names:
+            own = rows[number, name]
+            for held in (True, False):
+                yes[columns == number], no[columns == number] = held, not held
+                yes[own], no[own] = False, False
+                if any(side[own].any() for side in gates.relevant(yes, no)):
+                    found.append(name)
+                    break
+        return tuple(found) or names
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
         """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
@@ -113,9 +156,8 @@ class Program:
         """
         values = self._true(self.values(points))
         plain = self._gates.extremes(values)
-        walls = [i for i in range(self.used) if not self.columns[i].face]
         selecting = values.copy()
-        selecting[walls] = np.where(values[walls] <= 0, -np.inf, np.inf)
+        selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)
         chosen = self._gates.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
@@ -152,6 +194,17 @@ class Program:
     def _localised(self, p: Polynomial) -> Scaled:
         moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
         return Scaled.of([p.compose(*moved)])
+
+    @cached_property
+    def walls(self) -> Bools:
+        """Which columns of the tree (M,) are no faces."""
+        return np.array([not c.names for c in self.columns[: self.used]])
+
+    @cached_property
+    def planes(self) -> Bools:
+        """Which columns of the tree (M,) are planes."""
+        functions = (c.function for c in self.columns[: self.used])
+        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
 
     @cached_property
     def _fields(self) -> dict[int, Field]:
@@ -255,6 +308,13 @@ class Program:
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
         return self._gates.relevant(yes, no)
+
+
+def _compiled(tree: Tree, leaf: Callable[[Atom], Leaf]) -> Code:
+    """The code of a tree, each of its inequalities as `leaf` says."""
+    if isinstance(tree, Atom):
+        return leaf(tree)
+    return Branch(tuple(_compiled(part, leaf) for part in tree.parts), tree.union)
 
 
 def _key(function: Function) -> tuple[object, int]:

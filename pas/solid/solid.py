@@ -27,7 +27,7 @@ from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.shape import Shape
+from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.joints import Joint, refuse_unknown
@@ -70,6 +70,7 @@ class Solid(Shape):
 
     def _with(self, other: Solid, operation: Callable[[Tree, Tree], Tree]) -> Solid:
         if not isinstance(other, Solid):
+            refuse_mixed(self, other)
             return NotImplemented
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         return Solid(operation(self.tree, other.tree), joints, self.special_points + other.special_points)
@@ -256,10 +257,11 @@ class Solid(Shape):
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
-        Every triangle lies on one face; edges between faces lie on their common curve.  By default
-        the tolerance is 1e-3 of the longest side of the box.  Along straight lines triangles are long; with `quality`
-        "angles" they are not, with "count" however long that leaves fewest.  Raises `MeshError` where the solid is
-        too thin or has an unclaimed tangency, `GeometryError` where it is empty or unbounded.
+        Every triangle lies on one face; edges between faces lie on their common curve.  Where faces lie on one another
+        that is called "a + b"; equal names are one face.  By default the tolerance is 1e-3 of the longest side of the
+        box.  Along straight lines triangles are long; with `quality` "angles" they are not, with "count" however long
+        that leaves fewest.  Raises `MeshError` where the solid is too thin or has an unclaimed tangency,
+        `GeometryError` where it is empty or unbounded.
         """
         return self.face_mesh(tolerance, quality=quality).named(self.field)
 

@@ -1,0 +1,236 @@
+"""Solids of blends in which pipes go straight through: closed, with every face under its name, their joints proved."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import pas
+from pas import solid
+from pas.algebra.ideal import Ideal
+from pas.mesh.trouble import _Place, find_trouble
+from pas.pipeline.node import struts
+from pas.solid.seams import seams_of
+
+X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+
+
+def both(*axes):
+    return [way for axis in axes for way in (axis, tuple(-c for c in axis))]
+
+
+def tee(*clip):
+    return [*((way, 1, *clip) for way in both(X)), (Y, "4/5", *clip)]
+
+
+BICYCLE = [*((way, "17.45") for way in both(X)), ((0.292372, 0.956305, 0), "14.3")]
+
+NODES = {
+    "T": (tee(), 1),
+    "T GC^2": (tee(), 2),
+    "T clipped at 2": (tee(2), 1),
+    "T GC^2 clipped at 2": (tee(2), 2),
+    "bicycle": (BICYCLE, 1),
+    "cross": ([(way, 1) for way in both(X, Y)], 2),
+    "six-way": ([(way, 1) for way in both(X, Y, Z)], 1),
+    "tetrahedral": ([((1, 1, 1), 1), ((1, -1, -1), 1), ((-1, 1, -1), 1), ((-1, -1, 1), 1)], 1),
+}
+"""The struts of a node, and its order."""
+
+QUICK = {("T", None), ("bicycle", None)}
+
+CASES = [
+    pytest.param(name, length, marks=() if (name, length) in QUICK else pytest.mark.slow)
+    for name in NODES
+    for length in ((None, 2, 0) if name == "six-way" else (None,))
+]
+
+
+@pytest.mark.parametrize("name, length", CASES)
+def test_nodes_are_closed_bodies_with_proved_joints(name, length):
+    items, order = NODES[name]
+    pipes = struts(items, order)
+    radius = max(float(p.radius) for p in pipes)
+    body = pas.blend(pipes, order).solid(length)
+    mesh = body.mesh(radius / 100)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2)
+    assert mesh.deviation <= radius / 100
+    assert mesh.volume == pytest.approx(body.volume(radius / 100), rel=1e-2)
+    assert mesh.volume > 0
+    assert length == 0 or body.proved
+    ends = {f"neighbour {i + 1} end" for i in range(len(items))}
+    tubes = set() if length == 0 else {f"neighbour {i + 1}" for i in range(len(items))}
+    assert len(mesh.names) == len({*mesh.names}) and {*mesh.names} == {"blend", *ends, *tubes}
+    for number, (axis, *_) in enumerate(items):
+        direction = np.array(axis, dtype=float) / np.linalg.norm(np.array(axis, dtype=float))
+        for part in ("", " end") if tubes else (" end",):
+            rows = mesh.faces == mesh.names.index(f"neighbour {number + 1}{part}")
+            corners = mesh.points[mesh.triangles[rows]]
+            assert (corners @ direction).min() > 0.9 * radius  # beyond the clip of its own strut
+            if not part:
+                across = np.linalg.norm(corners - (corners @ direction)[..., None] * direction, axis=-1)
+                assert across == pytest.approx(float(pipes[number].radius), rel=1e-3)
+
+
+PIPE, WALLS = pas.Polynomial("y^2 + z^2 - 1"), [pas.Polynomial(w) for w in ("x - 2", "x + 3", "x - 9")]
+TUBE = solid.patch("tube", PIPE)
+
+
+def squeezed(wall):
+    """A surface that touches the pipe along its circle on a wall."""
+    return PIPE + wall**2
+
+
+def test_curves_that_two_faces_share_are_one_seam():
+    bent = squeezed(WALLS[0] * WALLS[1])
+    tree = (TUBE | solid.patch("bent", bent)).tree
+    seams = seams_of(tree, [(PIPE, WALLS[0]), (WALLS[1], -3 * PIPE), (PIPE, WALLS[2])])
+    assert len(seams) == 4
+    assert [len(seam.curves) for seam in seams] == [2, 1, 1, 1]
+    common, product = seams[0].functions
+    assert common.primitive() == PIPE.primitive()
+    assert product.primitive() == (WALLS[0] * WALLS[1]).primitive()  # not with the wall that the other is not on
+    assert seams[0].is_on([PIPE]) and seams[0].is_on([bent]) and not seams[0].is_on([squeezed(WALLS[0])])
+
+
+def test_a_curve_that_is_claimed_twice_counts_once():
+    bent = squeezed(WALLS[0])
+    tree = (TUBE | solid.patch("bent", bent)).tree
+    for claims in ([(PIPE, WALLS[0]), (bent, WALLS[0])], [(PIPE, WALLS[0]), (PIPE, -WALLS[0])]):
+        first = seams_of(tree, claims)[0]
+        assert Ideal(*first.functions).contains(WALLS[0]) and Ideal(*first.functions).contains(PIPE)
+
+
+def test_planes_that_touch_cylinders_and_cones_have_a_seam():
+    box = solid.box((0, 0, 0), (2, 3, 4))
+    tube, cone = solid.cylinder((1, 2, -1), (1, 2, 5), 1), solid.patch("cone", "x*y - z^2")
+    assert {seam.functions[1].primitive() for seam in seams_of((box & tube).tree, [])} == {
+        pas.Polynomial("x - 1").primitive(),
+        pas.Polynomial("y - 2").primitive(),
+    }
+    seams = seams_of((solid.half_space("3*x", "side") & cone).tree, [])
+    assert [f.primitive() for f in seams[0].functions] == [pas.Polynomial("x"), pas.Polynomial("z")]
+    assert not seams_of((solid.half_space("x - 1/2", "side") & tube).tree, [])
+
+
+def test_a_name_with_a_plus_is_one_name():
+    mesh = solid.ball((0, 0, 0), 1, "a + b").mesh(0.1)
+    assert mesh.names == ("a + b",)
+    stacked = solid.box((0, 0, 0), (2, 2, 1), "a + b") | solid.box((1, 1, 0), (3, 3, 1), "c")
+    assert "a + b z- + c z-" in stacked.mesh(0.1).names
+
+
+def test_of_faces_that_lie_on_one_another_both_are_named():
+    pin = solid.box((1, 1, 0), (2, 2, 1), "pin")
+    assert {"plate z- + pin z-", "plate z+ + pin z+"} <= {
+        *(solid.box((0, 0, 0), (3, 3, 1), "plate") | pin).mesh().names
+    }
+
+
+def test_faces_that_are_apart_on_one_surface_keep_their_names():
+    """Two bars in line, of one cylinder, through a plate between them that is wider."""
+    first, second = (solid.cylinder((0, 0, 0), (0, 0, 3 * s), 1, f"bar {s}") for s in (1, -1))
+    plate = solid.box((-2, -2, -1), (2, 2, 1), "plate")
+    mesh = (first | second | plate).mesh(1e-2)
+    assert {"bar 1", "bar -1"} <= {*mesh.names}
+    for side in (1, -1):
+        corners = mesh.points[mesh.triangles[mesh.faces == mesh.names.index(f"bar {side}")]]
+        assert (side * corners[..., 2]).min() > 1 - 1e-9
+    assert (first | second).mesh(1e-2).names[0] == "bar 1 + bar -1"  # one piece
+
+
+ROUNDED = {
+    "a cutter that reaches beyond": ((10, 2, 8), "3/2", 1),
+    "a flush cutter": ((10, 6, 4), 3, 0),
+    "a flush cutter beside a narrow rest": (("79/8", "21/4", "53/8"), 5, 0),
+    "a narrow edge": (("57/8", "13/4", "77/8"), "1/4", 0),
+}
+
+
+@pytest.mark.parametrize("name", ROUNDED)
+def test_an_edge_is_rounded_by_a_flush_cut(name):
+    (w, d, h), radius, beyond = ROUNDED[name]
+    w, d, h, r = (Fraction(v) for v in (w, d, h, radius))
+    block = solid.box((w - r, d - r, -beyond), (w + beyond, d + beyond, h + beyond), "cutter")
+    shape = solid.box((0, 0, 0), (w, d, h)) - (
+        block - solid.cylinder((w - r, d - r, -beyond), (w - r, d - r, h + beyond), r, "round")
+    )
+    mesh = shape.mesh()
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2)
+    assert shape.volume() == pytest.approx(float(w * d * h) - (1 - np.pi / 4) * float(r * r * h), rel=1e-3)
+    assert "round" in mesh.names
+
+
+BOX = solid.box((0, 0, 0), (2, 2, 2))
+TANGENT = {
+    "a hole": (
+        lambda: BOX - solid.cylinder((1, "3/2", -1), (1, "3/2", 3), "1/2", "hole"),
+        "near (1, 2, ",
+        "the faces 'box y+' and 'hole' touch, and the solid has no thickness between them there",
+    ),
+    "a boss": (
+        lambda: BOX | solid.cylinder((1, "5/2", 0), (1, "5/2", 2), "1/2", "boss"),
+        "near (1, 2, ",
+        "the faces 'box y+' and 'boss' touch, and the parts that they bound do not overlap there",
+    ),
+    "two pipes": (
+        lambda: solid.cylinder((0, 0, 0), (0, 0, 2), 1, "a") | solid.cylinder((2, 0, 0), (2, 0, 2), 1, "b"),
+        "near (1, 0, ",
+        "the faces 'a' and 'b' touch, and the parts that they bound do not overlap there",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", TANGENT)
+def test_tangent_faces_are_named_with_the_place_and_what_would_be_right(name):
+    make, place, what = TANGENT[name]
+    with pytest.raises(pas.MeshError, match=f"{re.escape(place)}.*{re.escape(what)}; let them cross, or "):
+        make().mesh(1e-2)
+
+
+def test_a_hole_that_touches_a_side_from_outside_is_none():
+    mesh = (BOX - solid.cylinder((1, "5/2", -1), (1, "5/2", 3), "1/2", "hole")).mesh(1e-2)
+    assert len(mesh.triangles) == 12 and mesh.volume == pytest.approx(8)
+
+
+def test_known_seams_are_no_trouble_and_walls_are_not_blamed():
+    body = pas.blend([pas.Pipe(axis, 1, 2) for axis in (X, Y)], 1).solid()
+    place = np.array([[2.0, 0.0, 1.0]])
+    unclaimed = replace(body, joints=(), _cache={})
+    known, unknown = (find_trouble(b.field, b.field.program.local(place), 0.05) for b in (body, unclaimed))
+    assert known is None
+    assert "the faces 'blend' and 'neighbour 1' touch; claim the curve as a joint" in unknown.sentence
+    field = body.field
+    (wall, *_), (face, other, *_) = (np.flatnonzero(field.program.walls == is_wall) for is_wall in (True, False))
+    words = _Place(field, field.program.local(place)[0], 0.05)._names
+    assert words([face, wall, other]) == "the faces 'blend' and 'neighbour 1'"
+    assert re.fullmatch("the face 'blend' and the wall .* = 0", words([face, wall]))
+    assert re.fullmatch("the wall .* = 0", words([wall]))
+
+
+def test_booleans_of_meshes_go_on():
+    a, b, c = (solid.ball((i, 0, 0), 1, f"ball {i}").mesh(0.05) for i in range(3))
+    row = a | b | c
+    assert row.is_closed and row.names == ("ball 0", "ball 1", "ball 2")
+    assert row.volume == pytest.approx(3 * a.volume - 2 * (a & b).volume, rel=1e-3)
+    assert (a | (b | c)).volume == pytest.approx(row.volume)
+    assert (row - a - c).volume == pytest.approx(row.volume - 2 * a.volume, rel=1e-3)
+    assert (row & b & a).volume == pytest.approx((a & b).volume)
+    closed = pas.Mesh.from_triangles(np.asfortranarray(a.points.astype(np.float32)), a.triangles.astype(np.int32))
+    assert (closed | b).volume == pytest.approx((a | b).volume, rel=1e-3)
+
+
+def test_operators_between_kinds_say_what_to_do():
+    ball = solid.ball((0, 0, 0), 1)
+    mesh = ball.mesh(0.2)
+    for mixed in (lambda: ball | mesh, lambda: mesh - ball):
+        with pytest.raises(TypeError, match=r"two solids or two meshes.*take the mesh of the solid first"):
+            mixed()
+    with pytest.raises(TypeError, match=r"make a solid of the assembly first"):
+        _ = ball & solid.assembly(ball=ball)
+    with pytest.raises(TypeError, match="unsupported operand"):
+        _ = mesh & 3
