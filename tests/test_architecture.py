@@ -18,7 +18,7 @@ import pas
 from pas.shape import KINDS
 
 ROOMS = [
-    *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "shape"),
+    *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "shape", "kernels"),
     *("algebra", "bernstein", "partition", "mesh", "surface", "solid", "parametric", "generatrix", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
     *("studio", "bench", "cli"),

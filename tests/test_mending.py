@@ -9,7 +9,6 @@ import pytest
 
 import pas
 from pas import solid
-from pas.algebra.compiled import compiled
 from pas.algebra.kernels import VARIABLE
 from pas.designs.teapot import teapot
 from pas.mesh.deviation import Deviation
@@ -169,8 +168,6 @@ def test_no_round_makes_the_most_slender_triangle_more_slender():
 
 
 def test_places_are_the_same_by_numpy_and_by_compiled_code(monkeypatch):
-    if compiled() is None:
-        pytest.skip("there is no C compiler")
     points, triangles, normals, free = rough()
     stars, found = Stars.of(triangles, np.arange(len(triangles)), free), []
     floors = np.full(len(stars.rows), 0.1)

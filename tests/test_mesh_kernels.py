@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
 import subprocess
 import sys
-import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +13,6 @@ from conftest import EQUAL, solved
 
 import pas
 from pas import solid
-from pas.algebra.compiled import compiled, is_made, library
 from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import count
 from pas.algebra.tables import PieceTables
@@ -27,13 +23,6 @@ from pas.mesh.topology import distinct, numbered, pinched
 from pas.solid.jets import Jets
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
-
-
-@pytest.fixture
-def compiler():
-    """A C compiler; without one the test is skipped."""
-    if compiled() is None:
-        pytest.skip("there is no C compiler")
 
 
 def bits(mesh):
@@ -49,7 +38,6 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.usefixtures("compiler")
 def test_meshes_are_the_same_bits_by_numpy_and_compiled(monkeypatch, name):
     found = []
     for kernel in ("numpy", "compiled"):
@@ -77,7 +65,6 @@ def test_meshes_in_boxes_are_the_same_bits_on_every_machine():
     assert len(found) == 1
 
 
-@pytest.mark.usefixtures("compiler")
 def test_rough_meshes_are_changed_alike(monkeypatch):
     mesh = pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(5e-2)
     rng = np.random.default_rng(3)
@@ -98,7 +85,6 @@ def test_rough_meshes_are_changed_alike(monkeypatch):
 
 
 @pytest.mark.parametrize("kernel", ["numpy", "compiled"])
-@pytest.mark.usefixtures("compiler")
 def test_flips_make_no_edge_between_opposite_sides(monkeypatch, kernel):
     """Of a thin strip across its ridge: the shorter diagonal is taken where its ends look the same way, roughly."""
     monkeypatch.setenv(VARIABLE, kernel)
@@ -126,7 +112,6 @@ def test_tables_of_pieces(monkeypatch, kernel, number):
 
 
 @pytest.mark.parametrize("number", [4, 60])
-@pytest.mark.usefixtures("compiler")
 def test_jets_of_many_polynomials_are_the_same_bits(monkeypatch, number):
     rng = np.random.default_rng(number)
     texts = ["x - {}", "x^2 + {}*y*z - 1", "7", "x^5 - {}*x*y^2*z + z^3", "y^5 - {}*x^4"]
@@ -157,7 +142,6 @@ SOLIDS = {
 
 
 @pytest.mark.parametrize("name", SOLIDS)
-@pytest.mark.usefixtures("compiler")
 def test_meshes_of_solids_are_the_same_bits_by_numpy_and_compiled(monkeypatch, name):
     found = []
     for kernel in ("numpy", "compiled"):
@@ -168,7 +152,6 @@ def test_meshes_of_solids_are_the_same_bits_by_numpy_and_compiled(monkeypatch, n
     assert found[0] == found[1]
 
 
-@pytest.mark.usefixtures("compiler")
 def test_tetrahedra_of_uneven_octrees_are_alike(monkeypatch):
     field = SOLIDS["hollow ball in a corner"]().field
     octree = Octree(field, 0.15).refined(np.array([[0.1, 0.2, 0.3], [0.9, 0.0, 0.0]]))
@@ -206,7 +189,6 @@ def spoilt(triangles, how, rng):
 
 
 @pytest.mark.parametrize("how, number", [("", 0), ("holes", 9), ("vertex", 1), ("two", 1), ("twice", 6)])
-@pytest.mark.usefixtures("compiler")
 def test_where_surfaces_are_no_manifolds(monkeypatch, how, number):
     rng = np.random.default_rng(2)
     triangles = spoilt(pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(0.2).triangles, how, rng)
@@ -218,28 +200,3 @@ def test_where_surfaces_are_no_manifolds(monkeypatch, how, number):
     assert len(found[0][0]) == number
     assert all(np.array_equal(a, b) for a, b in zip(*found, strict=True))
     assert set(found[0][1].tolist()) <= set(np.flatnonzero(among).tolist())
-
-
-def test_a_library_is_made_anew_when_a_header_changes(monkeypatch, tmp_path):
-    if compiled() is None:
-        pytest.skip("there is no compiler")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    source, header = tmp_path / "twice.c", tmp_path / "factor.h"
-    source.write_text('#include "factor.h"\nint twice(int x) { return FACTOR * x; }\n')
-    found = []
-    for factor in (2, 3):
-        header.write_text(f"#define FACTOR {factor}\n")
-        assert not is_made(source)
-        made = library(source)
-        assert made is not None and is_made(source)
-        found.append(made[0].twice(5))
-    assert found == [10, 15]
-
-
-def test_what_the_sources_include_is_shipped():
-    folder = Path(pas.__file__).parent
-    shipped = tomllib.loads((folder.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["pas"]
-    for source in folder.rglob("*.[ch]"):
-        assert f"**/*{source.suffix}" in shipped
-        for name in re.findall(r'#include "(.*)"', source.read_text()):
-            assert (source.parent / name).exists()

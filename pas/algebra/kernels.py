@@ -1,9 +1,8 @@
-"""Values of polynomials at many points by Horner's rule, by the fastest means that is present.
+"""Values of polynomials at many points by Horner's rule.
 
 The rule runs over z inside y inside x (Higham 2002, section 5.1), every product and sum rounded on its own.  All
 kernels do these in the same order, so they give the same doubles, bit for bit, on every machine; only their speed
-differs.  Numpy serves always; where there is a C compiler, compiled code (see `pas.algebra.compiled`) is made when
-it is first worth it, and used from the first call on once it was made.
+differs.  Compiled code is used (see `pas.kernels`); the one with numpy is what tests compare it with.
 
 The result at a point x errs by at most `2 (n + 3) u / (1 - 2 (n + 3) u)` times the sum of |c| |x|^a over the
 terms c x^a, with u = 2^-53 and the degree n: every term goes through at most that many roundings.
@@ -12,7 +11,6 @@ terms c x^a, with u = 2^-53 and the degree n: every term goes through at most th
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from functools import cache
 from typing import Protocol
 
@@ -34,11 +32,8 @@ FEW = 4
 CHUNK_ENTRIES = 1 << 17
 """Entries of the monomial matrix held at once (1 MB): larger blocks fall out of the caches."""
 
-WORTH_COMPILING = 1 << 25
-"""Products in all from which on compiled code is made ready: numpy does so many in some hundredths of a second."""
-
 VARIABLE = "PAS_KERNEL"
-"""The environment variable that asks for a kernel: `numpy`, or `compiled` from the first call on."""
+"""The environment variable by which tests ask for a kernel: `numpy`, or `compiled`, which is that in use."""
 
 
 class Kernel(Protocol):
@@ -112,7 +107,7 @@ NUMPY: Kernel = NumpyKernel()
 def horner(coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
     """Values of m polynomials at N points, written into `out` (m, N); see `Kernel`."""
     with np.errstate(all="ignore"):  # what overflows is infinite or NaN, without a word by any kernel
-        chosen(coefficients.size * points.shape[1])(coefficients, degree, points, out)
+        chosen()(coefficients, degree, points, out)
 
 
 def evaluate(points: Floats, coefficients: Floats) -> Floats:
@@ -138,42 +133,25 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
     return result.reshape(*np.shape(points)[:-1], columns)
 
 
-class _Work:
-    """How many products have been asked for so far."""
-
-    done = 0
-
-
-def chosen(work: int) -> Kernel:
-    """The kernel for so many more products.
-
-    Raises `ValueError` where the environment asks for a kernel that there is not.
-    """
-    return best() if compiling(work, _made) else NUMPY
+def chosen() -> Kernel:
+    """The kernel in use.  Raises `ValueError` where the environment asks for one that there is not."""
+    return best() if compiling() else NUMPY
 
 
-def compiling(work: int, made: Callable[[], bool]) -> bool:
-    """Whether compiled code is to be used, if it can be had, for so many more products; `made` says if it was before.
+def compiling() -> bool:
+    """Whether compiled code is used, as it is unless the environment asks for numpy.
 
     Raises `ValueError` where the environment asks for a kernel that there is not.
     """
     wanted = os.environ[VARIABLE] if VARIABLE in os.environ else ""  # noqa: SIM401  # `get` takes three times as long
     if wanted not in ("", "numpy", "compiled"):
         raise ValueError(f"the environment variable {VARIABLE} must be numpy or compiled, not {wanted!r}")
-    _Work.done += work
-    return wanted == "compiled" or (not wanted and (_Work.done >= WORTH_COMPILING or made()))
-
-
-@cache
-def _made() -> bool:
-    from pas.algebra.compiled import SOURCE, is_made
-
-    return is_made(SOURCE)
+    return wanted != "numpy"
 
 
 @cache
 def best() -> Kernel:
-    """The fastest kernel that is present; compiled code is made ready for it."""
-    from pas.algebra.compiled import compiled
+    """The compiled kernel."""
+    from pas.algebra.compiled import CompiledKernel
 
-    return compiled() or NUMPY
+    return CompiledKernel()

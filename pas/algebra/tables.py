@@ -46,7 +46,7 @@ class PieceTables:
 
     def __call__(self, points: Floats, pieces: NDArray[np.intp]) -> Floats:
         """The values (m, N) at points (N, 3) of pieces of given numbers (N,)."""
-        kernel = chosen(self._tables[0].size * len(points))
+        kernel = chosen()
         if isinstance(kernel, CompiledKernel):
             return _in_blocks(kernel, self.ordered, points, pieces)
         result = np.empty((len(self._degrees), len(points)))
@@ -94,7 +94,7 @@ class MixedTables:
         found = np.flatnonzero(np.bincount(kinds))
         if len(found) == 1:
             return self._tables[int(found[0])](points, self._places[pieces])
-        kernel = chosen(self._each * len(points))
+        kernel = chosen()
         if isinstance(kernel, CompiledKernel):
             return _in_blocks(kernel, self._ordered, points, pieces)
         result = np.empty((self._ordered.degrees.shape[1], len(points)))

@@ -6,7 +6,7 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from pas._version import __version__
-from pas.algebra.kernels import VARIABLE, WORTH_COMPILING, chosen
+from pas.algebra.kernels import VARIABLE, chosen
 
 LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
 """Those on which results and their speed depend."""
@@ -21,7 +21,7 @@ def version_text(verbose: bool) -> str:
         return f"pas {__version__}"
     lines = [f"pas {__version__}", f"Python {platform.python_version()} on {platform.platform()}"]
     lines += [f"{name} {_installed(name)}" for name in LIBRARIES]
-    lines.append(f"values of polynomials: {chosen(WORTH_COMPILING).name} (choose by {VARIABLE}=numpy or compiled)")
+    lines.append(f"values of polynomials: {chosen().name} (choose by {VARIABLE}=numpy or compiled)")
     return "\n".join(lines)
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
-
-SOURCE = Path(__file__).with_name("crossed.c")
+from pas.kernels.library import Functions
 
 ROOM = 8
 """Crossings of a ray on average, for which there is room."""
@@ -35,7 +32,7 @@ class CompiledCrossings:
         sizes = (len(profiles) - 1, profiles.shape[1])
         try:
             self._call(
-                "pas_crossed", *sizes, profiles, len(shares), shares, float(band), room, rays, places, slopes, number
+                "pas_levels", *sizes, profiles, len(shares), shares, float(band), room, rays, places, slopes, number
             )
         except MemoryError:
             return None
@@ -43,17 +40,11 @@ class CompiledCrossings:
         return rays[:found], places[:found], slopes[:found]
 
 
-def compiled(work: int) -> CompiledCrossings | None:
-    """The compiled function for so many more products, None where there is none or numpy is wanted."""
-    return _best() if compiling(work, _made) else None
+def compiled() -> CompiledCrossings | None:
+    """The compiled functions, None where the environment asks for numpy."""
+    return _best() if compiling() else None
 
 
 @cache
-def _made() -> bool:
-    return is_made(SOURCE)
-
-
-@cache
-def _best() -> CompiledCrossings | None:
-    found = library(SOURCE)
-    return None if found is None else CompiledCrossings(Functions(found[0]))
+def _best() -> CompiledCrossings:
+    return CompiledCrossings(Functions())

@@ -61,7 +61,7 @@ class Rays:
     def crossings(self, unknowns: Floats, band: float) -> Crossings:
         """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
         profiles = self._profiles(unknowns)
-        kernel = compiled(profiles.size * SAMPLES)
+        kernel = compiled()
         found = kernel and kernel(profiles, self._shares, band)
         rays, shares, slopes = found or crossed(profiles, self._shares, band)
         return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))

@@ -34,7 +34,7 @@ def collapsed(
     (N,) stay.
     """
     triangles = edges.triangles
-    kernel = compiled(ROUNDS * len(triangles))
+    kernel = compiled()
     if kernel is None:
         target = _target(points, edges, normals, rim, fixed, sizes)
     else:

@@ -268,7 +268,7 @@ def _independent(
     that they change no edge and no triangle twice.  Chosen in rounds (after Luby 1986).
     """
     edges, size = mesh.topology.edges, mesh.topology.size
-    kernel = compiled(ROUNDS * len(mesh.triangles))
+    kernel = compiled()
     if kernel is not None:
         tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
         both, limits = (edges, mesh.topology.label_count), (most, slenderest)

@@ -64,7 +64,7 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
     """
-    size, kernel = len(negative), compiled(len(tets))
+    size, kernel = len(negative), compiled()
     keys = _crossed(negative, tets) if kernel is None else kernel.crossings(tets, negative)
     unique, inverse = numbered(keys)
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
@@ -107,7 +107,7 @@ def oriented(
     negative to the positive ends of the edges through its corners; moving a corner along its edge
     does not change the side.
     """
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.oriented(triangles, points, edges, nodes, negative)
     ends = nodes[edges]

@@ -27,7 +27,7 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
     low, high = edges // size, edges % size
     s = np.arange(1, m) / m
     shares = np.stack([1 - s, s, s * (1 - s) ** 2, s**2 * (1 - s)], axis=1)
-    kernel = compiled(m * m * count)
+    kernel = compiled()
     if kernel is not None:
         places = _corners(m), _sides(m), np.flatnonzero(border < 0)
         ends = np.stack([low, high], axis=1), place

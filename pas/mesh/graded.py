@@ -158,7 +158,7 @@ def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
 
 def _sizes(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """How long edges should be at points (N,): growing by at most `GRADE` over the way along edges, in three rounds."""
-    kernel, every, fixed = compiled(len(graph.triangles)), graph.edges.every, field.fixed[graph.rim]
+    kernel, every, fixed = compiled(), graph.edges.every, field.fixed[graph.rim]
     limits = _limits(field, tolerance)
     if kernel is not None:
         return kernel.wanted_sizes(graph.points, (every, len(graph.edges.inner)), graph.bends, fixed, limits)
@@ -284,7 +284,7 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
-    edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled(len(graph.triangles))
+    edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled()
     if kernel is not None:
         every, limits = (edges.every, len(edges.inner)), _limits(field, tolerance)
         return kernel.moved(graph.points, graph.triangles, every, graph.normals, graph.bends, fixed, limits)

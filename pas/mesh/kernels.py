@@ -7,25 +7,15 @@ the same with numpy.
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.bernstein.polar import Means
+from pas.kernels.library import Functions
 from pas.mesh.field import Floats, Integers
 from pas.mesh.labelled_calls import LabelledCalls, room_for
-
-NAMES = (
-    *("triangles", "collapses", "labelled", "merges", "keys", "contour", "octree", "fans", "lattice"),
-    *("splits", "moves", "finer", "places"),
-)
-SOURCES = tuple(Path(__file__).with_name(f"{name}.c") for name in NAMES)
-
-EACH = 100
-"""Products for a triangle in one of the functions, about."""
 
 
 class CompiledTriangles(LabelledCalls):
@@ -289,17 +279,11 @@ class CompiledTriangles(LabelledCalls):
         return distinct[: number[0]].copy(), inverse
 
 
-def compiled(work: int) -> CompiledTriangles | None:
-    """The compiled functions for so many more triangles, None where there are none or numpy is wanted."""
-    return _best() if compiling(EACH * work, _made) else None
+def compiled() -> CompiledTriangles | None:
+    """The compiled functions, None where the environment asks for numpy."""
+    return _best() if compiling() else None
 
 
 @cache
-def _made() -> bool:
-    return is_made(*SOURCES)
-
-
-@cache
-def _best() -> CompiledTriangles | None:
-    found = library(*SOURCES)
-    return None if found is None else CompiledTriangles(Functions(found[0]))
+def _best() -> CompiledTriangles:
+    return CompiledTriangles(Functions())

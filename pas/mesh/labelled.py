@@ -47,7 +47,7 @@ class Topology:
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
         """The distinct keys of (vertex, label) pairs (P,), sorted, and which one each corner has (3 T,)."""
-        kernel = compiled(len(self.triangles))
+        kernel = compiled()
         if kernel is not None:
             return kernel.labelled_pairs(self.triangles, self.labels, self.size, self._span)
         keys = (self.triangles * self._span + self.labels[:, None]).ravel()
@@ -96,7 +96,7 @@ class Topology:
     @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
-        kernel = compiled(len(self.triangles))
+        kernel = compiled()
         if kernel is not None:
             return kernel.labelled_edges(self.triangles, self.labels, self.size)
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
@@ -199,7 +199,7 @@ class Labelled:
     @cached_property
     def sizes(self) -> Floats:
         """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
-        topology, kernel = self.topology, compiled(self.topology.size)
+        topology, kernel = self.topology, compiled()
         if kernel is not None:
             return kernel.sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
         result = np.ones(topology.size)

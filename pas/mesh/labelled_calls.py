@@ -7,7 +7,7 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import Functions
+from pas.kernels.library import Functions
 from pas.mesh.field import Floats, Integers
 
 

@@ -133,7 +133,7 @@ def _kept(forms: Floats) -> NDArray[np.bool_]:
 
 def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[Integers, Floats, Floats]:
     """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
-    (corners, parts), kernel = eighths(degree), compiled(8 * len(forms))
+    (corners, parts), kernel = eighths(degree), compiled()
     if kernel is not None:
         return kernel.eighths(corners, parts, ROUNDING, keys, points, forms)
     forms = parts(forms).transpose(1, 0, 2).reshape(-1, forms.shape[1])
@@ -153,7 +153,7 @@ def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats
     """Of functions on tetrahedra (T, 4, 3) the mean (T, 3) of the gradient's B-coefficients, up to a positive factor,
     their least product with that (T,), and the largest of their squared sizes (T,)."""
     up = raised(degree, 4)
-    kernel = compiled(len(forms))
+    kernel = compiled()
     if kernel is not None:
         return kernel.risings(up, forms, corners)
     slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])

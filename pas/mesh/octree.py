@@ -41,8 +41,6 @@ MOST_UNSEEN = 30_000
 DEEPEST = 14
 """How often cubes are halved at most, so that `_SPAN` is not exceeded."""
 
-EACH = 20
-"""Tetrahedra of a cube, about."""
 
 HIDDEN = 1
 """Levels on which the boundary is looked for where it is not met."""
@@ -178,7 +176,7 @@ class Octree:
 
     def tetrahedra(self) -> tuple[Floats, Integers]:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
-        kernel = compiled(EACH * self.count)
+        kernel = compiled()
         if kernel is not None:
             halved = [cubes @ _WEIGHTS for cubes in self._halved]
             corners = kernel.tetrahedra(halved, self._missed[: self.levels + 1], self._counts)

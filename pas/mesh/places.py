@@ -89,7 +89,7 @@ def sines(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
 
 def all_sines(points: Floats, triangles: Integers) -> Floats:
     """The sine of the smallest angle of each triangle (T,)."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.sines(points, triangles)
     return sines(*(points[column] for column in triangles.T))[0]
@@ -102,7 +102,7 @@ def better_places(
 
     Of points (N, 3) with unit normals (N, 3); `before` (K,) are the sines of the triangles' smallest angles.
     """
-    kernel = compiled(len(stars.rows))
+    kernel = compiled()
     if kernel is not None:
         tables, ways = (stars.vertices, stars.starts, stars.first, stars.second), (np.array(STEPS), np.array(TURNS))
         values, limits = (before, asked.weights, asked.floors), (asked.aim, SHARPEST, HEIGHT, AROUND)

@@ -39,7 +39,7 @@ class Edges:
 
     def __init__(self, triangles: Integers, size: int, listed: tuple[Integers, Integers, bool] | None = None) -> None:
         self.triangles, self._size = triangles, size
-        kernel = compiled(len(triangles))
+        kernel = compiled()
         if listed is not None:
             self.every, self.owners, self.manifold = listed
         elif kernel is None:
@@ -123,7 +123,7 @@ def seen(points: Floats, triangles: Integers) -> np.ndarray:
 
 def upright(points: Floats, triangles: Integers, normals: Floats) -> Floats:
     """The cosines (T,) between triangles and the sum of the normals (N, 3) at their corners."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.upright(points, triangles, normals)
     across = facets(points, triangles)
@@ -134,7 +134,7 @@ def upright(points: Floats, triangles: Integers, normals: Floats) -> Floats:
 
 def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = FLIPS) -> Integers:
     """The triangles (T, 3) with edges flipped towards Delaunay's criterion, none away from the surface's normals."""
-    kernel = compiled(passes * len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.flipped(points, triangles, normals, passes, GAIN, TURNED)
     triangles = triangles.copy()
@@ -155,7 +155,7 @@ def flipped(points: Floats, triangles: Integers, normals: Floats, passes: int = 
 
 def flipped_edges(points: Floats, triangles: Integers, normals: Floats) -> Edges:
     """The edges of the same, whose `triangles` it are."""
-    kernel = compiled(FLIPS * len(triangles))
+    kernel = compiled()
     if kernel is None:
         return Edges(flipped(points, triangles, normals), len(points))
     found, listed = kernel.flipped_edges(points, triangles, normals, FLIPS, GAIN, TURNED)
@@ -196,7 +196,7 @@ def _apart(owners: Integers, gain: Floats, count: int) -> Integers:
 
 def middles(points: Floats, triangles: tuple[Integers, Integers], edges: tuple[Integers, Integers]) -> Floats:
     """The centres of triangles (T, 3) and the middles of edges (E, 2), each given with which are chosen, (N, 3)."""
-    kernel = compiled(len(triangles[1]) + len(edges[1]))
+    kernel = compiled()
     if kernel is not None:
         return kernel.middles(points, triangles, edges)
     a, b, c = (points[triangles[0][triangles[1], i]] for i in range(3))
@@ -206,7 +206,7 @@ def middles(points: Floats, triangles: tuple[Integers, Integers], edges: tuple[I
 
 def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
     """The way (N, 3) from each vertex to the mean of its triangles' centres, by their area over their size squared."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.centred(points, triangles, sizes)
     a, b, c = triangles.T
@@ -220,7 +220,7 @@ def centred(points: Floats, triangles: Integers, sizes: Floats) -> Floats:
 
 def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats) -> Floats:
     """The points after a move, some where they were before, so that no triangle is turned from the normals."""
-    kernel = compiled(2 * len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.settled(before, after, triangles, normals, TURNED)
     after = after.copy()
@@ -235,7 +235,7 @@ def settled(before: Floats, after: Floats, triangles: Integers, normals: Floats)
 
 def slender(points: Floats, triangles: Integers) -> int:
     """How many triangles have an angle below 30 degrees: by the cosine opposite to the shortest side, squared."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.slender(points, triangles)
     a, b, c = (points[triangles[:, i]] for i in range(3))

@@ -72,7 +72,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     middles = (points[edges[order, 0]] + points[edges[order, 1]]) / 2
     ends = np.zeros(size, dtype=bool)
     ends[edges] = True
-    points, kernel = np.concatenate([points, middles]), compiled(len(triangles))
+    points, kernel = np.concatenate([points, middles]), compiled()
     if kernel is not None:
         return points, *kernel.split(triangles, ends, keys)
     a, b, c = (ends[triangles[:, i]] for i in range(3))
@@ -142,7 +142,7 @@ def longest_of(triangles: Integers, edges: Integers, ratio: Floats, size: int, l
 
     `ratio` (E,) are lengths over what they should be, `size` is the number of vertices.
     """
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return edges[kernel.longest(triangles, edges, ratio, size, limit)]
     keys = edges.min(axis=1) * size + edges.max(axis=1)

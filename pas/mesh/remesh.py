@@ -168,7 +168,7 @@ def flip(
     On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
     With `near` (N,), only edges about these vertices.
     """
-    known, kernel = pair_normals(mesh, field), compiled(len(mesh.triangles))
+    known, kernel = pair_normals(mesh, field), compiled()
     if kernel is None:
         triangles = _flipped(mesh, field, known, passes, limit, near)
     else:
@@ -246,7 +246,7 @@ def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Fl
 def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
     """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
     chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
-    normals, rows, kernel = pair_normals(mesh, field), mesh.topology.corner_pairs, compiled(len(chosen))
+    normals, rows, kernel = pair_normals(mesh, field), mesh.topology.corner_pairs, compiled()
     if kernel is not None:
         return kernel.cosines(mesh.points, mesh.triangles, rows, normals, chosen)
     a, b, c = (mesh.points[column] for column in mesh.triangles[chosen].T)

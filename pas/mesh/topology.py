@@ -14,7 +14,7 @@ MOST = (1 << 62) - 1
 
 def numbered(keys: Integers) -> tuple[Integers, Integers]:
     """The distinct ones of numbers (N,), none of them negative, sorted, and where each of them stands (N,)."""
-    kernel = compiled(len(keys))
+    kernel = compiled()
     if kernel is not None:
         return kernel.numbered(keys, True)
     found, inverse = np.unique(keys, return_inverse=True)
@@ -23,7 +23,7 @@ def numbered(keys: Integers) -> tuple[Integers, Integers]:
 
 def distinct(keys: Integers) -> Integers:
     """The distinct ones of numbers, none of them negative, sorted (several times faster than `np.unique`)."""
-    kernel = compiled(keys.size)
+    kernel = compiled()
     if kernel is not None:
         return kernel.numbered(keys.ravel(), False)[0]
     ordered = np.sort(keys, axis=None)
@@ -55,7 +55,7 @@ def is_closed_manifold(triangles: Integers) -> bool:
 
 def is_manifold(triangles: Integers) -> bool:
     """Whether every edge has one or two triangles and every vertex one fan of them."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None and len(triangles):
         return kernel.is_manifold(triangles, int(triangles.max()) + 1)
     if len(triangles) == 0 or edge_table(triangles)[1].max() > 2:
@@ -70,7 +70,7 @@ def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Inte
     """
     if not len(triangles):
         return np.empty(0, dtype=np.intp)
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.pinched(triangles, int(triangles.max()) + 1 if among is None else len(among), among)
     edges, times = edge_table(triangles)
@@ -112,7 +112,7 @@ def euler_characteristic(triangles: Integers) -> int:
 
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
-    kernel = compiled(len(triangles))
+    kernel = compiled()
     if kernel is not None:
         return kernel.pieces(triangles, int(triangles.max(initial=-1)) + 1)
     from scipy.sparse import coo_array

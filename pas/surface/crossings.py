@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 BLOCK = 1 << 13
 """Rays that are worked on at once."""
 
-EACH = 10_000
-"""Products for a ray, about."""
 
 DEEPEST = 40
 """Halvings of a segment, after which it is left to exact work."""
@@ -157,7 +155,7 @@ def _in_doubles(evaluator: Evaluator, local: LocalRays, first: bool) -> tuple[Fo
 
     By compiled code where there is some.
     """
-    kernel = None if evaluator.scene is None else compiled(EACH * len(local.origins))
+    kernel = None if evaluator.scene is None else compiled()
     if kernel is not None and evaluator.scene is not None:
         shot = kernel.rays(evaluator.scene, local.origins, local.ways, first)
         if shot is not None:

@@ -8,19 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import SOURCE, Functions, is_made, library
 from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
 from pas.algebra.tables import Rows
+from pas.kernels.library import Functions
 from pas.mesh.field import Integers
-
-NAMES = ("forms", "rays", "rests", "windings", "drawn", "radial")
-SOURCES = (*(Path(__file__).with_name(f"{name}.c") for name in NAMES), SOURCE)
 
 ROOM = 4
 """Crossings of a ray on average, for which there is room."""
@@ -262,17 +258,11 @@ class Scene:
     reach: float
 
 
-def compiled(work: int) -> CompiledForms | None:
-    """The compiled functions for so many more products, None where there are none or numpy is wanted."""
-    return _best() if compiling(work, _made) else None
+def compiled() -> CompiledForms | None:
+    """The compiled functions, None where the environment asks for numpy."""
+    return _best() if compiling() else None
 
 
 @cache
-def _made() -> bool:
-    return is_made(*SOURCES)
-
-
-@cache
-def _best() -> CompiledForms | None:
-    found = library(*SOURCES)
-    return None if found is None else CompiledForms(Functions(found[0]))
+def _best() -> CompiledForms:
+    return CompiledForms(Functions())

@@ -29,8 +29,6 @@ INSIDE = 1e-11
 """How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
 where its ray leaves."""
 
-EACH = 4
-"""Polynomials like f that are evaluated for jets up to second derivatives, about."""
 
 BENDS = sum(1 for e in JETS if sum(e) <= 2)
 """Entries of a jet up to second derivatives."""
@@ -54,7 +52,7 @@ class PatchField(ABC):
 
     def _kernel(self, count: int) -> tuple[CompiledForms, Faces] | None:
         """Compiled code for so many points, and how it finds their pieces; None where numpy is to do it."""
-        kernel = None if self.outer is None else compiled(EACH * self._columns.size * count)
+        kernel = None if self.outer is None else compiled()
         return None if kernel is None or self.outer is None else (kernel, self.outer)
 
     @abstractmethod

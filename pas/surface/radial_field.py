@@ -95,7 +95,7 @@ class RadialField(PatchField):
 
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
-        kernel = compiled(3 * self._weights.size * len(points))
+        kernel = compiled()
         if kernel is not None:
             leave, faces = kernel.leaving(self._weights, points)
             return leave, self._piece[faces]

@@ -115,7 +115,7 @@ def _parted(
     Those along one direction in which the derivative is positive are dropped.
     """
     up = _raised(degree, corners.shape[1])
-    kernel = compiled(len(forms) * forms.shape[1])
+    kernel = compiled()
     if kernel is not None:
         bounds = bound, ROUNDINGS * UNIT_ROUNDOFF
         return kernel.parted((forms, corners), up, bounds, cut, _cuts(degree, corners.shape[1]))

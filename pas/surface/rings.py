@@ -115,7 +115,7 @@ class Rings:
         return self._on_rings(points, numbers)
 
     def _on_rings(self, points: Floats, numbers: Integers) -> Floats:
-        kernel = compiled(STEPS * len(points))
+        kernel = compiled()
         if kernel is not None:
             places, limits = (self._middles, self._normals), (STEPS, SETTLED)
             return kernel.on_rings(self._tables.ordered, places, points, numbers, limits)

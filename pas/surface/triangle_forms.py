@@ -60,7 +60,7 @@ class TriangleForms:
         raising = elevation(self.degree, ELEVATED * self.degree) if closer else None
         low, high = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            kernel = compiled(self._value.size**2 * len(corners[here]))
+            kernel = compiled()
             if kernel is None:
                 forms = self.values(corners[here])
                 forms = forms if raising is None else raising @ forms
@@ -78,7 +78,7 @@ class TriangleForms:
         least, sizes = np.empty((2, len(corners)))
         degree = self.degree - 1
         for here in _blocks(len(corners)):
-            kernel = compiled(self._value.size**2 * len(corners[here]))
+            kernel = compiled()
             if kernel is None:
                 g = self.gradients(corners[here])
                 n = normals[here].T

@@ -32,7 +32,7 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     """
     ways = ends - origin
     towards = _units(ways)
-    kernel = compiled(len(triangles) * max(len(ends), 1))
+    kernel = compiled()
     if kernel is not None:
         return kernel.crossed(points, triangles, origin, ways, towards, (GRAZING, SURE))
     corners = points[triangles] - origin

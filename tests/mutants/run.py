@@ -36,6 +36,9 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+from build_backend import compile_library  # noqa: E402  # beside the package, not in it
+
 LEFT_BEHIND = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "out", "build", "dist", "*.png")
 """What no test of the proofs reads."""
 
@@ -138,6 +141,8 @@ def outcome(mutant: Mutant, base: Path, seconds: float) -> str:
     try:
         shutil.copytree(base, tree, dirs_exist_ok=True)
         (tree / mutant.file).write_text(mutant.mutated(tree), encoding="utf-8")
+        if mutant.file.endswith(".c"):
+            compile_library(sorted((tree / "pas" / "kernels").glob("*.c")), tree / "pas" / "kernels" / "_library.so")
         status, printed = pytest_status(tree, mutant.tests, seconds)
     finally:
         shutil.rmtree(tree, ignore_errors=True)

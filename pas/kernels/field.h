@@ -3,7 +3,7 @@
 #ifndef PAS_FIELD_H
 #define PAS_FIELD_H
 
-#include "../algebra/kernel.h"
+#include "kernel.h"
 
 #define JETS 4 /* value and gradient */
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#include "../algebra/kernel.h"
+#include "kernel.h"
 
 #define BLOCK 64
 #define LANES 16 /* points that are looked for among faces at once */

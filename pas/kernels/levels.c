@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../algebra/kernel.h"
+#include "kernel.h"
 
 #define BLOCK 64
 #define WORD 8
@@ -33,7 +33,7 @@ static void sampled(whole n, whole stride, const double *profiles, whole samples
 
 /* Crossings by rising rays, shares and levels: ray numbers, shares, and slopes of the profiles (n + 1, rays) there.
    Returns -1 where there are more than `room` or `MOST` samples, or no memory. */
-int pas_crossed(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
+int pas_levels(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
                 whole room, whole *ray_of, double *share_of, double *slope_of, whole *number)
 {
     const double levels[LEVELS] = {-band, 0, band};

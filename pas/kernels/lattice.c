@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../algebra/kernel.h"
+#include "kernel.h"
 
 #define BLOCK 16
 #define PARTS 8

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../algebra/kernel.h"
+#include "kernel.h"
 
 #define MOST 16    /* the highest degree but one */
 #define LANES 8    /* points at once */
