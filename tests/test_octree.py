@@ -128,7 +128,7 @@ def test_pieces_turn_at_most_as_much_as_is_said():
     for p in (centers + halves, centers - halves, centers + halves * [1, -1, 1]):
         assert (np.abs(pieces.jets(p)[:, 1:] - gradients) <= changes + 1e-12).all()
     assert changes[0, 0] > 1.5 / 2  # both pieces are met, over the power of two that scales them
-    assert changes[1] == pytest.approx(np.full(3, 0.1))
+    assert changes[1] == pytest.approx(np.full(3, 0.1 / 2))
 
 
 def test_flat_faces_have_few_triangles():
