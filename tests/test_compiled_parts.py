@@ -13,12 +13,12 @@ import pas
 from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
-from pas.bernstein.subdivision import edges, halving
+from pas.bernstein.subdivision import edges, halving, raised
 from pas.mesh import topology
 from pas.mesh.fine import finer
-from pas.mesh.graded import _moved, _sizes
+from pas.mesh.graded import BENT, GRADE, LONGEST, _moved, _sizes
 from pas.mesh.graph import looked_at
-from pas.mesh.lattice import Subdivision, eighths
+from pas.mesh.lattice import Subdivision, eighths, risings
 from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
 from pas.mesh.refine import longest_of, split, with_longest
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count, same_places
@@ -85,22 +85,37 @@ def test_means_of_whole_numbers_are_exact():
     assert (cut(forms)[0, :, 0] == forms[:, 0]).all()
 
 
-def test_lattices_are_cut_alike(both):
-    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).cell_field
+def test_tetrahedra_are_cut_where_zeros_may_be():
+    surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
+    cells = Subdivision(surface.cell_field)
+    whole = np.abs(np.linalg.det(cells.points[:, 1:] - cells.points[:, :1])).min()
+    for _ in range(3):
+        cells.halve()
+    places, hidden = cells.bent()
+    assert len(cells.keys) > 500 and not hidden
+    assert 0 < len(places) < len(cells.keys)
+    volumes = np.abs(np.linalg.det(cells.points[:, 1:] - cells.points[:, :1]))
+    assert volumes.min() == pytest.approx(whole / 8**3)
+    lattice = cells.lattice
+    corners = lattice.values[lattice.tetrahedra]
+    assert (corners.min(axis=1) < 0).all() and (corners.max(axis=1) > 0).all()
+    assert lattice.values == pytest.approx(surface.cell_field.values(lattice.points), abs=1e-12)
 
-    def cut():
-        cells = Subdivision(field)
-        for _ in range(3):
-            cells.halve()
-        places, hidden = cells.bent()
-        lattice = cells.lattice
-        nodes = np.sort(lattice.points[lattice.tetrahedra].sum(axis=1), axis=0)
-        return cells.keys, cells.points, cells.forms, len(places), hidden, nodes
 
-    found = both(cut)
-    assert same(found)
-    assert len(found[0][0]) > 500
-    assert 0 < found[0][3] < len(found[0][0])
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_risings_are_products_with_the_mean_gradient(degree):
+    rng = np.random.default_rng(degree)
+    corners, forms = rng.normal(size=(50, 4, 3)), rng.normal(size=(50, len(homogeneous_exponents(degree, 4))))
+    up = raised(degree, 4)
+    steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
+    gradients = steps @ np.linalg.inv(corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    mean, least, size = risings(forms, corners, degree)
+    factor = (mean * gradients.mean(axis=1)).sum(axis=1) / (gradients.mean(axis=1) ** 2).sum(axis=1)
+    assert (factor > 0).all()
+    assert mean == pytest.approx(factor[:, None] * gradients.mean(axis=1), rel=1e-9, abs=1e-9)
+    along = np.einsum("tmx,tx->tm", gradients, gradients.mean(axis=1)).min(axis=1)
+    squares = (gradients**2).sum(axis=2).max(axis=1)
+    assert least / size == pytest.approx(along / squares, rel=1e-9)
 
 
 def test_places_of_rest_are_the_same_bits(both):
@@ -177,16 +192,16 @@ STRIP = np.array([(0, 1, 2), (1, 3, 2), (2, 3, 4)])
         (np.empty((0, 3), dtype=int), False, 0),
     ],
 )
-def test_manifolds_and_pieces(both, triangles, good, pieces):
-    assert both(lambda: (is_manifold(triangles), piece_count(triangles))) == [(good, pieces)] * 2
+def test_manifolds_and_pieces(triangles, good, pieces):
+    assert (is_manifold(triangles), piece_count(triangles)) == (good, pieces)
 
 
-def test_places_that_are_the_same(both):
+def test_places_that_are_the_same():
     points = np.random.default_rng(2).integers(-2, 3, size=(400, 3)) * 0.1
     points[::7] *= -1  # zeros of either sign
-    for first, place in both(lambda: same_places(points)):
-        assert np.array_equal(points[first][place], points)
-        assert len(first) == len(np.unique(points + 0.0, axis=0))
+    first, place = same_places(points)
+    assert np.array_equal(points[first][place], points)
+    assert len(first) == len(np.unique(points + 0.0, axis=0))
 
 
 def rough():
@@ -204,59 +219,97 @@ def test_points_of_simple_fractions_have_keys_of_their_own(monkeypatch):
     assert len(np.unique(made[0])) == len(points)
 
 
-def test_triangles_are_cut_alike(both):
+def test_triangles_are_cut_at_chosen_edges():
     mesh, points = rough()
     every = Edges(mesh.triangles, len(points)).every
     ratio = np.linalg.norm(points[every[:, 0]] - points[every[:, 1]], axis=1)
-
-    def cut():
-        chosen = longest_of(mesh.triangles, every, ratio, len(points), float(np.median(ratio)))
-        more = with_longest(points, mesh.triangles[:20], chosen)
-        return chosen, more, *split(points, mesh.triangles, more), *split(points, mesh.triangles, every)
-
-    found = both(cut)
-    assert same(found)
-    chosen, more, _, triangles, parents, _, all_, _ = found[0]
+    limit = float(np.median(ratio))
+    chosen = longest_of(mesh.triangles, every, ratio, len(points), limit)
+    lengths = {frozenset(edge): length for edge, length in zip(every.tolist(), ratio, strict=True)}
+    longest = {max(map(frozenset, ((a, b), (b, c), (c, a))), key=lengths.get) for a, b, c in mesh.triangles.tolist()}
+    assert {frozenset(edge) for edge in chosen.tolist()} == {edge for edge in longest if lengths[edge] > limit}
+    more = with_longest(points, mesh.triangles[:20], chosen)
     assert 0 < len(chosen) < len(more) < len(every)
-    assert len(all_) == 4 * len(mesh.triangles)
-    assert Edges(triangles, int(triangles.max()) + 1).manifold
+    halved, triangles, parents = split(points, mesh.triangles, more)
+    assert len(halved) == len(points) + len(more)
+    assert Edges(triangles, len(halved)).manifold
     assert euler_characteristic(triangles) == euler_characteristic(mesh.triangles) == 0
     assert np.array_equal(np.unique(parents), np.arange(len(mesh.triangles)))
+    totals = np.zeros_like(mesh.triangles, dtype=float)
+    np.add.at(totals, parents, areas(halved, triangles))
+    assert totals == pytest.approx(areas(points, mesh.triangles), abs=1e-14)
+    assert len(split(points, mesh.triangles, every)[1]) == 4 * len(mesh.triangles)
 
 
-def test_points_are_moved_alike(both):
+def areas(points, triangles):
+    """The vectors (T, 3) across triangles, twice as long as their area."""
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    return np.cross(b - a, c - a)
+
+
+def wanted(points, every, bends, rims, reach, tolerance):
+    """How long edges should be at vertices (N,): a chord is off its arc by its square over 8 radii; `rims` (N,) are
+    the curvatures of rims."""
+    sizes = np.sqrt(8 * tolerance / np.maximum(bends, 8 * tolerance / (LONGEST * reach) ** 2))
+    sizes = np.minimum(sizes, np.minimum(BENT / np.maximum.reduce([bends, rims, 1e-300 + 0 * rims]), LONGEST * reach))
+    ways = GRADE * np.linalg.norm(points[every[:, 0]] - points[every[:, 1]], axis=1)
+    for _ in range(3):
+        before = sizes.copy()
+        for (a, b), way in zip(every.tolist(), ways, strict=True):
+            sizes[a], sizes[b] = min(sizes[a], before[b] + way), min(sizes[b], before[a] + way)
+    return sizes
+
+
+def test_points_are_moved_to_the_centres_around():
     mesh, points = rough()
     field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).cell_field
-    rng = np.random.default_rng(6)
-    some = np.sort(rng.choice(len(mesh.triangles), 50, replace=False))
+    local = field.frame.local_points(points)
+    edges = flipped_edges(local, mesh.triangles, mesh.point_normals)
+    assert np.array_equal(edges.triangles, flipped(local, mesh.triangles, mesh.point_normals))
+    graph = looked_at(field, local, edges.triangles, np.full(len(points), -1))
+    sizes = wanted(local, edges.every, graph.bends, 0 * graph.bends, field.reach, 1e-2)
+    assert _sizes(field, graph, 1e-2) == pytest.approx(sizes, rel=1e-12)
+    corners = local[edges.triangles]
+    weights = np.linalg.norm(areas(local, edges.triangles), axis=1) / sizes[edges.triangles].mean(axis=1) ** 2
+    total, share = np.zeros_like(local), np.zeros(len(local))
+    for i in range(3):
+        np.add.at(total, edges.triangles[:, i], corners.mean(axis=1) * weights[:, None])
+        np.add.at(share, edges.triangles[:, i], weights)
+    way = total / share[:, None] - local
+    way -= (way * graph.normals).sum(axis=1)[:, None] * graph.normals
+    assert _moved(field, graph, 1e-2) == pytest.approx(local + way, abs=1e-12)
+    opened = edges.triangles[(edges.triangles != 7).all(axis=1)]
+    cut = looked_at(field, local, opened, np.full(len(points), -1))
+    moved = _moved(field, cut, 1e-2)
+    before, after = ({int(e[i]): int(e[1 - i]) for e in cut.edges.rim} for i in (1, 0))
+    assert len(after) > 3
+    rims = np.zeros(len(local))
+    for v in after:
+        assert moved[v] == pytest.approx((local[before[v]] + local[after[v]]) / 4 + local[v] / 2)
+        ways = np.array([local[v] - local[before[v]], local[after[v]] - local[v]])
+        spans = np.linalg.norm(ways, axis=1)
+        rims[v] = 2 * np.linalg.norm(ways[1] / spans[1] - ways[0] / spans[0]) / spans.sum()
+    assert _sizes(field, cut, 1e-2) == pytest.approx(
+        wanted(local, cut.edges.every, cut.bends, rims, field.reach, 1e-2), rel=1e-12
+    )
 
-    def moved():
-        local = field.frame.local_points(points)
-        edges = flipped_edges(local, mesh.triangles, mesh.point_normals)
-        plain = flipped(local, mesh.triangles, mesh.point_normals)
-        opened = edges.triangles[(edges.triangles != 7).all(axis=1)]
-        graph = looked_at(field, local, opened, np.full(len(points), -1))
-        between = middles(local, (mesh.triangles, some), (edges.inner, some))
-        tables = edges.triangles, edges.every, edges.owners, edges.manifold, plain
-        along = _sizes(field, graph, 1e-2)
-        return *tables, _moved(field, graph, 1e-2), between, slender(local, mesh.triangles), along
 
-    found = both(moved)
-    assert same(found)
-    assert np.array_equal(found[0][0], found[0][4])
-    assert found[0][7] == (smallest_angles(points, mesh.triangles) < 30).sum() > 0
+def test_middles_and_slender_triangles():
+    mesh, points = rough()
+    some = np.sort(np.random.default_rng(6).choice(len(mesh.triangles), 50, replace=False))
+    inner = Edges(mesh.triangles, len(points)).inner
+    found = middles(points, (mesh.triangles, some), (inner, some))
+    each = [points[mesh.triangles[some]].mean(axis=1), points[inner[some]].mean(axis=1)]
+    assert found == pytest.approx(np.concatenate(each), abs=1e-14)
+    assert slender(points, mesh.triangles) == (smallest_angles(points, mesh.triangles) < 30).sum() > 0
 
 
 @pytest.mark.parametrize("m", [1, 2, 3, 5])
-def test_triangles_are_cut_into_small_ones_alike(both, m):
-    rng = np.random.default_rng(m)
+def test_triangles_are_cut_into_small_ones(m):
     mesh = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface((-2,) * 3, (2,) * 3).mesh(1e-1)
     units = mesh.points / np.linalg.norm(mesh.points, axis=1)[:, None]
-    found = both(lambda: finer(units, mesh.triangles, units, m))
-    assert same(found)
-    others = units + rng.normal(scale=0.1, size=units.shape)
-    assert same(both(lambda: finer(units, mesh.triangles, others, m)))
-    points, triangles = found[0]
+    points, triangles = finer(units, mesh.triangles, units, m)
+    assert np.array_equal(points[: len(units)], units)
     assert len(triangles) == m * m * len(mesh.triangles)
     assert Edges(triangles, len(points)).manifold
     assert euler_characteristic(triangles) == 2

@@ -10,7 +10,7 @@ import pytest
 
 from pas import solid
 from pas.designs.teapot import teapot
-from pas.mesh.improve import flip_once
+from pas.mesh.kernels import compiled
 from pas.mesh.quality import smallest_angles
 
 HOLES = 15
@@ -102,18 +102,18 @@ def test_which_faces_have_straight_lines_is_decided_exactly():
         assert shape.field.lines(np.array([0, 1])).tolist() == [expected] * 2
 
 
-def test_edges_are_flipped_for_what_they_are_asked_to_mend():
+@pytest.mark.parametrize("sagging, flips", [((0, 2), True), ((1, 3), False)])
+def test_along_straight_lines_the_diagonal_that_is_nearer_to_the_face_is_taken(sagging, flips):
+    """Both diagonals of a square meet Delaunay's criterion; normals that turn along one say how far it is off."""
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    up = np.array([0.0, 0.0, 1.0])
-    for gain, flips in ((1.0, True), (-1.0, False)):
-        triangles = np.array([[0, 1, 2], [0, 2, 3]])
-        changed = flip_once(
-            points,
-            triangles,
-            lambda i, j: np.tile(up, (len(i), 1)),
-            better=lambda owners, edges, opposite, g=gain: np.full(len(edges), g),
-        )
-        assert (len(changed) > 0) == flips
+    triangles, labels = np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(2, dtype=np.intp)
+    normals = np.tile([0.0, 0.0, 1.0], (4, 1))
+    for end, sign in zip(sagging, (-1, 1), strict=True):
+        normals[end, :2] = sign * 0.1 * (points[sagging[1]] - points[sagging[0]])[:2]
+    lines = np.ones(2, dtype=bool), 1e-3
+    found = compiled().flipped_faces(points, (triangles, triangles, labels), normals, lines, None, 1)
+    assert (found is not None) == flips
+    assert compiled().flipped_faces(points, (triangles, triangles, labels), normals, None, None, 1) is None
 
 
 @pytest.mark.parametrize(

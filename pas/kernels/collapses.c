@@ -1,4 +1,4 @@
-/* Collapses of short edges, as in pas/mesh/coarsen.py: the same choice in the same order. */
+/* Collapses of short edges of meshes with a boundary, those of pas/mesh/coarsen.py. */
 
 #include <math.h>
 #include <stddef.h>

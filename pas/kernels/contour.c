@@ -1,4 +1,4 @@
-/* Marching tetrahedra, as in pas/mesh/contour.py: the same triangles in the same order. */
+/* Marching tetrahedra, for pas/mesh/contour.py. */
 
 #include <stddef.h>
 #include <string.h>

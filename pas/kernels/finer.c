@@ -1,4 +1,4 @@
-/* Each triangle of a mesh cut into m^2, as in pas/mesh/fine.py: the same sums and products in the same order. */
+/* Each triangle of a mesh cut into m^2, for pas/mesh/fine.py. */
 
 #include <stddef.h>
 

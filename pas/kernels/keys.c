@@ -1,4 +1,4 @@
-/* The distinct ones of some numbers, sorted, and where each stands among them: as numpy's unique, by a table.  Numbers
+/* The distinct ones of some numbers, sorted, and where each stands among them, by a table.  Numbers
    are not negative.  A function that finds no memory returns -1. */
 
 #include <stddef.h>

@@ -1,7 +1,6 @@
 /* Tables and flips of closed meshes whose triangles carry labels.
 
-   Each function does what pas/mesh/labelled.py, improve.py or remesh.py do with numpy: the same sums and products in
-   the same order, so that meshes are the same to the last bit.  A function that finds no memory returns -1. */
+   They serve pas/mesh/labelled.py and remesh.py.  A function that finds no memory returns -1. */
 
 #include <math.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Which collapses of edges of a mesh with labels are done together, as in pas/mesh/collapse.py: the same choice, by the
-   same sums and products in the same order.  A function that finds no memory returns -1. */
+/* Which collapses of edges of a mesh with labels are done together, for pas/mesh/collapse.py.  A function
+   that finds no memory returns -1. */
 
 #include <math.h>
 #include <stddef.h>

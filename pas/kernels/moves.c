@@ -1,5 +1,5 @@
-/* Where the points of a mesh are moved to make its triangles better, as in pas/mesh/graded.py: the same sums and products
-   in the same order.  Compiled together with triangles.c.  A function that finds no memory returns -1. */
+/* Where the points of a mesh are moved to make its triangles better, for pas/mesh/graded.py.  A function that finds
+   no memory returns -1. */
 
 #include <math.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* The tetrahedra of cubes that are halved where needed, as in pas/mesh/octree.py: the same ones in the same order.
+/* The tetrahedra of cubes that are halved where needed, for pas/mesh/octree.py.
 
    A node of a level is the number of its coordinates, 18 bits each.  A function that finds no memory returns -1. */
 

@@ -1,5 +1,4 @@
-/* Where vertices leave the triangles about them least slender: what pas/mesh/places.py does with numpy, with the same
-   sums and products in the same order. */
+/* Where vertices leave the triangles about them least slender, for pas/mesh/places.py. */
 
 #include <math.h>
 #include <stddef.h>

@@ -1,8 +1,7 @@
 /* What is done again and again to make the triangles of a mesh good ones: edges, flips, moves, collapses.
 
-   Each function does what the function of that name in pas/mesh/radial.py, graded.py or coarsen.py does with numpy:
-   the same sums and products in the same order, so that meshes are the same to the last bit.  Points and normals are
-   rows of three doubles, triangles rows of three numbers.  A function that finds no memory returns -1. */
+   They serve pas/mesh/radial.py, graded.py and coarsen.py.  Points and normals are rows of three doubles,
+   triangles rows of three numbers.  A function that finds no memory returns -1. */
 
 #include <math.h>
 #include <stddef.h>
@@ -265,6 +264,7 @@ int pas_grown(whole count, const whole *edges, whole size, const double *points,
     return state;
 }
 
+/* The way from each vertex to the mean of its triangles' centres, by their area over their size squared. */
 int pas_centred(whole count, const whole *triangles, whole size, const double *points, const double *sizes,
                 double *moves)
 {

@@ -15,8 +15,8 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.kernels import compiled
 from pas.mesh.labelled import Labelled, Topology
-from pas.mesh.remesh import cosines, flip, pair_normals, sags, smooth
-from pas.mesh.rows import any_of, cross, dots, norms
+from pas.mesh.remesh import cosines, flip, pair_normals, smooth
+from pas.mesh.rows import any_of, dots, norms
 
 KEPT = 0.35
 """Cosine between a triangle's new normal and its face's, below which a collapse is refused."""
@@ -181,84 +181,6 @@ def _off_chords(mesh: Labelled, removed: Integers, kept: Integers) -> Floats:
     return result
 
 
-def _fans(topology: Topology, vertices: Integers) -> tuple[Integers, Integers]:
-    """The triangles around vertices (K,), one fan after another: whose each is, and the corner of it (m,) there."""
-    order, ends = topology.corners
-    counts = topology.valence[vertices]
-    row = np.repeat(np.arange(len(vertices)), counts)
-    slot = np.arange(len(row)) + np.repeat(ends[vertices] - np.cumsum(counts), counts)
-    return row, order[slot]
-
-
-def _keeps_topology(topology: Topology, removed: Integers, kept: Integers) -> NDArray[np.bool_]:
-    """The link condition: whether two vertices alone are next to both ends."""
-    row, corner = _fans(topology, removed)
-    end = topology.triangles.ravel()[corner // 3 * 3 + (corner + 1) % 3]
-    low, high = np.minimum(end, kept[row]), np.maximum(end, kept[row])
-    weights = np.array([topology.size, 1])
-    keys, wanted = topology.edges @ weights, low * topology.size + high
-    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    return np.bincount(row[keys[at] == wanted], minlength=len(removed)) == 2
-
-
-def _keeps_straight(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats
-) -> NDArray[np.bool_]:
-    """Whether the new edges are as near to their faces as `most` (N,) says when `removed` vertices move to `kept`."""
-    row, corner = _fans(mesh.topology, removed)
-    good, triangle = np.ones(len(removed), dtype=bool), corner // 3
-    at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
-    for side in (1, 2):  # on curves edges have two faces
-        there = 3 * triangle + (corner + side) % 3
-        checked = np.flatnonzero(good[row] & ((side == 1) | (mesh.topology.label_count[removed[row]] > 1)))
-        end = mesh.triangles.ravel()[there[checked]]
-        rows = np.stack([at_kept[checked], mesh.topology.corner_pairs.ravel()[there[checked]]], axis=1)
-        off = sags(mesh.points, normals, np.stack([kept[row[checked]], end], axis=1), rows)
-        good[row[checked[(off > most[removed[row[checked]]]) & (end != kept[row[checked]])]]] = False
-    return good
-
-
-def _keeps_orientation(
-    mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, slenderest: Floats | None
-) -> NDArray[np.bool_]:
-    """Whether every triangle around `removed` is on its side of the face when that vertex moves to `kept`.
-
-    Where triangles may become long they must be it clearly, and not more slender than `slenderest` says of labels.
-    """
-    row, corner = _fans(mesh.topology, removed)
-    triangle = corner // 3
-    old = mesh.triangles[triangle]
-    flattest = np.full(len(removed), np.inf)
-    if slenderest is not None:  # what is slender already may be replaced by what is as slender
-        np.minimum.at(flattest, row, _height(mesh.points[old]))
-    stays = ~any_of(old == kept[row][:, None])
-    row, triangle, old = row[stays], triangle[stays], old[stays]
-    moves = old == removed[row][:, None]
-    p = mesh.points[np.where(moves, kept[row][:, None], old)]
-    area = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    at_kept = mesh.topology.rows(kept[row], mesh.labels[triangle])
-    own = normals[np.where(moves, at_kept[:, None], mesh.topology.corner_pairs[triangle])]
-    normal = own[:, 0] + own[:, 1] + own[:, 2]
-    side = dots(area, normal)
-    bad = side <= (KEPT if slenderest is None else HELD) * np.sqrt(dots(area, area) * dots(normal, normal))
-    if slenderest is not None:
-        along = (own * area[:, None]).sum(axis=2).min(axis=1)
-        inside = (mesh.topology.label_count[removed[row]] == 1).astype(np.intp)
-        least = slenderest[inside, mesh.labels[triangle]]
-        bad |= (_height(p) < np.minimum(flattest[row], least)) | (along < TURNED * norms(area))
-    good = np.ones(len(removed), dtype=bool)
-    good[row[bad]] = False
-    return good
-
-
-def _height(corners: Floats) -> Floats:
-    """The heights of triangles (T, 3, 3) over their longest sides (T,)."""
-    sides = [corners[:, (i + 1) % 3] - corners[:, i] for i in range(3)]
-    area = cross(sides[0], sides[1])
-    longest = np.max([dots(side, side) for side in sides], axis=0)
-    return np.asarray(norms(area) / np.maximum(longest, 1e-300))
-
-
 def _independent(
     mesh: Labelled, normals: Floats, removed: Integers, kept: Integers, most: Floats | None, slenderest: Floats | None
 ) -> NDArray[np.bool_]:
@@ -267,45 +189,7 @@ def _independent(
     They may be done together: of any two, neither vertex of one is next to the removed one of the other, so
     that they change no edge and no triangle twice.  Chosen in rounds (after Luby 1986).
     """
-    edges, size = mesh.topology.edges, mesh.topology.size
-    kernel = compiled()
-    if kernel is not None:
-        tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
-        both, limits = (edges, mesh.topology.label_count), (most, slenderest)
-        least = (KEPT, HELD, TURNED, ROUNDS)
-        return kernel.merged_faces(mesh.points, tables, normals, both, (removed, kept), limits, least)
-    sound = np.ones(len(removed), dtype=bool)
-    if most is not None:
-        sound = _keeps_straight(mesh, normals, removed, kept, most)
-    sound[sound] = _keeps_topology(mesh.topology, removed[sound], kept[sound])
-    sound[sound] = _keeps_orientation(mesh, normals, removed[sound], kept[sound], slenderest)
-    chosen = np.zeros(len(removed), dtype=bool)
-    open_ = np.flatnonzero(sound)
-    for _ in range(ROUNDS):
-        checkpoint()
-        if not len(open_):
-            break
-        won = open_[_touching(open_, open_, edges, removed, kept, size) == open_]
-        chosen[won] = True
-        open_ = open_[_touching(open_, won, edges, removed, kept, size) == len(removed)]
-    return chosen
-
-
-def _touching(
-    rows: Integers, others: Integers, edges: Integers, removed: Integers, kept: Integers, size: int
-) -> Integers:
-    """The first of other collapses that cannot be done together with each row (their number where there is none)."""
-    at_removed = np.full(size, len(removed))
-    np.minimum.at(at_removed, removed[others], others)
-    at_either = at_removed.copy()
-    np.minimum.at(at_either, kept[others], others)
-    near_either, near_removed = _spread(at_either, edges), _spread(at_removed, edges)
-    return np.minimum(near_either[removed[rows]], np.minimum(near_removed[kept[rows]], at_either[kept[rows]]))
-
-
-def _spread(values: Integers, edges: Integers) -> Integers:
-    """The least value of each vertex (N,) and those next to it."""
-    result = values.copy()
-    np.minimum.at(result, edges[:, 0], values[edges[:, 1]])
-    np.minimum.at(result, edges[:, 1], values[edges[:, 0]])
-    return result
+    tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
+    both, limits = (mesh.topology.edges, mesh.topology.label_count), (most, slenderest)
+    least = (KEPT, HELD, TURNED, ROUNDS)
+    return compiled().merged_faces(mesh.points, tables, normals, both, (removed, kept), limits, least)

@@ -13,10 +13,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.rows import all_of, any_of, cross, dots
 from pas.mesh.topology import distinct, numbered
-
-EDGES = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
 
 def snapped(
@@ -64,38 +61,9 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
     """
-    size, kernel = len(negative), compiled()
-    keys = _crossed(negative, tets) if kernel is None else kernel.crossings(tets, negative)
-    unique, inverse = numbered(keys)
+    size = len(negative)
+    unique, inverse = numbered(compiled().crossings(tets, negative))
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
-
-
-def _crossed(negative: NDArray[np.bool_], tets: Integers) -> Integers:
-    """The numbers of the edges at the corners of the triangles (3 T,), one triangle after another."""
-    size, negative = len(negative), negative[tets]
-    mixed = any_of(negative) & ~all_of(negative)
-    tets, negative = tets[mixed], negative[mixed]
-    ends = np.sort(tets[:, EDGES], axis=2)
-    keys = ends[..., 0] * size + ends[..., 1]
-    corners: list[Integers] = []
-    for inside in (1, 3):
-        checkpoint()
-        chosen = negative.sum(axis=1) == inside
-        apex = (negative[chosen] == (inside == 1)).argmax(axis=1)
-        around = np.array([[e for e, pair in enumerate(EDGES) if v in pair] for v in range(4)])
-        corners.append(np.take_along_axis(keys[chosen], around[apex], axis=1))
-    chosen = negative.sum(axis=1) == 2
-    first = negative[chosen].argmax(axis=1)
-    last = 3 - negative[chosen][:, ::-1].argmax(axis=1)
-    pattern = {(i, j): [k for k in range(4) if k not in (i, j)] for i in range(4) for j in range(i + 1, 4)}
-    numbers = {tuple(pair): e for e, pair in enumerate(EDGES.tolist())}
-    for (i, j), (k, m) in pattern.items():
-        checkpoint()
-        rows = keys[chosen][(first == i) & (last == j)]
-        ring = [numbers[tuple(sorted(p))] for p in ((i, k), (i, m), (j, m), (j, k))]
-        quad = rows[:, ring]
-        corners += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
-    return np.concatenate(corners).ravel()
 
 
 def oriented(
@@ -107,16 +75,7 @@ def oriented(
     negative to the positive ends of the edges through its corners; moving a corner along its edge
     does not change the side.
     """
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.oriented(triangles, points, edges, nodes, negative)
-    ends = nodes[edges]
-    rise = (ends[:, 1] - ends[:, 0]) * np.where(negative[edges[:, 0]], 1.0, -1.0)[:, None]
-    p = points[triangles]
-    normal = cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    first, second, third = (rise[column] for column in triangles.T)
-    wrong = dots(normal, first + second + third) < 0
-    return np.where(wrong[:, None], triangles[:, [0, 2, 1]], triangles)
+    return compiled().oriented(triangles, points, edges, nodes, negative)
 
 
 def _without_doubles(triangles: Integers) -> Integers:

@@ -8,7 +8,6 @@ import numpy as np
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.rows import dots
 from pas.mesh.topology import distinct, numbered
 
 
@@ -17,33 +16,18 @@ def finer(points: Floats, triangles: Integers, normals: Floats, m: int) -> tuple
 
     Edges are cubics tangent to the surface at both ends (Hermite); inside, their offsets are blended.
     """
-    size, count = len(points), len(triangles)
+    size = len(points)
     if m == 1:
         return points, triangles
     weights, cut, border = _template(m)
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     keys = np.minimum(start, end) * size + np.maximum(start, end)
     edges, place = numbered(keys)
-    low, high = edges // size, edges % size
     s = np.arange(1, m) / m
     shares = np.stack([1 - s, s, s * (1 - s) ** 2, s**2 * (1 - s)], axis=1)
-    kernel = compiled()
-    if kernel is not None:
-        places = _corners(m), _sides(m), np.flatnonzero(border < 0)
-        ends = np.stack([low, high], axis=1), place
-        return kernel.finer(points, triangles, normals, ends, m, shares, weights, places, cut)
-    p, q, n, k = points[low], points[high], normals[low], normals[high]
-    first, last = dots(q - p, n)[:, None] * n, dots(q - p, k)[:, None] * k
-    on_edges = np.stack([u * p + v * q - x * first + y * last for u, v, x, y in shares], axis=1)
-    inner = _inside(points, triangles, normals, weights)
-    grid = np.empty((count, len(border)), dtype=np.intp)
-    inside = border < 0
-    grid[:, inside] = size + on_edges.shape[0] * (m - 1) + np.arange(count * inside.sum()).reshape(count, -1)
-    grid[:, _corners(m)] = triangles
-    step, forward = np.arange(m - 1), start < end
-    rows = size + place[:, None] * (m - 1) + np.where(forward[:, None], step, m - 2 - step)
-    grid[:, _sides(m)] = rows.reshape(count, -1)
-    return np.concatenate([points, on_edges.reshape(-1, 3), inner.reshape(-1, 3)]), grid[:, cut].reshape(-1, 3)
+    places = _corners(m), _sides(m), np.flatnonzero(border < 0)
+    ends = np.stack([edges // size, edges % size], axis=1), place
+    return compiled().finer(points, triangles, normals, ends, m, shares, weights, places, cut)
 
 
 def points_on_edges(triangles: Integers, size: int, m: int, chosen: Integers) -> Integers:
@@ -52,18 +36,6 @@ def points_on_edges(triangles: Integers, size: int, m: int, chosen: Integers) ->
     edges = distinct(np.minimum(start, end) * size + np.maximum(start, end))
     place = np.searchsorted(edges, chosen.min(axis=1) * size + chosen.max(axis=1))
     return np.asarray(size + place[:, None] * (m - 1) + np.arange(m - 1))
-
-
-def _inside(points: Floats, triangles: Integers, normals: Floats, weights: Floats) -> Floats:
-    """The points (T, K, 3) inside triangles at barycentric coordinates (K, 3)."""
-    p, n = points[triangles].transpose(1, 0, 2), normals[triangles].transpose(1, 0, 2)
-    w = weights.T[:, None, :, None]
-    result = w[0] * p[0][:, None] + w[1] * p[1][:, None] + w[2] * p[2][:, None]
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        way = p[b] - p[a]
-        bow = dots(way, n[b])[:, None] * n[b] - dots(way, n[a])[:, None] * n[a]
-        result += 0.5 * (w[a] * w[b]) * bow[:, None]
-    return np.asarray(result)
 
 
 @cache

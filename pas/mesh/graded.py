@@ -20,9 +20,9 @@ from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.fine import fewest_parts, finer, points_on_edges
 from pas.mesh.graph import Graph, looked_at
 from pas.mesh.kernels import compiled
-from pas.mesh.measured import distances, rim_bends, rims_of_edges
+from pas.mesh.measured import distances, rims_of_edges
 from pas.mesh.mesh import Mesh
-from pas.mesh.radial import centred, flipped, flipped_edges, settled, slender
+from pas.mesh.radial import flipped, flipped_edges, settled, slender
 from pas.mesh.refine import longest_of, require_room, split, too_many, with_longest
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
@@ -158,21 +158,8 @@ def _to_rims(field: SheetField, points: Floats, rim: Integers) -> None:
 
 def _sizes(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """How long edges should be at points (N,): growing by at most `GRADE` over the way along edges, in three rounds."""
-    kernel, every, fixed = compiled(), graph.edges.every, field.fixed[graph.rim]
-    limits = _limits(field, tolerance)
-    if kernel is not None:
-        return kernel.wanted_sizes(graph.points, (every, len(graph.edges.inner)), graph.bends, fixed, limits)
-    eight, least_bend, bent, least_bent, grade = limits
-    bends = np.maximum(graph.bends, rim_bends(graph, fixed))
-    sizes = np.minimum(np.sqrt(eight / np.maximum(graph.bends, least_bend)), bent / np.maximum(bends, least_bent))
-    a, b = every.T
-    ways = grade * _lengths(graph.points, every)
-    for _ in range(3):
-        least = sizes.copy()
-        np.minimum.at(least, a, sizes[b] + ways)
-        np.minimum.at(least, b, sizes[a] + ways)
-        sizes = least
-    return sizes
+    every, fixed = (graph.edges.every, len(graph.edges.inner)), field.fixed[graph.rim]
+    return compiled().wanted_sizes(graph.points, every, graph.bends, fixed, _limits(field, tolerance))
 
 
 def _limits(field: SheetField, tolerance: float) -> tuple[float, float, float, float, float]:
@@ -284,16 +271,9 @@ def _relaxed(field: SheetField, graph: Graph, tolerance: float) -> Graph:
 
 def _moved(field: SheetField, graph: Graph, tolerance: float) -> Floats:
     """The points (N, 3) moved to the mean of their triangles' centres in tangent planes, those of the rim along it."""
-    edges, fixed, kernel = graph.edges, field.fixed[graph.rim], compiled()
-    if kernel is not None:
-        every, limits = (edges.every, len(edges.inner)), _limits(field, tolerance)
-        return kernel.moved(graph.points, graph.triangles, every, graph.normals, graph.bends, fixed, limits)
-    move = centred(graph.points, graph.triangles, _sizes(field, graph, tolerance))
-    move -= dots(move, graph.normals)[:, None] * graph.normals
-    v, before, after = edges.neighbours
-    move[v] = (graph.points[before] + graph.points[after]) / 4 - graph.points[v] / 2
-    move[fixed] = 0.0
-    return graph.points + move
+    every, limits = (graph.edges.every, len(graph.edges.inner)), _limits(field, tolerance)
+    given = graph.points, graph.triangles, every, graph.normals, graph.bends, field.fixed[graph.rim]
+    return compiled().moved(*given, limits)
 
 
 def _mended(

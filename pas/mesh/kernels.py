@@ -1,7 +1,7 @@
-"""What makes triangles good ones in compiled code, where there is some: the same meshes, bit for bit, sooner.
+"""The compiled functions that make triangles good ones, called with arrays.
 
-The functions here are those of `pas.mesh.radial`, `graded`, `coarsen`, `labelled`, `remesh` and `collapse`, which do
-the same with numpy.
+Those of `pas.mesh.radial`, `graded`, `coarsen`, `contour`, `fine`, `lattice`, `octree`, `places`, `refine` and
+`topology`; those for meshes with labels are in `pas.mesh.labelled_calls`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import compiling
 from pas.bernstein.polar import Means
 from pas.kernels.library import Functions
 from pas.mesh.field import Floats, Integers
@@ -122,12 +121,6 @@ class CompiledTriangles(LabelledCalls):
         """The centres of triangles and the middles of edges, both (N, 3), each given with which are chosen."""
         result, (every, inside), (ends, along) = np.empty((len(triangles[1]) + len(edges[1]), 3)), triangles, edges
         self._call("pas_middles", len(inside), inside, every, len(along), along, ends, points, result)
-        return result
-
-    def centred(self, points: Floats, triangles: Integers, sizes: Floats) -> Floats:
-        """See `pas.mesh.radial.centred`."""
-        result = np.empty_like(points)
-        self._call("pas_centred", len(triangles), triangles, len(points), points, sizes, result)
         return result
 
     def settled(self, before: Floats, after: Floats, triangles: Integers, normals: Floats, turned: float) -> Floats:
@@ -279,11 +272,7 @@ class CompiledTriangles(LabelledCalls):
         return distinct[: number[0]].copy(), inverse
 
 
-def compiled() -> CompiledTriangles | None:
-    """The compiled functions, None where the environment asks for numpy."""
-    return _best() if compiling() else None
-
-
 @cache
-def _best() -> CompiledTriangles:
+def compiled() -> CompiledTriangles:
+    """The compiled functions, looked up once."""
     return CompiledTriangles(Functions())

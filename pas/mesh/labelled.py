@@ -47,17 +47,7 @@ class Topology:
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
         """The distinct keys of (vertex, label) pairs (P,), sorted, and which one each corner has (3 T,)."""
-        kernel = compiled()
-        if kernel is not None:
-            return kernel.labelled_pairs(self.triangles, self.labels, self.size, self._span)
-        keys = (self.triangles * self._span + self.labels[:, None]).ravel()
-        order = np.argsort(keys)
-        ordered = keys[order]
-        first = np.ones(len(keys), dtype=bool)
-        first[1:] = ordered[1:] != ordered[:-1]
-        rows = np.empty(len(keys), dtype=np.intp)
-        rows[order] = np.cumsum(first) - 1
-        return ordered[first], rows
+        return compiled().labelled_pairs(self.triangles, self.labels, self.size, self._span)
 
     @cached_property
     def pairs(self) -> Integers:
@@ -84,28 +74,9 @@ class Topology:
         return np.bincount(self.pairs[:, 0], minlength=self.size)
 
     @cached_property
-    def valence(self) -> Integers:
-        """The number of triangles around each vertex (N,)."""
-        return np.bincount(self.triangles.ravel(), minlength=self.size)
-
-    @cached_property
-    def corners(self) -> tuple[Integers, Integers]:
-        """The corners of all triangles (3 T,), vertex by vertex, and where each vertex's end (N,)."""
-        return np.argsort(self.triangles.ravel()), np.cumsum(self.valence)
-
-    @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
-        kernel = compiled()
-        if kernel is not None:
-            return kernel.labelled_edges(self.triangles, self.labels, self.size)
-        start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
-        key = np.minimum(start, end) * self.size + np.maximum(start, end)
-        order = np.argsort(key)
-        labels = np.repeat(self.labels, 3)[order]
-        keys = key[order][::2]
-        edges = np.stack([keys // self.size, keys % self.size], axis=1)
-        return edges, np.sort(np.stack([labels[::2], labels[1::2]], axis=1), axis=1)
+        return compiled().labelled_edges(self.triangles, self.labels, self.size)
 
     @property
     def edges(self) -> Integers:
@@ -199,16 +170,8 @@ class Labelled:
     @cached_property
     def sizes(self) -> Floats:
         """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
-        topology, kernel = self.topology, compiled()
-        if kernel is not None:
-            return kernel.sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
-        result = np.ones(topology.size)
-        for rows in (slice(None), topology.seam_mask):
-            edges, lengths = topology.edges[rows], np.tile(self.lengths[rows], 2)
-            total = np.bincount(edges.T.ravel(), lengths, minlength=topology.size)
-            count = np.bincount(edges.T.ravel(), minlength=topology.size)
-            result = np.where(count > 0, total / np.maximum(count, 1), result)
-        return result
+        topology = self.topology
+        return compiled().sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
 
     def moved(self, points: Floats) -> Labelled:
         """The same triangles on other points."""

@@ -133,14 +133,8 @@ def _kept(forms: Floats) -> NDArray[np.bool_]:
 
 def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[Integers, Floats, Floats]:
     """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
-    (corners, parts), kernel = eighths(degree), compiled()
-    if kernel is not None:
-        return kernel.eighths(corners, parts, ROUNDING, keys, points, forms)
-    forms = parts(forms).transpose(1, 0, 2).reshape(-1, forms.shape[1])
-    kept = _kept(forms)
-    keys = np.einsum("ekj,tj->tek", corners, keys).reshape(-1, 4)
-    points = np.einsum("ekj,tjx->tekx", corners / 2, points).reshape(-1, 4, 3)
-    return keys[kept], points[kept], forms[kept]
+    corners, parts = eighths(degree)
+    return compiled().eighths(corners, parts, ROUNDING, keys, points, forms)
 
 
 def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
@@ -152,16 +146,7 @@ def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.boo
 def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     """Of functions on tetrahedra (T, 4, 3) the mean (T, 3) of the gradient's B-coefficients, up to a positive factor,
     their least product with that (T,), and the largest of their squared sizes (T,)."""
-    up = raised(degree, 4)
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.risings(up, forms, corners)
-    slopes = np.linalg.inv(corners[:, 1:] - corners[:, :1])
-    steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
-    gradients = steps @ slopes.transpose(0, 2, 1)
-    mean = gradients.mean(axis=1)
-    along = np.einsum("tmx,tx->tm", gradients, mean)
-    return mean, along.min(axis=1), np.einsum("tmx,tmx->tm", gradients, gradients).max(axis=1)
+    return compiled().risings(raised(degree, 4), forms, corners)
 
 
 @cache

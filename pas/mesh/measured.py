@@ -8,7 +8,6 @@ import numpy as np
 
 from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.radial import Edges, middles
-from pas.mesh.rows import dots
 
 if TYPE_CHECKING:
     from pas.mesh.graph import Graph
@@ -42,15 +41,3 @@ def distances(
         ends = graph.points[edges.rim]
         along[len(edges.inner) :] = field.rim_distances((ends[:, 0] + ends[:, 1]) / 2, rims)
     return inside, along
-
-
-def rim_bends(graph: Graph, fixed: np.ndarray) -> Floats:
-    """The curvature of rims at vertices (N,), from their edges; 0 inside and at those that are `fixed` (N,)."""
-    points, (a, b) = graph.points, graph.edges.rim.T
-    turn, span = np.zeros_like(points), np.zeros(len(points))
-    way = points[b] - points[a]
-    length = np.sqrt(dots(way, way))
-    turn[a], span[a] = way / length[:, None], length  # each vertex of a rim begins one edge and ends one
-    turn[b] -= way / length[:, None]
-    span[b] += length
-    return np.where(fixed | (span == 0), 0.0, 2 * np.sqrt(dots(turn, turn)) / np.maximum(span, 1e-300))

@@ -19,7 +19,7 @@ from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.topology import distinct, numbered
+from pas.mesh.topology import numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
 """Where the cubes start, in small cubes before the box: irrational, so that the planes and axes that
@@ -54,10 +54,8 @@ _SPAN = 1 << 18
 _WEIGHTS = np.array([_SPAN * _SPAN, _SPAN, 1])
 """Corners and middles are numbered by their coordinates; the number is linear in these."""
 
-_UNITS = np.eye(3, dtype=np.intp)
 _SIGNS = np.array(list(product((-1, 1), repeat=3)))
 _NEIGHBOURS = np.array(list(product((-1, 0, 1), repeat=3)))
-_MIDDLES = _NEIGHBOURS[(_NEIGHBOURS == 0).any(axis=1)]
 
 
 def _lines() -> Integers:
@@ -176,15 +174,8 @@ class Octree:
 
     def tetrahedra(self) -> tuple[Floats, Integers]:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
-        kernel = compiled()
-        if kernel is not None:
-            halved = [cubes @ _WEIGHTS for cubes in self._halved]
-            corners = kernel.tetrahedra(halved, self._missed[: self.levels + 1], self._counts)
-        else:
-            used = self._middles()
-            corners = np.concatenate(
-                [self._cut(level, used) << (self.levels - 1 - level) for level in range(self.levels)]
-            )
+        halved = [cubes @ _WEIGHTS for cubes in self._halved]
+        corners = compiled().tetrahedra(halved, self._missed[: self.levels + 1], self._counts)
         checkpoint()
         numbers, inverse = numbered(corners.ravel())
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
@@ -243,98 +234,7 @@ class Octree:
         points = (centers[:, None] + half * _SAMPLES).reshape(-1, 3)
         return self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))
 
-    def _middles(self) -> list[tuple[Integers, Integers]]:
-        """For each level the numbers of all middles, sorted, and the coordinates of those of cubes."""
-        result = []
-        needed = np.empty((0, 3), dtype=np.intp)
-        for level in reversed(range(self.levels)):
-            checkpoint()
-            own = (self._halved[level][:, None] + _MIDDLES).reshape(-1, 3)
-            middles = _distinct(np.concatenate([own, needed]))
-            odd = (middles & 1).sum(axis=1)
-            faces = _distinct(np.concatenate([middles[odd == 2], self._beside_edges(level, middles[odd == 1])]))
-            cubes = _distinct(np.concatenate([middles[odd == 3], self._beside_faces(level, faces)]))
-            everything = np.concatenate([middles[odd == 1], faces, cubes]) @ _WEIGHTS
-            result.append((np.sort(everything), cubes))
-            needed = _distinct((cubes[:, None] + _SIGNS).reshape(-1, 3) >> 1)
-            needed = needed[(needed & 1).any(axis=1)]
-        return result[::-1]
-
-    def _beside_edges(self, level: int, edges: Integers) -> Integers:
-        """The middles of the faces that have given edges, of cubes that the boundary may pass."""
-        result = [np.empty((0, 3), dtype=np.intp)]
-        for axis in range(3):
-            own = edges[edges[:, axis] & 1 == 1]
-            first, second = (_UNITS[i] for i in range(3) if i != axis)
-            for i, j in product((-1, 1), repeat=2):
-                there = own[self._exist(level, own + i * first + j * second)]
-                result += [there + i * first, there + j * second]
-        return np.concatenate(result)
-
-    def _beside_faces(self, level: int, faces: Integers) -> Integers:
-        """The middles of the cubes that have given faces, if the boundary may pass them."""
-        result = [np.empty((0, 3), dtype=np.intp)]
-        for axis in range(3):
-            own = faces[faces[:, axis] & 1 == 0]
-            for side in (-1, 1):
-                cubes = own + side * _UNITS[axis]
-                result.append(cubes[self._exist(level, cubes)])
-        return np.concatenate(result)
-
-    def _exist(self, level: int, cubes: Integers) -> NDArray[np.bool_]:
-        """Whether cubes are in the grid and were not found to be missed, nor was one that they are part of."""
-        number = cubes >> 1
-        result = np.asarray(((number >= 0) & (number >> level < self._counts)).all(axis=1))
-        for up in range(level + 1):
-            rows = np.flatnonzero(result)
-            result[rows] = ~_member(self._missed[level - up], (2 * (number[rows] >> up) + 1) @ _WEIGHTS)
-        return result
-
-    def _cut(self, level: int, used: list[tuple[Integers, Integers]]) -> Integers:
-        """Tetrahedra (T, 4) of the halved cubes of one level, but for eighths that are halved or missed."""
-        numbers, cubes = used[level]
-        gone = self._missed[level + 1]
-        if level + 1 < self.levels:
-            gone = np.sort(np.concatenate([gone, used[level + 1][1] @ _WEIGHTS]))
-        center = cubes @ _WEIGHTS
-        found = []
-        for axis, side in product(range(3), (-1, 1)):
-            checkpoint()
-            out = side * _WEIGHTS[axis]
-            b, c = (i for i in range(3) if i != axis)
-            face = center + out
-            halved = _member(numbers, face)
-            plus, minus = _WEIGHTS[b] + _WEIGHTS[c], _WEIGHTS[b] - _WEIGHTS[c]
-            even = ((cubes[:, b] + cubes[:, c]) >> 1) & 1 == 1
-            for turn, along, across in ((even, plus, minus), (~even, minus, plus)):  # the diagonal, and the other
-                rows = ~halved & turn
-                m, f = center[rows], face[rows]
-                found += [(m, f - along, f + along, f - across), (m, f - along, f + along, f + across)]
-            for i, j in ((b, c), (c, b)):
-                for step in (-_WEIGHTS[i], _WEIGHTS[i]):
-                    edge, along = face + step, _WEIGHTS[j]
-                    cut = _member(numbers, edge)
-                    rows = halved & ~cut
-                    found.append((center[rows], face[rows], edge[rows] - along, edge[rows] + along))
-                    for end in (-along, along):
-                        rows = cut & ~_member(gone, 2 * center + out + step + end)
-                        found.append((center[rows], face[rows], edge[rows], edge[rows] + end))
-        return np.concatenate([np.stack(corners, axis=1) for corners in found])
-
-
-def _distinct(nodes: Integers) -> Integers:
-    """Coordinates (N, 3) without repetitions."""
-    return _coordinates(distinct(nodes @ _WEIGHTS))
-
 
 def _coordinates(numbers: Integers) -> Integers:
     """Those (N, 3) of the nodes with given numbers."""
     return np.stack([numbers // (_SPAN * _SPAN), numbers // _SPAN % _SPAN, numbers % _SPAN], axis=1)
-
-
-def _member(numbers: Integers, wanted: Integers) -> NDArray[np.bool_]:
-    """Whether wanted numbers are among sorted ones."""
-    if not len(numbers):
-        return np.zeros(len(wanted), dtype=bool)
-    at = np.minimum(np.searchsorted(numbers, wanted), len(numbers) - 1)
-    return np.asarray(numbers[at] == wanted)

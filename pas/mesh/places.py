@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
-from pas.mesh.rows import any_of, cross, dots, norms
+from pas.mesh.rows import any_of, cross, dots
 
 STEPS = (1.0, 0.5)
 """Shares of the ways that are tried."""
@@ -89,10 +89,7 @@ def sines(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
 
 def all_sines(points: Floats, triangles: Integers) -> Floats:
     """The sine of the smallest angle of each triangle (T,)."""
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.sines(points, triangles)
-    return sines(*(points[column] for column in triangles.T))[0]
+    return compiled().sines(points, triangles)
 
 
 def better_places(
@@ -102,94 +99,6 @@ def better_places(
 
     Of points (N, 3) with unit normals (N, 3); `before` (K,) are the sines of the triangles' smallest angles.
     """
-    kernel = compiled()
-    if kernel is not None:
-        tables, ways = (stars.vertices, stars.starts, stars.first, stars.second), (np.array(STEPS), np.array(TURNS))
-        values, limits = (before, asked.weights, asked.floors), (asked.aim, SHARPEST, HEIGHT, AROUND)
-        return kernel.better_places(tables, points, normals, values, limits, ways)
-    ring = _Ring.of(stars, points, normals, asked)
-    here, normal = points[stars.vertices], normals[stars.vertices]
-    least = ring.slenderness(before)
-    found = _Best(here.copy(), least.copy())
-    for way in ring.ways(here, normal, before):
-        for share in STEPS:
-            found.take(here + share * way, ring)
-    middle, (along, aside) = found.places.copy(), ring.around(normal)
-    for x, y in TURNS:
-        found.take(middle + (x * along + y * aside), ring)
-    return found.places, least, found.left
-
-
-@dataclass(frozen=True)
-class _Ring:
-    """The edges opposite to V vertices, from `start` to `end` (K, 3): their `owner` (K,) and where each one's `starts`
-    (V,), the unit normals at the owners (K, 3), and what is asked of the triangles."""
-
-    start: Floats
-    end: Floats
-    owner: Integers
-    starts: Integers
-    normals: Floats
-    asked: Asked
-
-    @classmethod
-    def of(cls, stars: Stars, points: Floats, normals: Floats, asked: Asked) -> _Ring:
-        owner = stars.owner
-        at = normals[stars.vertices[owner]]
-        return cls(points[stars.first], points[stars.second], owner, stars.starts, at, asked)
-
-    def sums(self, values: Floats) -> Floats:
-        """Of values (K, 3) about each vertex (V, 3)."""
-        return np.stack([np.bincount(self.owner, column, len(self.starts)) for column in values.T], axis=1)
-
-    def ways(self, here: Floats, normal: Floats, before: Floats) -> list[Floats]:
-        """The ways (V, 3) from vertices in their tangent planes to what may be better places."""
-        along = self.end - self.start
-        apex = (self.start + self.end) / 2 + HEIGHT * cross(self.normals, along)
-        sharp = 1 / np.maximum(before, SHARPEST)
-        sharp = sharp * sharp
-        sharp = sharp * sharp
-        count = np.bincount(self.owner, minlength=len(here))[:, None]
-        weight = np.bincount(self.owner, sharp, len(here))[:, None]
-        places = [
-            self.sums(apex * sharp[:, None]) / weight,
-            self.sums(apex) / count,
-            (self.sums(self.start + self.end) / count + here) / 3,
-        ]
-        ways = [place - here for place in places]
-        return [way - dots(way, normal)[:, None] * normal for way in ways]
-
-    def around(self, normal: Floats) -> tuple[Floats, Floats]:
-        """Two ways (V, 3) in each tangent plane, at right angles."""
-        along = self.end - self.start
-        count = np.bincount(self.owner, minlength=len(normal))
-        reach = AROUND * np.bincount(self.owner, norms(along), len(normal)) / count
-        first = along[self.starts]
-        first = first - dots(first, normal)[:, None] * normal
-        first = first * (reach / np.maximum(norms(first), 1e-300))[:, None]
-        return first, cross(normal, first)
-
-    def slenderness(self, values: Floats) -> Floats:
-        """How much too slender triangles with given sines (K,) are about each vertex (V,)."""
-        short = np.maximum(self.asked.aim - values, 0.0)
-        return np.asarray(np.bincount(self.owner, self.asked.weights * short * short, len(self.starts)), dtype=float)
-
-    def seen(self, places: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """The same for vertices in other places (V, 3), and whether they may be there (V,)."""
-        found, across = sines(places[self.owner], self.start, self.end)
-        found = np.where(dots(across, self.normals) > 0, found, -1.0)
-        return self.slenderness(found), np.logical_and.reduceat(found >= self.asked.floors, self.starts)
-
-
-@dataclass(frozen=True)
-class _Best:
-    """The best places (V, 3) so far, and what they leave too slender (V,)."""
-
-    places: Floats
-    left: Floats
-
-    def take(self, places: Floats, ring: _Ring) -> None:
-        """Other places where these are better."""
-        left, may = ring.seen(places)
-        better = (left < self.left) & may
-        self.left[better], self.places[better] = left[better], places[better]
+    tables, ways = (stars.vertices, stars.starts, stars.first, stars.second), (np.array(STEPS), np.array(TURNS))
+    values, limits = (before, asked.weights, asked.floors), (asked.aim, SHARPEST, HEIGHT, AROUND)
+    return compiled().better_places(tables, points, normals, values, limits, ways)

@@ -72,44 +72,7 @@ def split(points: Floats, triangles: Integers, edges: Integers) -> tuple[Floats,
     middles = (points[edges[order, 0]] + points[edges[order, 1]]) / 2
     ends = np.zeros(size, dtype=bool)
     ends[edges] = True
-    points, kernel = np.concatenate([points, middles]), compiled()
-    if kernel is not None:
-        return points, *kernel.split(triangles, ends, keys)
-    a, b, c = (ends[triangles[:, i]] for i in range(3))
-    some = np.flatnonzero((a & b) | (b & c) | (c & a))  # all others stay
-    turned = triangles[some]
-    marks = np.stack([_lookup(keys, turned[:, i], turned[:, (i + 1) % 3], size) for i in range(3)], axis=1)
-    count = (marks >= 0).sum(axis=1)
-    whole = np.ones(len(triangles), dtype=bool)
-    whole[some[count > 0]] = False
-    pieces, parents = [triangles[whole]], [np.flatnonzero(whole)]
-    # turned so that the one split edge is the first, or the one unsplit edge the last
-    for number in (1, 2, 3):
-        rows = count == number
-        first = {1: marks[rows] >= 0, 2: marks[rows] < 0, 3: np.ones((rows.sum(), 3), dtype=bool)}[number].argmax(
-            axis=1
-        )
-        turn = (first[:, None] + np.arange(3) + (1 if number == 2 else 0)) % 3
-        a, b, c = np.take_along_axis(turned[rows], turn, axis=1).T
-        p, q, r = (np.take_along_axis(marks[rows], turn, axis=1) + size).T
-        if number == 1:
-            corners = [(a, p, c), (p, b, c)]
-        elif number == 2:
-            corners = [(p, b, q), (a, p, q), (a, q, c)]
-        else:
-            corners = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
-        pieces += [np.stack(corner, axis=1) for corner in corners]
-        parents += [some[rows]] * len(corners)
-    return points, np.concatenate(pieces), np.concatenate(parents)
-
-
-def _lookup(keys: Integers, a: Integers, b: Integers, size: int) -> Integers:
-    """Where the edges (a, b) stand among the sorted keys, -1 for those that are not there."""
-    if not len(keys):
-        return np.full(len(a), -1)
-    wanted = np.minimum(a, b) * size + np.maximum(a, b)
-    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    return np.where(keys[at] == wanted, at, -1)
+    return np.concatenate([points, middles]), *compiled().split(triangles, ends, keys)
 
 
 def far_edges(
@@ -142,12 +105,4 @@ def longest_of(triangles: Integers, edges: Integers, ratio: Floats, size: int, l
 
     `ratio` (E,) are lengths over what they should be, `size` is the number of vertices.
     """
-    kernel = compiled()
-    if kernel is not None:
-        return edges[kernel.longest(triangles, edges, ratio, size, limit)]
-    keys = edges.min(axis=1) * size + edges.max(axis=1)
-    order = np.argsort(keys)
-    start, end = triangles, triangles[:, [1, 2, 0]]
-    place = order[np.searchsorted(keys[order], np.minimum(start, end) * size + np.maximum(start, end))]
-    worst = place[np.arange(len(place)), ratio[place].argmax(axis=1)]
-    return edges[np.unique(worst[ratio[worst] > limit])]
+    return edges[compiled().longest(triangles, edges, ratio, size, limit)]

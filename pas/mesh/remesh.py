@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.improve import flip_once, to_centres
 from pas.mesh.kernels import compiled
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import any_of, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
 
 NEWTON_STEPS = 16
@@ -156,6 +155,16 @@ def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = No
     return project(mesh.moved(points + move), field, mesh.sizes / 4, chosen)
 
 
+def to_centres(points: Floats, triangles: Integers) -> Floats:
+    """The way (N, 3) from each vertex to the mean of its triangles' centres."""
+    corners = triangles.ravel()
+    times = np.bincount(corners, minlength=len(points))
+    a, b, c = (points[column] for column in triangles.T)
+    centres = np.repeat((a + b + c) / 3, 3, axis=0)
+    total = np.stack([np.bincount(corners, c, minlength=len(points)) for c in centres.T], axis=1)
+    return np.asarray(total / np.maximum(times, 1)[:, None] - points)
+
+
 def flip(
     mesh: Labelled,
     field: FaceField,
@@ -168,60 +177,12 @@ def flip(
     On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
     With `near` (N,), only edges about these vertices.
     """
-    known, kernel = pair_normals(mesh, field), compiled()
-    if kernel is None:
-        triangles = _flipped(mesh, field, known, passes, limit, near)
-    else:
-        tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
-        lines = None if limit is None else (field.lines(mesh.labels), limit)
-        triangles = kernel.flipped_faces(mesh.points, tables, known, lines, near, passes)
+    known = pair_normals(mesh, field)
+    tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
+    lines = None if limit is None else (field.lines(mesh.labels), limit)
+    triangles = compiled().flipped_faces(mesh.points, tables, known, lines, near, passes)
     topology = mesh.topology if triangles is None else replace(mesh.topology, triangles=triangles)
     return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
-
-
-def _flipped(
-    mesh: Labelled,
-    field: FaceField,
-    known: Floats,
-    passes: int,
-    limit: float | None,
-    near: NDArray[np.bool_] | None,
-) -> Integers | None:
-    """The triangles after flips by numpy, by normals of pairs; None where nothing was flipped."""
-    triangles, changed = mesh.triangles.copy(), False
-    facing = _summed(known, mesh.topology.corner_pairs)
-    rows = np.arange(len(triangles))
-
-    def nearer(owners: Integers, edges: Integers, opposite: Integers) -> Floats:
-        result, labels = np.zeros(len(edges)), mesh.labels[rows[owners[:, 0]]]
-        at = np.flatnonzero(field.lines(labels))
-        ends = [mesh.topology.rows(e[at], labels[at, None]) for e in (edges, opposite)]
-        before, after = (sags(mesh.points, known, e[at], r) for e, r in zip((edges, opposite), ends, strict=True))
-        result[at] = np.where(np.maximum(before, after) > (limit or 0.0), before - after, 0.0)
-        return result
-
-    def about(first: Integers, second: Integers) -> Floats:
-        return facing[rows[first]] + facing[rows[second]]
-
-    for _ in range(passes):
-        checkpoint()
-        if near is not None:
-            rows = np.flatnonzero(any_of(near[triangles]))
-        part = triangles[rows]
-        owners = flip_once(mesh.points, part, about, mesh.labels[rows], None if limit is None else nearer, near)
-        if not len(owners):
-            break
-        facing[rows[owners]] = about(owners[:, 0], owners[:, 1])[:, None] / 2
-        triangles[rows], changed = part, True
-        near = np.zeros(len(mesh.points), dtype=bool)
-        near[part[owners]] = True  # elsewhere nothing is left to flip
-    return triangles if changed else None
-
-
-def _summed(values: Floats, rows: Integers) -> Floats:
-    """The sums (T, 3) of values (P, 3) in given rows (T, 3)."""
-    a, b, c = rows.T
-    return np.asarray(values[a] + values[b] + values[c])
 
 
 def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Floats:
@@ -246,11 +207,5 @@ def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Fl
 def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
     """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
     chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
-    normals, rows, kernel = pair_normals(mesh, field), mesh.topology.corner_pairs, compiled()
-    if kernel is not None:
-        return kernel.cosines(mesh.points, mesh.triangles, rows, normals, chosen)
-    a, b, c = (mesh.points[column] for column in mesh.triangles[chosen].T)
-    area = cross(b - a, c - a)
-    normal = _summed(normals, rows[chosen])
-    size = np.sqrt(dots(area, area) * dots(normal, normal))
-    return np.asarray(dots(area, normal) / np.maximum(size, 1e-300))
+    rows, normals = mesh.topology.corner_pairs, pair_normals(mesh, field)
+    return compiled().cosines(mesh.points, mesh.triangles, rows, normals, chosen)

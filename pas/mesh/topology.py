@@ -14,20 +14,12 @@ MOST = (1 << 62) - 1
 
 def numbered(keys: Integers) -> tuple[Integers, Integers]:
     """The distinct ones of numbers (N,), none of them negative, sorted, and where each of them stands (N,)."""
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.numbered(keys, True)
-    found, inverse = np.unique(keys, return_inverse=True)
-    return found, inverse
+    return compiled().numbered(keys, True)
 
 
 def distinct(keys: Integers) -> Integers:
     """The distinct ones of numbers, none of them negative, sorted (several times faster than `np.unique`)."""
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.numbered(keys.ravel(), False)[0]
-    ordered = np.sort(keys, axis=None)
-    return ordered[np.concatenate([np.ones(min(len(ordered), 1), dtype=bool), ordered[1:] != ordered[:-1]])]
+    return compiled().numbered(keys.ravel(), False)[0]
 
 
 def same_places(points: Floats) -> tuple[Integers, Integers]:
@@ -55,12 +47,7 @@ def is_closed_manifold(triangles: Integers) -> bool:
 
 def is_manifold(triangles: Integers) -> bool:
     """Whether every edge has one or two triangles and every vertex one fan of them."""
-    kernel = compiled()
-    if kernel is not None and len(triangles):
-        return kernel.is_manifold(triangles, int(triangles.max()) + 1)
-    if len(triangles) == 0 or edge_table(triangles)[1].max() > 2:
-        return False
-    return bool((_fans(triangles) == 1).all())
+    return len(triangles) > 0 and compiled().is_manifold(triangles, int(triangles.max()) + 1)
 
 
 def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
@@ -70,18 +57,8 @@ def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Inte
     """
     if not len(triangles):
         return np.empty(0, dtype=np.intp)
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.pinched(triangles, int(triangles.max()) + 1 if among is None else len(among), among)
-    edges, times = edge_table(triangles)
-    used = distinct(triangles)
-    open_ = distinct(edges[times != 2])
-    if among is not None:
-        open_ = open_[among[open_]]
-    if len(open_):
-        return open_
-    bad = used[_fans(triangles) != 1]
-    return bad if among is None else bad[among[bad]]
+    size = int(triangles.max()) + 1 if among is None else len(among)
+    return compiled().pinched(triangles, size, among)
 
 
 def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
@@ -112,41 +89,4 @@ def euler_characteristic(triangles: Integers) -> int:
 
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
-    kernel = compiled()
-    if kernel is not None:
-        return kernel.pieces(triangles, int(triangles.max(initial=-1)) + 1)
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    rows = np.concatenate([triangles[:, 0], triangles[:, 1]])
-    columns = np.concatenate([triangles[:, 1], triangles[:, 2]])
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(int(triangles.max(initial=0)) + 1,) * 2)
-    label = connected_components(graph, directed=False)[1]
-    return len(np.unique(label[triangles[:, 0]]))
-
-
-def _fans(triangles: Integers) -> Integers:
-    """How many edge-connected fans of triangles meet at each used vertex."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    corners = len(triangles) * 3
-    owner = triangles.ravel()
-    ids = np.arange(corners).reshape(-1, 3)
-    size = int(triangles.max()) + 1
-    sides, ends = [], []
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        low = np.minimum(triangles[:, i], triangles[:, j])
-        high = np.maximum(triangles[:, i], triangles[:, j])
-        sides.append(low * size + high)
-        ends.append(np.where((triangles[:, i] < triangles[:, j])[:, None], ids[:, [i, j]], ids[:, [j, i]]))
-    keys, pairs = np.concatenate(sides), np.concatenate(ends)
-    order = np.argsort(keys)
-    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
-    first, second = pairs[order[same]], pairs[order[same + 1]]
-    rows, columns = first.ravel(), second.ravel()
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(corners, corners))
-    components, label = connected_components(graph, directed=False)
-    vertex_of = np.empty(components, dtype=np.intp)
-    vertex_of[label] = owner
-    return np.unique(vertex_of, return_counts=True)[1]
+    return compiled().pieces(triangles, int(triangles.max(initial=-1)) + 1)
