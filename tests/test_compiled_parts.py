@@ -22,9 +22,10 @@ from pas.mesh.lattice import Subdivision, eighths, risings
 from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
 from pas.mesh.refine import longest_of, split, with_longest
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count, same_places
+from pas.surface.local_field import LocalField
 from pas.surface.mesh_bounds import _moves, bounds
 from pas.surface.mesh_stage import Sheet
-from pas.surface.rests import leaves
+from pas.surface.rests import _parted, leaves
 from pas.surface.windings import crossed
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
@@ -118,57 +119,67 @@ def test_risings_are_products_with_the_mean_gradient(degree):
     assert least / size == pytest.approx(along / squares, rel=1e-9)
 
 
-def test_places_of_rest_are_the_same_bits(both):
+def test_places_of_rest_hold_all_critical_points():
     stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
-
-    def places():
-        each = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
-        return [part for some in each for part in (some.forms, some.corners, some.open, some.examined)]
-
-    found = both(places)
-    assert same(found)
-    assert not any(map(len, found[0][2::4]))
-    solid, _, _, ends = found[0][1::4]
+    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+    assert not any(len(some.open) for some in found)
+    solid, _, _, ends = (some.corners for some in found)
     assert len(ends) == 8  # the corners of the box
     critical = (np.array([-1 / 14, 0, 0]) - stage.origin) / stage.scale
     assert ((solid.min(axis=1) <= critical) & (critical <= solid.max(axis=1))).all(axis=1).any()
     assert np.abs(solid - critical).max() <= 0.5
 
 
-def test_places_where_nothing_but_rounding_is_left_are_not_cut_further(both):
+@pytest.mark.parametrize("vertices", [2, 3, 4])
+@pytest.mark.parametrize("degree", [2, 5])
+def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertices):
+    """Halves along which the derivative in one direction is surely positive are dropped."""
+    rng, indices, bound = np.random.default_rng(degree), np.array(homogeneous_exponents(degree, vertices)), 0.05
+    forms, corners = 0.2 * rng.normal(size=(400, len(indices))), rng.normal(size=(400, vertices, 3))
+    forms += 0.3 * rng.normal(size=(400, vertices)) @ indices.T / degree + 0.3 * rng.normal(size=(400, 1))
+    found, halves = _parted(forms, corners, degree, bound, cut=True), ([], [])
+    for form, simplex in zip(forms, corners, strict=True):
+        spans = [np.linalg.norm(simplex[a] - simplex[b]) for a, b in edges(vertices)]
+        longest = int(np.argmax(spans))
+        a, b = edges(vertices)[longest]
+        for moved, matrix in zip((b, a), halving(degree, vertices, longest), strict=True):
+            part, places, up = matrix @ form, simplex.copy(), raised(degree, vertices)
+            places[moved] = (simplex[a] + simplex[b]) / 2
+            ways, steps = places[1:] - places[0], part[up[:, 1:]] - part[up[:, :1]]
+            direction = np.linalg.solve(ways @ ways.T, steps.mean(axis=0))
+            if (steps @ direction).min() <= 2 * bound * np.abs(direction).sum():
+                halves[int(max(part.min(), -part.max()) > bound)].append((part, places))
+    for (own, at), expected in zip(found, halves, strict=True):
+        assert 10 < len(own) == len(expected) < 700
+        assert own == pytest.approx(np.array([part for part, _ in expected]), abs=1e-12)
+        assert np.array_equal(at, [places for _, places in expected])
+
+
+def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
     stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
-    def left():
-        found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
-        return *(some.open for some in found), sum(some.examined for some in found)
-
-    found = both(left)
-    assert same(found)
-    _, _, edges, ends, examined = found[0]
-    off = np.linalg.norm(stage.world(edges.mean(axis=1))[:, None] - places, axis=2)
+    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+    _, _, sides, ends = (some.open for some in found)
+    off = np.linalg.norm(stage.world(sides.mean(axis=1))[:, None] - places, axis=2)
     assert not len(ends)
     assert off.min(axis=1).max() < 1e-6
     assert off.min(axis=0).max() < 1e-6
-    assert examined < 1000  # 20,000 when they are
+    assert sum(some.examined for some in found) < 1000  # 20,000 when they are
 
 
-def test_windings_are_counted_alike(both):
+def test_windings_are_those_of_the_inside():
     mesh = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesh(2e-2)
     rng = np.random.default_rng(5)
     ends = np.concatenate([rng.uniform(-2, 2, (200, 3)), mesh.points[:20]])
     origin = np.array([0.01, 0.02, 0.03])
-    times, known = (
-        part for part in zip(*both(lambda: crossed(mesh.points, mesh.triangles, origin, ends)), strict=True)
-    )
-    assert same(times)
-    assert same(known)
+    times, known = crossed(mesh.points, mesh.triangles, origin, ends)
     inside = heights(ends[:200]) < 0
-    sure = known[0][:200] & (np.abs(heights(ends[:200])) > 0.3)
-    assert known[0][:200].sum() > 190
+    sure = known[:200] & (np.abs(heights(ends[:200])) > 0.3)
+    assert known[:200].sum() > 190
     assert 5 < inside[sure].sum() < sure.sum() - 100
-    assert (times[0][:200][sure] == -inside[sure].astype(int)).all()
-    assert not known[0][200:].any()  # vertices are on the mesh
+    assert (times[:200][sure] == -inside[sure].astype(int)).all()
+    assert not known[200:].any()  # vertices are on the mesh
 
 
 def heights(points):
@@ -316,34 +327,58 @@ def test_triangles_are_cut_into_small_ones(m):
     assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=2e-2)
 
 
+def noisy(field, mesh, scale=0.02):
+    """A mesh's points in a field's coordinates, and the same moved off the surface."""
+    local = field.frame.local_points(mesh.points)
+    return local, local + np.random.default_rng(4).normal(scale=scale, size=local.shape)
+
+
 @pytest.mark.parametrize("name", ["corner", "torus"])
-def test_fields_of_surfaces_are_the_same_bits(both, name):
-    if name == "corner":
-        surface = solved(EQUAL, 2).surface
-        field = surface.radial_field
-    else:
-        surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-        field = surface.cell_field
-    local = field.frame.local_points(surface.mesh(2e-2).points)
-    points = local + np.random.default_rng(4).normal(scale=0.02, size=local.shape)
+def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
+    surface = solved(EQUAL, 2).surface if name == "corner" else pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
+    field = surface.radial_field if name == "corner" else surface.cell_field
+    local, points = noisy(field, surface.mesh(2e-2))
     still = np.arange(len(points)) % 5 == 0
     rim = np.arange(len(points)) % len(field.rims)
+    drawn, _, _ = field.drawn(points, still)
+    assert np.array_equal(drawn[still], points[still])
+    assert (field.distances(drawn)[~still] < 0.2 * field.distances(points)[~still] + 1e-10).mean() > 0.95
+    assert np.abs(field.distances(field.closed(local + 1e-4)[0])).max() < 1e-12
+    each = [field.rims[k].distances(point[None])[0] for k, point in zip(rim.tolist(), points, strict=True)]
+    assert field.rim_distances(points, rim) == pytest.approx(each, rel=1e-9)
+    assert field.rim_distances(points, rim).max() > 1e-3
+
+
+def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
+    surface = solved(EQUAL, 2).surface
+    fields = surface.radial_field, LocalField(surface)
+    assert fields[1].outer is None
+    local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
+    still = np.arange(len(points)) % 5 == 0
+    looked = [
+        [*field.drawn(points, still), *field.closed(points), field.distances(points), *field.bending(local)]
+        for field in fields
+    ]
+    for one, other in zip(*looked, strict=True):
+        assert one == pytest.approx(other, rel=1e-7, abs=1e-9)
+
+
+def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monkeypatch):
+    surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
+    field = surface.cell_field
+    local, points = noisy(field, surface.mesh(2e-2))
+    still, rim = np.arange(len(points)) % 5 == 0, np.arange(len(points)) % len(field.rims)
 
     def looked():
         found = [*field.drawn(points, still), *field.closed(local + 1e-4), field.distances(points)]
         return [*found, *field.bending(points), field.on_rims(points, rim), field.near(points)]
 
-    found = both(looked)
-    assert same(found)
-    assert np.array_equal(found[0][0][still], points[still])
-    assert np.abs(field.distances(found[0][3])).max() < 1e-12
-    each = [field.rims[k].distances(point[None])[0] for k, point in zip(rim.tolist(), points, strict=True)]
-    assert field.rim_distances(points, rim) == pytest.approx(each, rel=1e-9)
-    assert field.rim_distances(points, rim).max() > 1e-3
-    assert (field.distances(found[0][0])[~still] < 0.2 * found[0][5][~still] + 1e-10).mean() > 0.95
+    found = looked()
+    monkeypatch.setattr(field, "outer", None)
+    assert same([found, looked()])
 
 
-def test_rays_from_the_centre_and_its_skeleton_are_the_same_bits(both):
+def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():
     surface = solved(EQUAL, 2).surface
     field = surface.radial_field
     local = field.frame.local_points(surface.mesh(2e-2).points)
@@ -351,18 +386,34 @@ def test_rays_from_the_centre_and_its_skeleton_are_the_same_bits(both):
     on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
     points = np.concatenate([*(local + scale * noise for scale in (1e-4, 0.02, 0.2)), on_skeleton])
     inner = field.first.points[field.first.rim < 0]
-
-    def looked():
-        found = [field.met(points), field.near(points), *field.leaving(points)]
-        return [*found, field._around(points, points), field.once(inner), field.once(points)]
-
-    found = both(looked)
-    assert same(found)
-    met, near, _, _, around, *once = found[0]
-    assert once == [True, False]
+    met, near, around = field.met(points), field.near(points), field._around(points, points)
+    assert field.once(inner)
+    assert not field.once(points)
     assert 0 < (met != near).any(axis=1).sum() < len(points) / 2  # some graze the surface
     assert 0 < (around == points).all(axis=1).sum() < len(points) / 2  # some do not meet it nearby
     assert np.abs(field.distances(near[: 2 * len(local)])).max() < 1e-7
+    assert field.met(inner) == pytest.approx(halved_rays(field, inner), abs=1e-9)
+
+
+def halved_rays(field, points):
+    """Where f changes its sign on rays from the centre to the region's boundary, by halving them: (N, 3)."""
+    low, high = np.zeros(len(points)), field.leaving(points)[0]
+    for _ in range(50):
+        middle = (low + high) / 2
+        inside = field.values(middle[:, None] * points) < 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return low[:, None] * points
+
+
+def test_rays_leave_a_region_through_the_face_that_they_meet():
+    surface = solved(EQUAL, 2).surface
+    points = np.random.default_rng(7).normal(size=(300, 3))
+    corners = [surface.local.points[list(face.vertices)] for face in surface.local.outer_faces]
+    weights = np.array([np.linalg.solve(own.T, points.T) for own in corners])
+    held = weights.min(axis=1).argmax(axis=0)
+    leave, pieces = surface.radial_field.leaving(points)
+    assert leave == pytest.approx(1 / weights.sum(axis=1)[held, np.arange(len(points))], rel=1e-12)
+    assert pieces.tolist() == [surface.local.outer_faces[face].piece for face in held]
 
 
 def test_triangles_moved_so_far_have_one_sign():

@@ -11,7 +11,7 @@ from conftest import EQUAL, UNEQUAL, solved
 
 import pas
 from pas.surface.mesh_proofs import _grouped
-from pas.surface.triangle_forms import TriangleForms, elevation, lattice
+from pas.surface.triangle_forms import ELEVATED, TriangleForms, elevation, lattice
 from pas.surface.windings import crossed
 from pas.verdicts import Status
 
@@ -256,20 +256,27 @@ def test_forms_on_triangles(degree):
     p = pas.Polynomial(terms)
     corners = rng.uniform(-1, 1, size=(5, 3, 3))
     maker = TriangleForms(p, degree, 1.0)
-    forms = maker.values(corners)
+    places, inverse, _ = lattice(degree)
+    forms = inverse @ p(np.einsum("ak,tkx->atx", places, corners))
     inner = np.einsum("ak,tkx->atx", rng.dirichlet(np.ones(3), 40), corners)
     assert maker.value_error < 1e-9
     assert (p(inner) <= forms.max(axis=0) + 1e-12).all()
     assert (p(inner) >= forms.min(axis=0) - 1e-12).all()
     low, high = maker.ranges(corners)
+    assert low == pytest.approx(forms.min(axis=0), abs=1e-12)
     assert high == pytest.approx(forms.max(axis=0), abs=1e-12)
+    raised = elevation(degree, ELEVATED * degree) @ forms
     nearer = maker.ranges(corners, closer=True)
+    assert np.array(nearer) == pytest.approx(np.array([raised.min(axis=0), raised.max(axis=0)]), abs=1e-12)
     assert (nearer[0] >= low - 1e-12).all()
     assert (nearer[1] <= high + 1e-12).all()
     assert (p(inner) <= nearer[1] + 1e-12).all()
     normals = rng.normal(size=(5, 3))
     gradients = np.stack([p.diff(axis)(inner) for axis in range(3)], axis=-1)
     least, size = maker.slopes(corners, normals)
+    slopes = maker.gradients(corners)
+    assert least == pytest.approx(np.einsum("xkt,tx->kt", slopes, normals).min(axis=0), abs=1e-12)
+    assert size == pytest.approx(np.linalg.norm(slopes, axis=0).max(axis=0), abs=1e-12)
     assert ((gradients * normals).sum(axis=-1) >= least - 1e-12).all()
     assert (np.linalg.norm(gradients, axis=-1) <= size + 1e-12).all()
     assert forms[0] == pytest.approx(p(corners[:, 0]), abs=1e-12)

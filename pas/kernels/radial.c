@@ -1,5 +1,4 @@
-/* Where rays from the centre of a region, or from its skeleton, meet a surface, as in pas/surface/radial_field.py: the
-   same sums and products in the same order.
+/* Where rays from the centre of a region, or from its skeleton, meet a surface: see pas/surface/radial_field.py.
 
    Compiled together with forms.c and pas/algebra/horner.c.  A function that finds no memory returns -1. */
 

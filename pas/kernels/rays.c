@@ -1,8 +1,8 @@
 /* Where rays cross a piecewise polynomial's zeros, as in pas/surface/crossings.py, ray_cells.py and ray_forms.py: the same
    cells, forms and bounds on their rounding, ray by ray.
 
-   What doubles cannot decide of a ray is marked, to be worked out exactly.  A function that finds no memory, or more
-   crossings than it has room for, returns -1. */
+   What doubles cannot decide of a ray is marked, to be worked out exactly.  A function that finds no memory returns
+   -1. */
 
 #include <math.h>
 #include <stddef.h>
@@ -233,14 +233,16 @@ typedef struct {
     double *parameters, least; /* of the ray's crossings so far */
 } Found;
 
-static int note(Found *found, double parameter, int side)
+/* Crossings for which there is no room are counted all the same. */
+static void note(Found *found, double parameter, int side)
 {
-    if (found->number == found->room) return -1;
-    found->rays[found->number] = found->ray;
-    found->parameters[found->number] = parameter;
-    found->sides[found->number++] = side;
+    if (found->number < found->room) {
+        found->rays[found->number] = found->ray;
+        found->parameters[found->number] = parameter;
+        found->sides[found->number] = side;
+    }
+    found->number++;
     found->least = parameter < found->least ? parameter : found->least;
-    return 0;
 }
 
 static double largest_of(whole n, const double *form)
@@ -266,7 +268,7 @@ static int look(whole n, const double *form, double error)
     return (-low > high ? -low : high) <= UNDECIDED * error ? 3 : 2;
 }
 
-/* The crossings on a stretch: -1 where there is no room, 1 where it cannot be decided. */
+/* The crossings on a stretch: 1 where it cannot be decided. */
 static int on_stretch(const Scene *s, const Span *span, const double *o, const double *d, const double *form,
                         double error, Found *found)
 {
@@ -285,7 +287,7 @@ static int on_stretch(const Scene *s, const Span *span, const double *o, const d
         if (state == 1) {
             const int rising = part.form[n] > part.form[0];
             const double share = root_of(s, part.form);
-            if (note(found, polished(s, span, o, d, part.low, part.width, share, rising), rising ? 1 : -1)) return -1;
+            note(found, polished(s, span, o, d, part.low, part.width, share, rising), rising ? 1 : -1);
             continue;
         }
         Part *right = parts + number, *left = right + 1; /* the left one is looked at first */
@@ -323,7 +325,7 @@ static int ends_of(whole n, const Span *span, const double *form, double error)
                : 2;
 }
 
-/* One ray in some stretches: -1 where there is no room, 1 where it cannot be decided. */
+/* One ray in some stretches: 1 where it cannot be decided. */
 static int shoot(const Scene *s, whole count, const double *o, const double *d, int close, Found *found)
 {
     found->least = INFINITY;
@@ -342,7 +344,7 @@ static int shoot(const Scene *s, whole count, const double *o, const double *d, 
 
 /* `numbers` holds how many cells, the degree, and whether only first crossings are wanted; `bounds` the growth of errors,
    the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are
-   counted in `number`, of `room`. */
+   counted in `number`; there is `room` for so many. */
 int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,
              const whole *piece_of, const double *tables, const double *sizes, const double *jets, const double *nodes,
              const double *to_bernstein, const double *largest, whole count, const double *origins,
@@ -361,7 +363,7 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
         for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / WIDE][i % WIDE] = to_bernstein[i * (n + 1) + k];
     }
     Found found = {room, 0, 0, rays, sides, parameters, INFINITY};
-    int state = s.bounds && s.spans ? 0 : -1;
+    const int state = s.bounds && s.spans ? 0 : -1;
     for (whole r = 0; state == 0 && r < count; r++) {
         const whole begun = found.number;
         const double *o = origins + 3 * r, *d = directions + 3 * r;
@@ -374,7 +376,6 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
         }
         exact[r] = result == 1;
         if (result == 1) found.number = begun;
-        if (result == -1) state = -1;
     }
     *number = found.number;
     free(s.bounds);

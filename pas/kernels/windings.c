@@ -1,5 +1,5 @@
-/* How often segments cross an oriented mesh, as in pas/surface/windings.py: the same sums and products in the same
-   order. */
+/* How often segments cross an oriented mesh: see pas/surface/windings.py.  Only triangles are looked at whose directions
+   from the origin are in a cone with that of the end. */
 
 #include <math.h>
 #include <stddef.h>

@@ -136,7 +136,7 @@ def _ordered(found: Found) -> Found:
 def _of_block(evaluator: Evaluator, local: LocalRays, origins: Floats, directions: Floats, first: bool) -> Found:
     """Rays, parameters and sides of a block of rays, in no order."""
     clear = np.flatnonzero(~local.doubtful)
-    found, undecided = _in_doubles(evaluator, local if len(clear) == len(origins) else local.some(clear), first)
+    found, undecided = in_doubles(evaluator, local if len(clear) == len(origins) else local.some(clear), first)
     parts: list[Found] = [(clear[found[0]], found[1], found[2])]
     exact = local.doubtful.copy()
     exact[clear[undecided]] = True
@@ -150,17 +150,16 @@ def _of_block(evaluator: Evaluator, local: LocalRays, origins: Floats, direction
     return rays, lengths, sides
 
 
-def _in_doubles(evaluator: Evaluator, local: LocalRays, first: bool) -> tuple[Found, Bools]:
+def in_doubles(evaluator: Evaluator, local: LocalRays, first: bool) -> tuple[Found, Bools]:
     """The crossings of rays that are not doubtful, and on which of them (N,) these decide nothing.
 
-    By compiled code where there is some.
+    Compiled code shoots them at polynomials of degrees up to 15 on the cells of a region; the search with numpy serves
+    polynomials without a region and those of higher degrees (see `pas.surface.ray_forms.scene_of`).
     """
-    kernel = None if evaluator.scene is None else compiled()
-    if kernel is not None and evaluator.scene is not None:
-        shot = kernel.rays(evaluator.scene, local.origins, local.ways, first)
-        if shot is not None:
-            return shot[:3], shot[3]
-    return _Search(evaluator, local, first).run()
+    if evaluator.scene is None:
+        return Search(evaluator, local, first).run()
+    shot = compiled().rays(evaluator.scene, local.origins, local.ways, first)
+    return shot[:3], shot[3]
 
 
 @dataclass(frozen=True)
@@ -189,8 +188,8 @@ class _Parts:
         )
 
 
-class _Search:
-    """The crossings of a block of rays."""
+class Search:
+    """The crossings of a block of rays, with numpy: of any degree, in cells or in all of space (see `in_doubles`)."""
 
     def __init__(self, evaluator: Evaluator, local: LocalRays, first: bool) -> None:
         self.evaluator, self.local, self.first = evaluator, local, first

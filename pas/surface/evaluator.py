@@ -221,7 +221,7 @@ class Evaluator:
 
     @cached_property
     def scene(self) -> Scene | None:
-        """What compiled code shoots rays at, None where it does not."""
+        """What compiled code shoots rays at, None where it does not (see `pas.surface.crossings.in_doubles`)."""
         return scene_of(self)
 
     @cached_property

@@ -1,7 +1,7 @@
-"""Forms on triangles and faces that rays leave through in compiled code, where there is some.
+"""The compiled functions of surfaces: forms on triangles, fields and their rims, windings, and rays.
 
-The functions here are those of `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`
-and `radial_field`, which do the same with numpy.
+What each is for is said in `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`,
+`radial_field` and `ray_cells`.
 """
 
 from __future__ import annotations
@@ -12,17 +12,16 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import compiling
 from pas.algebra.monomials import Floats
 from pas.algebra.tables import Rows
 from pas.kernels.library import Functions
 from pas.mesh.field import Integers
 
 ROOM = 4
-"""Crossings of a ray on average, for which there is room."""
+"""Crossings of a ray on average, for which there is room at first."""
 
 HIGHEST = 15
-"""Degree of the polynomials with which rays are shot by compiled code."""
+"""Degree up to which rays are shot by compiled code at a surface in a region."""
 
 
 Faces = tuple[int, Floats, Integers]
@@ -212,11 +211,15 @@ class CompiledForms:
         return result
 
     def rays(
-        self, scene: Scene, origins: Floats, ways: Floats, first: bool
-    ) -> tuple[Integers, Floats, Integers, np.ndarray] | None:
-        """Rays, parameters and sides of crossings, ray by ray in order, and which rays (N,) are to be worked out
-        exactly; None where there are more crossings than are usual.  See `pas.surface.ray_cells.LocalRays`."""
-        room = ROOM * len(origins) + ROOM
+        self, scene: Scene, origins: Floats, ways: Floats, first: bool, room: int = 0
+    ) -> tuple[Integers, Floats, Integers, np.ndarray]:
+        """Rays, parameters and sides (M,) of crossings, ray by ray in order, and which rays (N,) are to be worked out
+        exactly.
+
+        `origins` and `ways` (N, 3) are those of `pas.surface.ray_cells.LocalRays`.  There is `room` for so many
+        crossings, or for `ROOM` a ray; where there are more, the call is repeated with room for all.
+        """
+        room = room or ROOM * len(origins) + ROOM
         rays, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, len(origins)))
         parameters, number = np.empty(room), np.zeros(1, dtype=np.intp)
         numbers = np.array([len(scene.piece_of), scene.degree, first], dtype=np.intp)
@@ -224,12 +227,11 @@ class CompiledForms:
         tables = (scene.tables, scene.sizes, scene.jets)
         cells = (scene.maps, scene.widths, scene.clear, scene.piece_of)
         known = (*cells, *tables, scene.nodes, scene.to_bernstein, scene.largest)
-        try:
-            shot = (len(origins), origins, ways, room, rays, parameters, sides, exact, number)
-            self._call("pas_rays", numbers, bounds, *known, *shot)
-        except MemoryError:
-            return None
+        shot = (len(origins), origins, ways, room, rays, parameters, sides, exact, number)
+        self._call("pas_rays", numbers, bounds, *known, *shot)
         found = int(number[0])
+        if found > room:
+            return self.rays(scene, origins, ways, first, found)
         return rays[:found], parameters[:found], sides[:found], exact > 0
 
 
@@ -258,11 +260,7 @@ class Scene:
     reach: float
 
 
-def compiled() -> CompiledForms | None:
-    """The compiled functions, None where the environment asks for numpy."""
-    return _best() if compiling() else None
-
-
 @cache
-def _best() -> CompiledForms:
+def compiled() -> CompiledForms:
+    """The compiled functions."""
     return CompiledForms(Functions())

@@ -16,6 +16,7 @@ from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.cells import OuterFace
+from pas.surface.kernels import compiled
 from pas.surface.patch_field import INSIDE, PatchField
 
 if TYPE_CHECKING:
@@ -35,7 +36,8 @@ FARTHEST = 0.2
 
 
 class LocalField(PatchField):
-    """The surface in local coordinates."""
+    """The surface in local coordinates: of one piece by compiled code, of several, which points are located in, by
+    numpy."""
 
     def __init__(self, surface: PiecewiseSurface) -> None:
         super().__init__(surface)
@@ -136,9 +138,8 @@ class LocalField(PatchField):
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
         if not len(points):
             return points
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            return kernel[0].slid(kernel[1], self._jets.ordered, self._planes, points, rim, self._limits)
+        if self.outer is not None:
+            return compiled().slid(self.outer, self._jets.ordered, self._planes, points, rim, self._limits)
         planes, across, back = (table[rim] for table in self._planes)
         onto = _onto(points, planes, back)
         return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
@@ -170,10 +171,9 @@ class LocalField(PatchField):
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            none = self._planes[0][:0], self._planes[1][:0], self._planes[2][:0]
-            return kernel[0].slid(kernel[1], self._jets.ordered, none, points, np.empty(0, dtype=np.intp), self._limits)
+        if self.outer is not None:
+            none, rim = (self._planes[0][:0], self._planes[1][:0], self._planes[2][:0]), np.empty(0, dtype=np.intp)
+            return compiled().slid(self.outer, self._jets.ordered, none, points, rim, self._limits)
         return self._slid(points, None)
 
     @cached_property

@@ -14,7 +14,7 @@ from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
 from pas.surface.geometry import JETS, derived
-from pas.surface.kernels import CompiledForms, Faces, compiled
+from pas.surface.kernels import Faces, compiled
 
 if TYPE_CHECKING:
     from pas.surface.piecewise import PiecewiseSurface
@@ -35,7 +35,11 @@ BENDS = sum(1 for e in JETS if sum(e) <= 2)
 
 
 class PatchField(ABC):
-    """The function of a piecewise surface, scaled; how a point's piece is found is left to those who know."""
+    """The function of a piecewise surface, scaled; how a point's piece is found is left to those who know.
+
+    Compiled code serves where the piece is known by the outer face that a ray leaves through, or is the only one (see
+    `outer`); where points are located in cells, numpy does the same, to the bit.
+    """
 
     def __init__(self, surface: PiecewiseSurface) -> None:
         local, self.degree = surface.local, max(surface.degree, 1)
@@ -48,12 +52,7 @@ class PatchField(ABC):
         self._jets, self._value = self._bends.first(4), self._bends.first(1)
 
     outer: Faces | None = None
-    """By which pieces are found, where there are such."""
-
-    def _kernel(self, count: int) -> tuple[CompiledForms, Faces] | None:
-        """Compiled code for so many points, and how it finds their pieces; None where numpy is to do it."""
-        kernel = None if self.outer is None else compiled()
-        return None if kernel is None or self.outer is None else (kernel, self.outer)
+    """By which compiled code finds pieces; None where these are those of cells in which points must be located."""
 
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
@@ -69,9 +68,8 @@ class PatchField(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,) of points (N, 3), to first order."""
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            return kernel[0].distances(kernel[1], self._jets.ordered, points)
+        if self.outer is not None:
+            return compiled().distances(self.outer, self._jets.ordered, points)
         jets = self._jets_at(points)
         return np.asarray(np.abs(jets[0]) / np.maximum(np.sqrt((jets[1:] * jets[1:]).sum(axis=0)), 1e-300))
 
@@ -89,19 +87,17 @@ class PatchField(ABC):
 
         By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
         """
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
-            moved, gradients, bends, lost = kernel[0].drawn(kernel[1], rows, points, still, limits)
-        else:
-            moved, gradients, bends, lost = self._stepped(points, still)
+        moved, gradients, bends, lost = self._stepped(points, still)
         if lost.any():
             moved[lost] = self.near(points[lost])
             gradients[lost], bends[lost] = self.bending(moved[lost])
         return moved, gradients, bends
 
     def _stepped(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-        """The same by a step alone, and which points are not near."""
+        """Points moved by a step alone, gradients and curvatures there, and which points (N,) are not near."""
+        if self.outer is not None:
+            rows, limits = (self._jets.ordered, self._bends.ordered), (LEFT**2, CLOSE**2)
+            return compiled().drawn(self.outer, rows, points, still, limits)
         jets = self._jets_at(points)
         g = jets[1:]
         way = -jets[0] / np.maximum(g[0] * g[0] + g[1] * g[1] + g[2] * g[2], 1e-300) * g
@@ -117,9 +113,8 @@ class PatchField(ABC):
 
     def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), gradients (N, 3) and the larger of the principal curvatures' sizes (N,)."""
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            return kernel[0].bent(kernel[1], self._bends.ordered, points)
+        if self.outer is not None:
+            return compiled().bent(self.outer, self._bends.ordered, points)
         f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points))
         length = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), 1e-300)
         nx, ny, nz = gx / length, gy / length, gz / length
@@ -134,9 +129,8 @@ class PatchField(ABC):
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points (N, 3) very near the surface moved onto it along gradients, and the gradients (N, 3) there."""
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            return kernel[0].closed(kernel[1], self._jets.ordered, points, (CLOSING, CLOSE))
+        if self.outer is not None:
+            return compiled().closed(self.outer, self._jets.ordered, points, (CLOSING, CLOSE))
         points = points.copy()
         gradients = np.empty_like(points)
         rows = np.arange(len(points))

@@ -17,7 +17,7 @@ from pas.mesh.field import Integers
 from pas.mesh.graph import Graph
 from pas.mesh.rows import dots
 from pas.mesh.star import first
-from pas.surface.kernels import CompiledForms, Faces, compiled
+from pas.surface.kernels import Faces, compiled
 from pas.surface.patch_field import INSIDE, PatchField
 from pas.surface.rings import Rings
 
@@ -29,9 +29,6 @@ STEPS = 60
 
 SETTLED = 1e-9
 """Change of the share of a ray's length that ends the search: by Newton's method the next is about its square."""
-
-BLOCK = 2048
-"""Points whose places among the faces are held at once: they stay in the caches."""
 
 OUTWARDS = 1.5
 """The furthest step outwards along a ray of the skeleton, over the distance from it."""
@@ -52,6 +49,8 @@ SAMPLES = 32
 
 class RadialField(PatchField):
     """A surface of one sheet around the centre of its partition, in local coordinates with the centre 0."""
+
+    outer: Faces
 
     def __init__(self, surface: PiecewiseSurface) -> None:
         super().__init__(surface)
@@ -95,21 +94,8 @@ class RadialField(PatchField):
 
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
-        kernel = compiled()
-        if kernel is not None:
-            leave, faces = kernel.leaving(self._weights, points)
-            return leave, self._piece[faces]
-        total, piece = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
-        flat = self._weights.reshape(-1, 3, 1)
-        for start in range(0, len(points), BLOCK):
-            here = slice(start, start + BLOCK)
-            x, y, z = points[here].T
-            weights = (flat[:, 0] * x + flat[:, 1] * y + flat[:, 2] * z).reshape(-1, 3, len(x))
-            face = np.minimum(np.minimum(weights[:, 0], weights[:, 1]), weights[:, 2]).argmax(axis=0)
-            chosen = weights[face, :, np.arange(len(face))]
-            total[here] = chosen[:, 0] + chosen[:, 1] + chosen[:, 2]
-            piece[here] = self._piece[face]
-        return 1.0 / total, piece
+        leave, faces = compiled().leaving(self._weights, points)
+        return leave, self._piece[faces]
 
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:
         """Coefficients (n + 1, N) of f along the rays to points, in multiples of these, and where they leave (N,)."""
@@ -118,34 +104,12 @@ class RadialField(PatchField):
 
     def met(self, points: Floats) -> Floats:
         """Where the rays through points (N, 3) meet the surface, found from there."""
-        kernel = self._kernel(len(points))
-        return self._met(points) if kernel is None else self._nearby(kernel, points)[0]
+        return self._met(points)[0]
 
-    def _met(self, points: Floats) -> Floats:
-        """The same with numpy."""
-        profiles, leave = self.profiles(points)
-        low, high = np.zeros(len(points)), leave.copy()
-        share = np.minimum(1.0, 0.5 * (low + high) + 0.5 * (high > 1.0))
-        result, rows = share.copy(), np.arange(len(points))
-        for _ in range(STEPS):
-            value, slope = _with_slope(profiles, share)
-            below = value < 0
-            low, high = np.where(below, share, low), np.where(below, high, share)
-            with np.errstate(all="ignore"):
-                step = share - value / slope
-            step = np.where((step >= low) & (step <= high) & (slope > 0), step, (low + high) / 2)
-            result[rows] = step
-            moving = np.abs(step - share) > SETTLED * step
-            if not moving.any():
-                break
-            rows, share = rows[moving], step[moving]
-            low, high, profiles = low[moving], high[moving], profiles[:, moving]
-        return points * result[:, None]
-
-    def _nearby(self, kernel: tuple[CompiledForms, Faces], points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """The same with compiled code, and which of them (N,) graze or miss the surface."""
+    def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
         rows = self._parts.ordered, self._jets.ordered
-        return kernel[0].near(kernel[1], rows, points, (STEPS, SETTLED, STEEP, OFF))
+        return compiled().near(self.outer, rows, points, (STEPS, SETTLED, STEEP, OFF))
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
@@ -160,15 +124,7 @@ class RadialField(PatchField):
 
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            found, grazed = self._nearby(kernel, points)
-        else:
-            found = self._met(points)
-            value, *slope = self._jets_at(found)
-            g = np.stack(slope, axis=1)
-            size = np.sqrt(dots(found, found) * dots(g, g))
-            grazed = ~((dots(found, g) > STEEP * size) & (np.abs(value) <= OFF * size))
+        found, grazed = self._met(points)
         if grazed.any():
             found[grazed] = self._around(points[grazed], found[grazed])
         return found
@@ -180,65 +136,10 @@ class RadialField(PatchField):
         a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
         those given `otherwise`.
         """
-        kernel = self._kernel(len(points))
-        if kernel is not None:
-            limits = STEPS, SETTLED, OUTWARDS, AWAY**2
-            return kernel[0].around(kernel[1], self._jets.ordered, self._skeleton, points, otherwise, limits)
-        feet = foot = self._feet(points)
-        ways = way = points - foot
-        low, high, share = np.zeros(len(points)), np.full(len(points), np.inf), np.ones(len(points))
-        result, rows = share.copy(), np.arange(len(points))
-        for _ in range(STEPS):
-            jets = self._jets_at(foot + share[:, None] * way)
-            value, slope = jets[0], dots(jets[1:].T, way)
-            below = value < 0
-            low, high = np.where(below, share, low), np.where(below, high, share)
-            with np.errstate(all="ignore"):
-                step = share - value / slope
-            most = np.minimum(high, OUTWARDS * share)
-            good = (step >= low) & (step <= most) & (slope > 0)
-            step = np.where(good, step, np.where(np.isfinite(high), (low + high) / 2, most))
-            result[rows] = step
-            moving = np.abs(step - share) > SETTLED * step
-            if not moving.any():
-                break
-            rows, share, low, high = rows[moving], step[moving], low[moving], high[moving]
-            foot, way = foot[moving], way[moving]
-        found = feet + result[:, None] * ways
-        moved = found - points
-        lost = ~(dots(moved, moved) <= AWAY**2 * dots(ways, ways))
-        found[lost] = otherwise[lost]
-        return np.asarray(found)
-
-    def _feet(self, points: Floats) -> Floats:
-        """The nearest points (N, 3) of the skeleton."""
-        best, least = np.zeros_like(points), dots(points, points)
-        for middle, square in zip(*self._skeleton, strict=True):
-            along = np.clip(dots(points, middle[None]) / square, 0.0, 1.0)
-            foot = along[:, None] * middle
-            way = points - foot
-            distance = dots(way, way)
-            nearer = distance < least
-            best[nearer], least = foot[nearer], np.minimum(least, distance)
-        return best
+        limits = STEPS, SETTLED, OUTWARDS, AWAY**2
+        return compiled().around(self.outer, self._jets.ordered, self._skeleton, points, otherwise, limits)
 
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
         profiles, leave = self.profiles(points)
-        samples, kernel = np.linspace(0.0, 1.0, SAMPLES + 1), self._kernel(len(points))
-        if kernel is not None:
-            return kernel[0].once(profiles, leave, samples)
-        shares = samples[:, None] * leave
-        values = np.zeros_like(shares)
-        for row in profiles[::-1]:
-            values = values * shares + row
-        inside = values < 0
-        return bool(inside[0].all() and not inside[-1].any() and (inside[:-1] >= inside[1:]).all())
-
-
-def _with_slope(profiles: Floats, share: Floats) -> tuple[Floats, Floats]:
-    value, slope = profiles[-1], np.zeros(len(share))
-    for row in profiles[-2::-1]:
-        slope = slope * share + value
-        value = value * share + row
-    return value, slope
+        return compiled().once(profiles, leave, np.linspace(0.0, 1.0, SAMPLES + 1))

@@ -168,7 +168,7 @@ def _interpolation(degree: int) -> tuple[Floats, Floats, float]:
 
 
 def scene_of(evaluator: Evaluator) -> Scene | None:
-    """What compiled code shoots rays at, None without cells or for a degree that is too high."""
+    """What compiled code shoots rays at, None without cells or for a degree above `HIGHEST`."""
     local, degree = evaluator.partition.local, evaluator.degree
     if not local.cells or degree > HIGHEST:
         return None

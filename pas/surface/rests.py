@@ -21,7 +21,6 @@ from pas.bernstein.signs import rounding_bound
 from pas.bernstein.subdivision import edges, raised
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.mesh.rows import dots
 from pas.surface.kernels import compiled
 
 HALVINGS, MOST = 150, 6000
@@ -114,75 +113,13 @@ def _parted(
 
     Those along one direction in which the derivative is positive are dropped.
     """
-    up = _raised(degree, corners.shape[1])
-    kernel = compiled()
-    if kernel is not None:
-        bounds = bound, ROUNDINGS * UNIT_ROUNDOFF
-        return kernel.parted((forms, corners), up, bounds, cut, _cuts(degree, corners.shape[1]))
-    if cut:
-        forms, corners = _halved(forms, corners, degree)
-    rises, sure = _rises(forms, corners, up, bound), _least(forms, bound) > 0
-    left, sure = ~rises & ~sure, ~rises & sure
-    return (forms[left], corners[left]), (forms[sure], corners[sure])
+    up, bounds = _raised(degree, corners.shape[1]), (bound, ROUNDINGS * UNIT_ROUNDOFF)
+    return compiled().parted((forms, corners), up, bounds, cut, _cuts(degree, corners.shape[1]))
 
 
 @cache
 def _raised(degree: int, vertices: int) -> Integers:
     return raised(degree, vertices) if vertices > 1 else np.zeros((1, 1), dtype=np.intp)
-
-
-def _rises(forms: Floats, corners: Floats, up: Integers, bound: float) -> np.ndarray:
-    """On which simplices the derivative along one direction, about that of the mean gradient, is positive."""
-    if corners.shape[1] == 1 or not len(forms):
-        return np.zeros(len(forms), dtype=bool)
-    number = corners.shape[1] - 1
-    ways = [corners[:, i + 1] - corners[:, 0] for i in range(number)]
-    gram = [[dots(a, b) for b in ways] for a in ways]
-    steps = [[forms[:, row[i + 1]] - forms[:, row[0]] for row in up] for i in range(number)]
-    mean = [sum(along[1:], start=0.0 + along[0]) / len(up) for along in steps]
-    with np.errstate(all="ignore"):
-        u = _direction(gram, mean)
-        least = np.full(len(forms), np.inf)
-        for some in zip(*steps, strict=True):
-            least = np.minimum(least, sum((s * w for s, w in zip(some[1:], u[1:], strict=True)), start=some[0] * u[0]))
-    largest = np.maximum(-forms.min(axis=1), forms.max(axis=1))
-    return np.asarray(least > 2 * bound + ROUNDINGS * UNIT_ROUNDOFF * largest)
-
-
-def _direction(gram: list[list[Floats]], mean: list[Floats]) -> list[Floats]:
-    """The direction with given products with edges, by those (d, d) of edges with one another: by cofactors, its sizes
-    summing to 1."""
-    trace = sum((gram[i][i] for i in range(1, len(gram))), start=gram[0][0])
-    g = [[entry / trace for entry in row] for row in gram]
-    if len(g) == 1:
-        found = [mean[0]]
-    elif len(g) == 2:
-        found = [g[1][1] * mean[0] - g[0][1] * mean[1], g[0][0] * mean[1] - g[0][1] * mean[0]]
-    else:
-        xx, xy = g[1][1] * g[2][2] - g[1][2] * g[1][2], g[0][2] * g[1][2] - g[0][1] * g[2][2]
-        xz, yy = g[0][1] * g[1][2] - g[0][2] * g[1][1], g[0][0] * g[2][2] - g[0][2] * g[0][2]
-        yz, zz = g[0][1] * g[0][2] - g[0][0] * g[1][2], g[0][0] * g[1][1] - g[0][1] * g[0][1]
-        x, y, z = mean
-        found = [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
-    size = sum((np.abs(c) for c in found[1:]), start=np.abs(found[0]))
-    return [c / size for c in found]
-
-
-def _halved(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats]:
-    """Both halves of each simplex, one behind the other, cut at the middle of its longest edge."""
-    vertices = corners.shape[1]
-    pairs = _cuts(degree, vertices)[0]
-    spans = [corners[:, a] - corners[:, b] for a, b in pairs.tolist()]
-    longest = np.argmax([dots(span, span) for span in spans], axis=0)
-    found, places = np.empty((2 * len(forms), forms.shape[1])), np.repeat(corners, 2, axis=0)
-    for edge, cut in enumerate(bisection(degree, vertices)):
-        here = np.flatnonzero(longest == edge)
-        first, second = pairs[edge]
-        middle = (corners[here, first] + corners[here, second]) / 2
-        for side, (moved, part) in enumerate(zip((second, first), cut(forms[here]), strict=True)):
-            found[2 * here + side] = part
-            places[2 * here + side, moved] = middle
-    return found, places
 
 
 @cache

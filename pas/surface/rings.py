@@ -14,7 +14,6 @@ from pas.algebra.monomials import Floats, count
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
-from pas.mesh.rows import dots
 from pas.surface.kernels import compiled
 from pas.surface.opening_rim import OpeningRim
 
@@ -115,26 +114,9 @@ class Rings:
         return self._on_rings(points, numbers)
 
     def _on_rings(self, points: Floats, numbers: Integers) -> Floats:
-        kernel = compiled()
-        if kernel is not None:
-            places, limits = (self._middles, self._normals), (STEPS, SETTLED)
-            return kernel.on_rings(self._tables.ordered, places, points, numbers, limits)
-        middle, normal = self._middles[numbers], self._normals[numbers]
-        way = points - middle
-        way = way - dots(way, normal)[:, None] * normal
-        share, rows, result = np.ones(len(way)), np.arange(len(way)), np.ones(len(way))
-        for _ in range(STEPS):
-            jets = self.jets(middle[rows] + share[:, None] * way[rows], numbers[rows])
-            slope = dots(jets[:, 1:], way[rows])
-            with np.errstate(all="ignore"):
-                step = share - jets[:, 0] / slope
-            step = np.where(slope > 0, np.minimum(np.maximum(step, share / 2), share * 2), share * 2)
-            result[rows] = step
-            moving = ~(np.abs(step - share) < SETTLED)
-            rows, share = rows[moving], step[moving]
-            if not len(rows):
-                break
-        return np.asarray(middle + result[:, None] * way)
+        """Where rays from the middles of rings, of given numbers (N,) among these, through points (N, 3) meet them."""
+        places, limits = (self._middles, self._normals), (STEPS, SETTLED)
+        return compiled().on_rings(self._tables.ordered, places, points, numbers, limits)
 
 
 def _across(normal: Floats) -> Floats:

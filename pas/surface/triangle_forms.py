@@ -58,37 +58,20 @@ class TriangleForms:
         """The least and the largest B-coefficient (T,) of f on triangles (T, 3, 3), `closer` those of a higher degree,
         which are nearer to its values."""
         raising = elevation(self.degree, ELEVATED * self.degree) if closer else None
+        table, places = self._value[0, order_of_rule(self.degree)], lattice(self.degree)[:2]
         low, high = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            kernel = compiled()
-            if kernel is None:
-                forms = self.values(corners[here])
-                forms = forms if raising is None else raising @ forms
-                low[here], high[here] = forms.min(axis=0), forms.max(axis=0)
-            else:
-                table = self._value[0, order_of_rule(self.degree)]
-                low[here], high[here] = kernel.ranges(
-                    self.degree, lattice(self.degree)[:2], raising, table, corners[here]
-                )
+            low[here], high[here] = compiled().ranges(self.degree, places, raising, table, corners[here])
         return low, high
 
     def slopes(self, corners: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """On triangles (T, 3, 3) the least B-coefficient (T,) of the derivative along normals (T, 3), and the largest
         size (T,) of those of the gradient."""
-        least, sizes = np.empty((2, len(corners)))
         degree = self.degree - 1
+        table, places = self._gradient[:, order_of_rule(degree)], lattice(degree)[:2]
+        least, sizes = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            kernel = compiled()
-            if kernel is None:
-                g = self.gradients(corners[here])
-                n = normals[here].T
-                least[here] = (n[0] * g[0] + n[1] * g[1] + n[2] * g[2]).min(axis=0)
-                sizes[here] = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).max(axis=0)
-            else:
-                table = self._gradient[:, order_of_rule(degree)]
-                least[here], sizes[here] = kernel.slopes(
-                    degree, lattice(degree)[:2], table, corners[here], normals[here]
-                )
+            least[here], sizes[here] = compiled().slopes(degree, places, table, corners[here], normals[here])
         return least, np.sqrt(sizes)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
@@ -109,12 +92,8 @@ class TriangleForms:
             total += times * float((sizes * factors) @ np.prod(reach**left, axis=1)) ** 2
         return (1 + SAFE) * float(np.sqrt(total))
 
-    def values(self, corners: Floats) -> Floats:
-        """The B-coefficients (m, T) of f on triangles (T, 3, 3)."""
-        return np.asarray(_forms(self._value, self.degree, corners)[0])
-
     def gradients(self, corners: Floats) -> Floats:
-        """Those of its gradient (3, k, T)."""
+        """The B-coefficients (3, k, T) of its gradient on triangles (T, 3, 3)."""
         return _forms(self._gradient, self.degree - 1, corners)
 
 
@@ -134,7 +113,7 @@ def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
 
 
 def _rounding(tables: Floats, degree: int, reach: float) -> float:
-    """How much the coefficients of `_forms` may be off."""
+    """How much B-coefficients on triangles may be off."""
     powers = np.array([sum(e) for e in exponents(degree)])
     size = float((np.abs(tables) * reach**powers).sum(axis=1).max())
     slope = float((np.abs(tables) * powers * reach ** np.maximum(powers - 1, 0)).sum(axis=1).max())

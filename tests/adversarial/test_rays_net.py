@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from adversarial.ray_cases import FAMILIES, TARGETS, Target, target
 
-from pas.algebra.kernels import VARIABLE
 from pas.algebra.rational import to_float
 
 COUNTS = {
@@ -44,10 +43,9 @@ def test_every_family_is_counted():
     assert sum(count for _, count in COUNTS.values()) >= 10_000
 
 
-@pytest.mark.parametrize("kernel", ["compiled", "numpy"])
+@pytest.mark.usefixtures("shooting")
 @pytest.mark.parametrize("family", COUNTS)
-def test_no_crossing_is_missed_or_invented(family, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_no_crossing_is_missed_or_invented(family):
     assert list(flaws(family, range(COUNTS[family][0]))) == []
 
 
@@ -55,8 +53,7 @@ def test_no_crossing_is_missed_or_invented(family, kernel, monkeypatch):
 @pytest.mark.parametrize(
     ("family", "first"), [(family, n) for family, (_, count) in COUNTS.items() for n in range(0, count, BLOCK)]
 )
-def test_no_crossing_is_missed_or_invented_among_ten_thousand_rays(family, first, monkeypatch):
-    monkeypatch.setenv(VARIABLE, "compiled")
+def test_no_crossing_is_missed_or_invented_among_ten_thousand_rays(family, first):
     assert list(flaws(family, range(first, min(first + BLOCK, COUNTS[family][1])))) == []
 
 
