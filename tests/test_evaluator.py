@@ -1,4 +1,4 @@
-"""Values, derivatives and rays at many points: against exact arithmetic, and the same by every kernel."""
+"""Values, derivatives and rays at many points: against exact arithmetic."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.algebra.compiled import CompiledKernel
-from pas.algebra.kernels import NUMPY, VARIABLE, evaluate
-from pas.algebra.monomials import count, exponents
+from pas.algebra.kernels import evaluate
+from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
 from pas.surface.exact_crossings import exact_crossings
 from pas.surface.ray_forms import _interpolation
@@ -85,28 +84,6 @@ def test_values_and_derivatives_are_exact_to_rounding(name):
                 assert abs(error) < 2e-12 * (1 + 1e-3 * known.reach) * float(size), (along, points[row])
 
 
-@pytest.mark.parametrize("degree", range(13))
-@pytest.mark.parametrize("number", [1, 63, 64, 1000])
-def test_kernels_give_the_same_bits(degree, number):
-    kernel = CompiledKernel()
-    rng = np.random.default_rng(degree)
-    table, points = rng.normal(size=(3, count(degree))), rng.uniform(-2, 2, (3, number))
-    first, second = np.empty((3, number)), np.empty((3, number))
-    NUMPY(table, degree, points, first)
-    kernel(table, degree, points, second)
-    assert np.array_equal(first, second)
-    sizes = np.abs(table) @ np.prod(np.abs(points[:, None]) ** np.array(exponents(degree)).T[..., None], axis=0)
-    exact = np.sum(
-        [
-            table[:, i, None].astype(np.longdouble)
-            * np.prod(points.astype(np.longdouble) ** np.array(e)[:, None], axis=0)
-            for i, e in enumerate(exponents(degree))
-        ],
-        axis=0,
-    )
-    assert (np.abs(first - exact) <= 2 * (degree + 3) * 2.0**-53 * sizes).all()
-
-
 BITS = f"""
 import hashlib, numpy as np, pas
 surface = pas.PiecewiseSurface.from_polynomials(pas.SingleCell((-2,) * 3, (2,) * 3), (), 0, ["{TORUS}"])
@@ -118,8 +95,8 @@ print(hashlib.sha256(known.jets(points).tobytes() + known.third_derivatives(poin
 
 def test_values_are_the_same_bits_on_every_machine():
     found = set()
-    for machine, kernel in (("Haswell", "numpy"), ("Prescott", "compiled")):
-        environment = {**os.environ, "OPENBLAS_CORETYPE": machine, VARIABLE: kernel}
+    for machine in ("Haswell", "Prescott"):
+        environment = {**os.environ, "OPENBLAS_CORETYPE": machine}
         done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
         found.add(done.stdout)
     assert len(found) == 1
@@ -131,23 +108,6 @@ def test_many_polynomials_are_those_of_few():
     together, alone = evaluate(points, table), [evaluate(points, table[:, [i]])[..., 0] for i in range(9)]
     assert together.shape == (5, 7, 9)
     assert np.allclose(together, np.stack(alone, axis=-1), rtol=0, atol=1e-13)
-
-
-def test_a_surface_is_evaluated_the_same_with_numpy_and_compiled(monkeypatch):
-    known, points = evaluator("corner"), sample(evaluator("corner"), 2000)
-    found = []
-    for kernel in ("numpy", "compiled"):
-        monkeypatch.setenv(VARIABLE, kernel)
-        found.append((known.jets(points), known.rays(3 * points, -points), known.first(3 * points, -points)))
-    (jets, rays, first), (same_jets, same, same_first) = found
-    assert np.array_equal(jets, same_jets, equal_nan=True)
-    assert len(rays.rays) > 1000
-    assert np.array_equal(rays.rays, same.rays) and np.array_equal(rays.sides, same.sides)
-    assert same.parameters == pytest.approx(rays.parameters, rel=1e-14, abs=1e-14)
-    assert same_first == pytest.approx(first, rel=1e-14, abs=1e-14, nan_ok=True)
-    monkeypatch.setenv(VARIABLE, "abacus")
-    with pytest.raises(ValueError, match=r"PAS_KERNEL must be numpy or compiled, not 'abacus'"):
-        known.values(points)
 
 
 @pytest.mark.parametrize(
@@ -262,10 +222,8 @@ def test_rays_that_touch_start_on_or_lie_in_the_surface():
     assert along(pas.Evaluator("7"), [0, 0, 0], [1, 0, 0]) == []
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("name", ["corner", "torus anywhere"])
-def test_scaling_directions_by_a_power_of_two_changes_no_crossing(name, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_scaling_directions_by_a_power_of_two_changes_no_crossing(name):
     known = evaluator(name)
     origins, ends = 3 * sample(known, 300, 1), sample(known, 300, 2)
     directions = ends - origins
@@ -280,10 +238,8 @@ def test_scaling_directions_by_a_power_of_two_changes_no_crossing(name, kernel, 
         assert np.array_equal(longer, np.ldexp(first, -power), equal_nan=True)
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("power", [-1074, -1022, -500, 500, 1023])
-def test_parameters_beyond_doubles_are_infinite_or_zero(power, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_parameters_beyond_doubles_are_infinite_or_zero(power):
     for surface in (SPHERE, box(SPHERE)):
         found = pas.Evaluator(surface).rays([[-1.5, 0, 0]], [[2.0**power, 0, 0]])
         assert found.sides.tolist() == [-1, 1]
@@ -294,10 +250,8 @@ def test_parameters_beyond_doubles_are_infinite_or_zero(power, kernel, monkeypat
         assert found.parameters == pytest.approx(expected, rel=1e-15)
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("power", [10, 20, 30, 40, 45, 46, 52, 60, 200, 1000])
-def test_rays_from_far_away(power, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_rays_from_far_away(power):
     far = 2.0**power
     for surface in (SPHERE, box(SPHERE)):
         known = pas.Evaluator(surface)
@@ -309,10 +263,8 @@ def test_rays_from_far_away(power, kernel, monkeypatch):
     assert known.rays([[-far, -far + max(8.0, far / 2**40), 0.5]], [[2, 2, 0]]).sides.tolist() == []
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("far", [2.0**2, 2.0**12, 2.0**20, 2.0**27])
-def test_rays_from_afar_that_meet_the_rim_or_touch_within_rounding(far, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_rays_from_afar_that_meet_the_rim_or_touch_within_rounding(far):
     rng = np.random.default_rng(int(far))
     turns, ways = rng.uniform(0, 7, 60), rng.normal(size=(60, 3))
     ways[:, 2] = -np.abs(ways[:, 2])  # from above
@@ -331,9 +283,7 @@ def test_rays_from_afar_that_meet_the_rim_or_touch_within_rounding(far, kernel, 
     assert {0, 1, 2} <= numbers
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
-def test_the_region_is_closed_and_has_no_tolerance(kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_the_region_is_closed_and_has_no_tolerance():
     tube, below, above = pas.Evaluator(box("x^2 + y^2 - 1")), 2 - 2.0**-52, 2 + 2.0**-51
     for height, expected in ((below, [-1, 1]), (2.0, [-1, 1]), (above, [])):
         assert [side for _, side in along(tube, [-1.5, 0, height], [1, 0, 0])] == expected
@@ -344,19 +294,15 @@ def test_the_region_is_closed_and_has_no_tolerance(kernel, monkeypatch):
     assert along(edge, [3, 0.75, 0], [-1, 1, 0]) == []
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
 @pytest.mark.parametrize("surface", [SPHERE, box(SPHERE)], ids=["anywhere", "in a box"])
-def test_rays_from_points_beside_the_surface_cross_it_or_not_as_they_are(surface, kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_rays_from_points_beside_the_surface_cross_it_or_not_as_they_are(surface):
     known = pas.Evaluator(surface)
     assert along(known, [1 + 2.0**-52, 0, 0], [1, 0, 0]) == []
     assert along(known, [1 - 2.0**-53, 0, 0], [1, 0, 0]) == [(2.0**-53, 1)]
     assert along(known, [1 + 2.0**-52, 0, 0], [-1, 0, 0]) == [(2.0**-52, -1), (2 + 2.0**-52, 1)]
 
 
-@pytest.mark.parametrize("kernel", ["numpy", "compiled"])
-def test_rays_on_polynomials_whose_coefficients_lose_digits(kernel, monkeypatch):
-    monkeypatch.setenv(VARIABLE, kernel)
+def test_rays_on_polynomials_whose_coefficients_lose_digits():
     known = pas.Evaluator(box(f"(3*x^2 + 2*y^2 - 1)/1{'0' * 320}"))
     edge = 3**-0.5
     for x, expected in ((edge * (1 - 1e-6), [-1, 1]), (edge * (1 + 1e-6), [])):
