@@ -1,4 +1,4 @@
-"""Nanoseconds a value and seconds of rays on the corner of degree 5, by every kernel and other ways, in one run.
+"""Nanoseconds a value and seconds of rays on the corner of degree 5, beside other ways, in one run.
 
     python benchmarks/evaluator.py [--points 1000000] [--rays 100000] [--repeat 3]
 
@@ -10,7 +10,6 @@ without location: sympy's lambdify of its Horner form, and numpy.polynomial.
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable
 
@@ -18,7 +17,6 @@ import numpy as np
 import sympy
 
 import pas
-from pas.algebra.kernels import VARIABLE, best
 from pas.algebra.monomials import exponents, monomial_values
 
 CHUNK = 1 << 15
@@ -69,10 +67,7 @@ def main() -> None:
     origins *= 3 / np.linalg.norm(origins, axis=1)[:, None]
     directions = rng.uniform(-0.7, 0.7, (options.rays, 3)) - origins
     known = pas.Evaluator(surface)
-    start = time.perf_counter()
-    name = best().name
-    print(f"degree {surface.degree}, {options.points} points, {options.rays} rays; {name} in", end=" ")
-    print(f"{time.perf_counter() - start:.2f} s")
+    print(f"degree {surface.degree}, {options.points} points, {options.rays} rays")
 
     ways: dict[str, Callable[[], object]] = {
         "values": lambda: known.values(points),
@@ -83,10 +78,8 @@ def main() -> None:
     reference = seconds(lambda: as_before(surface, points), options.repeat)
     print(f"{'ns a point, with location':<50}{'ns':>8}{'ratio':>8}")
     row("barycentric coordinates and monomials", reference, reference, options.points)
-    for kernel in ("numpy", "compiled"):
-        os.environ[VARIABLE] = kernel
-        for title, work in ways.items():
-            row(f"{kernel}: {title}", seconds(work, options.repeat), reference, options.points)
+    for title, work in ways.items():
+        row(title, seconds(work, options.repeat), reference, options.points)
 
     polynomial = surface.polynomials[0]
     x, y, z = sympy.symbols("x y z")
@@ -100,16 +93,11 @@ def main() -> None:
     row("sympy lambdify", seconds(lambda: formula(*columns), options.repeat), reference, options.points)
     polyval = np.polynomial.polynomial.polyval3d
     row("numpy.polynomial", seconds(lambda: polyval(*columns, cube), options.repeat), reference, options.points)
-    for kernel in ("numpy", "compiled"):
-        os.environ[VARIABLE] = kernel
-        row(kernel, seconds(lambda: alone.values(points), options.repeat), reference, options.points)
+    row("values", seconds(lambda: alone.values(points), options.repeat), reference, options.points)
 
-    print("seconds of rays")
-    for kernel in ("numpy", "compiled"):
-        os.environ[VARIABLE] = kernel
-        first = seconds(lambda: known.first(origins, directions), options.repeat)
-        crossings = seconds(lambda: known.rays(origins, directions), options.repeat)
-        print(f"  {kernel:<12} first crossings {first:.2f}, all crossings {crossings:.2f}")
+    first = seconds(lambda: known.first(origins, directions), options.repeat)
+    crossings = seconds(lambda: known.rays(origins, directions), options.repeat)
+    print(f"seconds of rays: first crossings {first:.2f}, all crossings {crossings:.2f}")
 
 
 def row(title: str, spent: float, reference: float, points: int) -> None:

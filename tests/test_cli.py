@@ -151,7 +151,7 @@ def test_debug_shows_the_traceback(capsys):
 def test_module_version_and_help():
     for arguments, words in (
         (["--version"], f"pas {__version__}\n"),
-        (["--version", "--verbose"], "values of polynomials: "),
+        (["--version", "--verbose"], "\npython-flint "),
         (["--help"], "blend"),
         (["blend", "--help"], "[[pipes]]"),
     ):

@@ -2,6 +2,8 @@
 
 Kernels differ in the last digits of every product.  Degrees, dimensions and verdicts must be the same, and the
 surfaces within 1e-3 of their size (optima of quadratic forms, which the published files ask for, within 1e-6).
+
+Values by Horner's rule are the doubles that it gives when it is done as it is written down.
 """
 
 from __future__ import annotations
@@ -12,11 +14,15 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from conftest import ROOT
+
+from pas.algebra.kernels import horner
+from pas.algebra.monomials import count, positions
 
 THREADS = {"Haswell": 1, "Zen": 2, "SkylakeX": 1, "Prescott": 1}
 """The kernels, and the threads of each: two take several times the work of one where other programs have the processor.
@@ -102,3 +108,34 @@ def test_the_corner_files_come_to_the_same_under_four_kernels(names, threads):
             assert other[name]["energy"] == pytest.approx(result["energy"], rel=close), name
             patches, reference = np.array(other[name]["size"]), np.array(result["size"])
             assert np.abs(patches - reference).max() <= close * np.abs(reference).max(), name
+
+
+def by_the_rule(coefficients, degree, x, y, z):
+    """Horner's rule over z inside y inside x, in numbers of any kind."""
+    where, value = positions(degree), 0 * x
+    for a in range(degree, -1, -1):
+        in_y = 0 * x
+        for b in range(degree - a, -1, -1):
+            in_z = 0 * x
+            for c in range(degree - a - b, -1, -1):
+                in_z = in_z * z + coefficients[where[a, b, c]]
+            in_y = in_y * y + in_z
+        value = value * x + in_y
+    return value
+
+
+@pytest.mark.parametrize("degree", range(13))
+@pytest.mark.parametrize("number", [1, 63, 64, 200])
+def test_values_are_those_of_horners_rule_and_exact_to_rounding(degree, number):
+    rng = np.random.default_rng(degree)
+    table, points = rng.normal(size=(3, count(degree))), rng.uniform(-2, 2, (3, number))
+    found = np.full((number, 3), np.nan).T  # whose rows are not contiguous
+    horner(table, degree, points, found)
+    for row, values in zip(table.tolist(), found, strict=True):
+        assert np.array_equal(values, by_the_rule(row, degree, *points))
+        coefficients = [Fraction(c) for c in row]
+        for place in range(0, number, 50):
+            point = [Fraction(v) for v in points[:, place].tolist()]
+            size = by_the_rule([abs(c) for c in coefficients], degree, *map(abs, point))
+            error = abs(Fraction(values[place]) - by_the_rule(coefficients, degree, *point))
+            assert error <= 2 * (degree + 3) * size / 2**53

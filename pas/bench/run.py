@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from pas._version import __version__
-from pas.algebra.kernels import chosen
 from pas.bench.case import PEERS, SUITES
 from pas.bench.measure import Result, measured
 
@@ -104,7 +103,6 @@ def this_machine() -> dict[str, str]:
         "processor": _processor(),
         "cores": str(os.cpu_count()),
         "Python": platform.python_version(),
-        "kernel": chosen().name,
     }
 
 

@@ -6,22 +6,17 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from pas._version import __version__
-from pas.algebra.kernels import VARIABLE, chosen
 
 LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
 """Those on which results and their speed depend."""
 
 
 def version_text(verbose: bool) -> str:
-    """The version; with `verbose` also that of Python and of libraries, and by what polynomials are evaluated.
-
-    Raises `ValueError` where the environment asks for a kernel that there is not.
-    """
+    """The version; with `verbose` also that of Python and of libraries."""
     if not verbose:
         return f"pas {__version__}"
     lines = [f"pas {__version__}", f"Python {platform.python_version()} on {platform.platform()}"]
     lines += [f"{name} {_installed(name)}" for name in LIBRARIES]
-    lines.append(f"values of polynomials: {chosen().name} (choose by {VARIABLE}=numpy or compiled)")
     return "\n".join(lines)
 
 

@@ -8,7 +8,7 @@ on the way to it, and neither on the last bits of its coefficients.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import gcd
 
 import numpy as np
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
 from pas.fairing.guard import Guard, Rows, lattice_weights
-from pas.fairing.kernels import Crossed, compiled
+from pas.kernels.library import Functions
 
 SAMPLES = 32
 """Values of f on each ray between which its zeros are looked for; halved steps found the same."""
 
-CHUNK = 1024
-"""Rays whose values are worked out together: those of more leave the caches."""
+LEVELS = 3
+"""Values that are looked for, each of which a ray may pass once in a step: -band, 0 and band."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,7 @@ class Rays:
 
     def crossings(self, unknowns: Floats, band: float) -> Crossings:
         """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
-        profiles = self._profiles(unknowns)
-        kernel = compiled()
-        found = kernel and kernel(profiles, self._shares, band)
-        rays, shares, slopes = found or crossed(profiles, self._shares, band)
+        rays, shares, slopes = crossed(self._profiles(unknowns), self._shares, band)
         return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
 
     def rows(self, crossings: Crossings, margin: float) -> Rows:
@@ -83,37 +80,21 @@ class Rays:
         return np.concatenate(blocks, axis=1)
 
 
-def crossed(profiles: Floats, shares: Floats, band: float) -> Crossed:
+def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Where polynomials, columns of `profiles` (n + 1, N), pass -band, 0 and band between shares (S,) that are evenly
-    apart from 0 on: by rising columns, shares and levels."""
-    parts = [_crossed(profiles[:, start : start + CHUNK], shares, band) for start in range(0, profiles.shape[1], CHUNK)]
-    if not parts:
-        return np.empty(0, dtype=np.intp), np.empty(0), np.empty(0)
-    rays, found, slopes = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    return rays + np.repeat(CHUNK * np.arange(len(parts)), [len(part[0]) for part in parts]), found, slopes
+    apart from 0 on, at most 65: columns, shares and slopes, (M,) each, by rising columns, shares and levels."""
+    room = LEVELS * (len(shares) - 1) * profiles.shape[1]
+    rays, number = np.empty(room, dtype=np.intp), np.zeros(1, dtype=np.intp)
+    places, slopes = np.empty(room), np.empty(room)
+    sizes = (len(profiles) - 1, profiles.shape[1])
+    _functions().call("pas_levels", *sizes, profiles, len(shares), shares, float(band), rays, places, slopes, number)
+    found = int(number[0])
+    return rays[:found].copy(), places[:found].copy(), slopes[:found].copy()
 
 
-def _crossed(profiles: Floats, shares: Floats, band: float) -> Crossed:
-    levels, steps = np.array([-band, 0.0, band]), shares[:, None]
-    values = steps * profiles[-1]
-    values += profiles[-2]
-    for row in profiles[-3::-1]:
-        values *= steps
-        values += row
-    rung = (values >= -band).view(np.int8) + (values >= 0.0).view(np.int8) + (values >= band).view(np.int8)
-    before, rays = np.divmod(np.flatnonzero(rung[:-1] != rung[1:]), profiles.shape[1])
-    order = np.argsort(rays, kind="stable")
-    before, rays = before[order], rays[order]
-    low, high = rung[before, rays, None], rung[before + 1, rays, None]
-    which, level = np.nonzero((low > range(3)) != (high > range(3)))
-    rays, before = rays[which], before[which]
-    a, b = values[before, rays] - levels[level], values[before + 1, rays] - levels[level]
-    found = shares[before] + a / (a - b) * shares[1]
-    slopes = np.zeros(len(rays))
-    for power in range(len(profiles) - 1, 0, -1):
-        slopes *= found
-        slopes += (power * profiles[power]).take(rays)
-    return rays, found, slopes
+@cache
+def _functions() -> Functions:
+    return Functions()
 
 
 def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:

@@ -1,4 +1,4 @@
-/* Where members pass levels along rays, as in pas/fairing/rays.py: the same sums and products in the same order. */
+/* Where polynomials pass levels along rays. */
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -32,14 +32,15 @@ static void sampled(whole n, whole stride, const double *profiles, whole samples
 }
 
 /* Crossings by rising rays, shares and levels: ray numbers, shares, and slopes of the profiles (n + 1, rays) there.
-   Returns -1 where there are more than `room` or `MOST` samples, or no memory. */
+   There must be room for one of each level in each step of each ray.  Returns -1 where there are more than `MOST`
+   samples, or no memory. */
 int pas_levels(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
-                whole room, whole *ray_of, double *share_of, double *slope_of, whole *number)
+               whole *ray_of, double *share_of, double *slope_of, whole *number)
 {
     const double levels[LEVELS] = {-band, 0, band};
     double *values = malloc(samples * BLOCK * sizeof(double)), *last = calloc((n + 1) * BLOCK, sizeof(double));
     signed char *rungs = malloc(samples * BLOCK);
-    int good = values && last && rungs && samples <= MOST;
+    const int good = values && last && rungs && samples <= MOST;
     whole found = 0;
     for (whole start = 0; good && start < rays; start += BLOCK) {
         const whole size = rays - start < BLOCK ? rays - start : BLOCK;
@@ -49,7 +50,7 @@ int pas_levels(whole n, whole rays, const double *profiles, whole samples, const
                 for (whole r = 0; r < size; r++) last[k * BLOCK + r] = profiles[k * rays + start + r];
             sampled(n, BLOCK, last, samples, shares, band, values, rungs);
         }
-        for (whole first = 0; good && first < size; first += WORD) {
+        for (whole first = 0; first < size; first += WORD) {
             uint64_t steps[WORD] = {0};  /* after which a ray is on another rung, a bit each */
             for (whole s = 0; s + 1 < samples; s++) {
                 const signed char *low = rungs + s * BLOCK + first, *high = low + BLOCK;
@@ -57,14 +58,10 @@ int pas_levels(whole n, whole rays, const double *profiles, whole samples, const
                     for (int i = 0; i < WORD; i++) steps[i] |= (uint64_t)(low[i] != high[i]) << s;
             }
             for (whole r = first; r < first + WORD && r < size; r++)
-                for (uint64_t left = steps[r - first]; good && left; left &= left - 1) {
+                for (uint64_t left = steps[r - first]; left; left &= left - 1) {
                     const whole s = __builtin_ctzll(left), at = s * BLOCK + r;
                     const int low = rungs[at], high = rungs[at + BLOCK], up = low < high;
                     for (int i = up ? low : high; i < (up ? high : low); i++) {
-                        if (found == room) {
-                            good = 0;
-                            break;
-                        }
                         const double a = values[at] - levels[i], b = values[at + BLOCK] - levels[i];
                         const double share = shares[s] + a / (a - b) * shares[1];
                         double slope = 0;

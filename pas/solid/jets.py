@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.tables import MixedTables, PieceTables
+from pas.algebra.tables import PieceTables, Rows
 
 Integers = NDArray[np.intp]
 
@@ -27,7 +27,7 @@ class Jets:
         return self._tables(points, numbers).T if len(points) else np.empty((0, 4))
 
     @cached_property
-    def _tables(self) -> MixedTables:
+    def _tables(self) -> Rows:
         degrees, kinds = np.unique(self._degrees, return_inverse=True)
         places, tables = np.zeros(len(kinds), dtype=np.intp), []
         for kind, degree in enumerate(degrees.tolist()):
@@ -36,4 +36,4 @@ class Jets:
             jets = [(p, *map(p.diff, range(3))) for p in (self._polynomials[k] for k in own.tolist())]
             table = np.array([[q.dense(degree) for q in jet] for jet in jets])
             tables.append(PieceTables(table, (degree, *[max(degree - 1, 0)] * 3)))
-        return MixedTables(tables, kinds, places)
+        return Rows.of_kinds(tables, kinds, places)

@@ -12,8 +12,7 @@ import numpy as np
 from flint import fmpz_mat
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import order_of_rule
-from pas.algebra.kernels import horner
+from pas.algebra.kernels import horner, order_of_rule
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.rational import to_floats
 from pas.bernstein.forms import UNIT_ROUNDOFF

@@ -18,8 +18,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from pas.algebra.compiled import order_of_rule
-from pas.algebra.kernels import horner
+from pas.algebra.kernels import horner, order_of_rule
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
