@@ -1,4 +1,4 @@
-"""Parts of meshing and of proofs of meshes by compiled code and by numpy: the same bits, and what they should be."""
+"""Parts of meshing and of proofs of meshes in compiled code: what they should be."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pytest
 from conftest import EQUAL, solved
 
 import pas
-from pas.algebra.kernels import VARIABLE
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving, raised
@@ -30,20 +29,6 @@ from pas.surface.windings import crossed
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BOWL = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
-
-
-@pytest.fixture
-def both(monkeypatch):
-    """What a function returns by numpy and by compiled code."""
-
-    def results(function):
-        found = []
-        for kernel in ("numpy", "compiled"):
-            monkeypatch.setenv(VARIABLE, kernel)
-            found.append(function())
-        return found
-
-    return results
 
 
 def same(found):
