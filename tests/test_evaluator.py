@@ -321,15 +321,25 @@ def test_rays_on_polynomials_whose_coefficients_lose_digits():
 @pytest.mark.usefixtures("shooting")
 @pytest.mark.parametrize("number", [1, 100])
 def test_all_crossings_of_a_surface_of_many_sheets_are_found(number):
-    """There are fifteen, where there is room for four a ray at first."""
-    sheets = pas.Evaluator(box("*".join(f"(4*x - {k} - y/8)" for k in range(-7, 8))))
+    """There are nine, where there is room for four a ray at first."""
+    sheets = pas.Evaluator(box("*".join(f"(3*x - {k} - y/8)" for k in range(-4, 5))))
     heights = np.linspace(-1, 1, number)
-    origins = np.stack([np.full(number, -2.5), heights, heights[::-1]], axis=1)
+    origins = np.stack([np.full(number, -2.5), heights, heights / 3 + 0.15], axis=1)
     found = sheets.rays(origins, [[1, 0, 0]])
-    assert found.counts.tolist() == [15] * number
-    assert found.parameters.reshape(number, 15) == pytest.approx(2.5 + (np.arange(-7, 8) + heights[:, None] / 8) / 4)
-    assert (found.sides.reshape(number, 15) == [(-1) ** k for k in range(15)]).all()
+    assert found.counts.tolist() == [9] * number
+    assert found.parameters.reshape(number, 9) == pytest.approx(2.5 + (np.arange(-4, 5) + heights[:, None] / 8) / 3)
+    assert (found.sides.reshape(number, 9) == [(-1) ** k for k in range(9)]).all()
     assert sheets.first(origins, [[1, 0, 0]]) == pytest.approx(found.first, rel=1e-12)
+    assert not in_doubles(sheets, LocalRays.of(sheets, origins, np.tile([1.0, 0, 0], (number, 1))), False)[1].any()
+
+
+def test_the_search_serves_all_of_space_and_degrees_above_fifteen():
+    high = "x^{0} + y^{0} + z^{0} - 1"
+    served = {SPHERE: False, box(SPHERE): True, box(high.format(14)): True, box(high.format(16)): False}
+    for surface, compiled in served.items():
+        known = pas.Evaluator(surface)
+        assert (known.scene is not None) is compiled
+        assert along(known, [-1.5, 0, 0], [1, 0, 0]) == [(pytest.approx(0.5), -1), (pytest.approx(2.5), 1)]
 
 
 def test_compiled_code_and_the_search_find_the_same_crossings():
