@@ -162,7 +162,8 @@ class Desk:
                 parts = {}
                 with suppress(MeshError):  # what has no mesh is drawn by rays, however slowly
                     parts = triangles(self._meshed(surface), surface) if mesh else {}
-                return Message({"kind": "moved", "scene": scene}, {"coefficients": coefficients(surface), **parts})
+                head = {"kind": "moved", "scene": scene, "exponent": surface.scaled.exponent}
+                return Message(head, {"coefficients": coefficients(surface), **parts})
             message = picture(shape)
             name = name_of_scene(message)
             self.placed, self.scene = surface.placed, name.partition(" ")[2]

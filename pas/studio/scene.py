@@ -100,6 +100,7 @@ def _cast(surface: PiecewiseSurface) -> Message:
         "how": "cast",
         "clips": [clip.degree for clip in clips],
         "degree": surface.degree,
+        "exponent": surface.scaled.exponent,
         "order": surface.placed.order,
         "origin": to_floats(frame.origin),
         "scale": to_float(frame.scale),

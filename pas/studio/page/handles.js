@@ -46,7 +46,8 @@ export function normalAt(scene, place) {
 }
 
 // Where a B-coefficient takes hold of the surface, the normal there, and how much of it moves the surface by one along
-// that, where `share` is how much the function changes there with it (else that of its Bernstein polynomial alone); null
+// that, where `share` is how much the function changes there with it (else that of its Bernstein polynomial alone; of the
+// function itself, which is that of the scene times 2^exponent); null
 // for a cell that there is not.
 export function grip(scene, [cell, index], share) {
 	const body = scene.tetrahedra?.[cell], degree = index.reduce((a, b) => a + b, 0);
@@ -54,5 +55,5 @@ export function grip(scene, [cell, index], share) {
 	const corners = scene.cells[cell].map((v) => scene.vertices[v]), point = corners.reduce((p, v, k) => plus(p, v, index[k] / degree), [0, 0, 0]);
 	const polynomial = scene.surface[body.number], place = onSurface(polynomial, point, scene.reach), { g } = jet(polynomial, place), slope = size(g) || 1;
 	const alone = body.planes.reduce((w, q, k) => (w * Math.max(0, dot(q, place) + q[3]) ** index[k]) / factorial(index[k]), factorial(degree)), found = share ?? alone;
-	return { place, normal: times(g, 1 / slope), change: -slope / (Math.sign(found) * Math.max(FAINT, Math.abs(found)) || FAINT) };
+	return { place, normal: times(g, 1 / slope), change: (-slope * 2 ** scene.exponent) / (Math.sign(found) * Math.max(FAINT, Math.abs(found)) || FAINT) };
 }

@@ -41,7 +41,7 @@ export class Scene {
 		this.vertices = rows(arrays.vertices, 3); this.cells = rows(arrays.cells, 4);
 		let at = 0;
 		this.clips = head.clips.map((degree) => ({ degree, values: arrays.clips.subarray(at, (at += count(degree))) }));
-		this.moved(arrays.coefficients);
+		this.moved(arrays.coefficients, head.exponent);
 		this.tetrahedra = tetrahedra(this.vertices, this.cells, [...arrays.pieces], rows(arrays.inner, 4));
 		this.outlined(head, arrays);
 		this.reach = Math.max(...this.bodies.flatMap((b) => b.faces.flat().map(size)));
@@ -86,7 +86,7 @@ export class Scene {
 		return { points: arrays["points 0"], normals: arrays["normals 0"], triangles: arrays["triangles 0"], tints };
 	}
 	get polynomials() { return [...this.surface, ...this.beyond]; }
-	moved(values) { this.surface = pieces(values, this.head.degree).map((p) => ({ ...p, clips: this.clips })); }
+	moved(values, exponent) { this.exponent = exponent; this.surface = pieces(values, this.head.degree).map((p) => ({ ...p, clips: this.clips })); }
 	load(caster) { caster.scene(this.bodies, this.polynomials, this.reach); caster.setMeshes(this.meshes); }
 	local(p) { return p.map((x, i) => (x - this.origin[i]) / this.scale); }
 	world(p) { return p.map((x, i) => x * this.scale + this.origin[i]); }

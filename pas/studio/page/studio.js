@@ -181,7 +181,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 	function formats(names) { const chosen = $.format.value; $.format.replaceChildren(...options(names)); if (names.includes(chosen)) $.format.value = chosen; }
 	function moved(head, arrays) {
 		if (head.seq < s.shown || !s.scene) return;
-		if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients); view.caster.change(s.scene.polynomials); }
+		if (s.scene.how === "cast") { if (head.scene !== s.sceneName) return; s.scene.moved(arrays.coefficients, head.exponent); view.caster.change(s.scene.polynomials); }
 		else { s.scene.movedMesh(arrays); view.caster.setMeshes(s.scene.meshes); }
 		arrived(head); meshed(head, arrays); view.ask();
 	}
