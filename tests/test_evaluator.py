@@ -17,7 +17,7 @@ import pas
 from pas.algebra.kernels import evaluate
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
-from pas.surface.crossings import Search, in_doubles
+from pas.surface.crossings import RaySearch, in_doubles
 from pas.surface.exact_crossings import exact_crossings
 from pas.surface.ray_cells import LocalRays
 from pas.surface.ray_forms import _interpolation
@@ -347,7 +347,7 @@ def test_compiled_code_and_the_search_find_the_same_crossings():
     local = LocalRays.of(known, 3 * points, -points)
     shot, undecided = in_doubles(known, local, False)
     assert len(shot[0]) > 1000
-    found, left = Search(known, local, False).run()
+    found, left = RaySearch(known, local, False).run()
     order, both = np.lexsort((found[1], found[0])), np.flatnonzero(~(undecided | left))
     first, second = (np.isin(rays, both) for rays in (shot[0], found[0][order]))
     assert undecided.sum() + left.sum() < 20

@@ -52,10 +52,27 @@ def test_a_piece_that_is_not_proved_to_be_one_is_refused(bent):
 def test_the_other_nappe_of_a_cone_is_no_part_of_a_body(bent):
     """The third contact tapers by an eighth of its axis' unit: from 1/2 to 0 within four of them."""
     with pytest.raises(
-        pas.GeometryError, match=r"neighbour 3 comes back within 7 of its clip; take a length below 5\.657"
+        pas.GeometryError, match=r"neighbour 3 comes back within 7 of its clip; take a length of at most 5\.654"
     ):
         pas.blend(tapering(), 1).solid(7)
     assert pas.blend(tapering(), 1).solid(5).proved
+
+
+@pytest.mark.parametrize("length", ["1/2", 1])
+def test_a_hollow_body_asks_no_more_of_its_cavity_than_of_its_outside(bent, length):
+    """The cavity's tube is narrower, and goes on little beyond the caps."""
+    wall = bent.hollow("1/8").solid(length)
+    assert wall.proved
+    mesh = wall.mesh(5e-2)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, -2)
+
+
+def test_a_cavity_that_comes_back_is_named_with_a_length_that_works():
+    hollow = pas.blend(tapering(), 1).hollow("1/8")
+    assert hollow.solid(4).proved
+    with pytest.raises(pas.GeometryError, match=r"inside of neighbour 3 comes back within 4\.5 .* at most 4\.173"):
+        hollow.solid("9/2")
+    assert hollow.solid("4173/1000").proved
 
 
 def test_six_tetrahedra_fill_a_frustum():

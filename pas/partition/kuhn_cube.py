@@ -13,6 +13,9 @@ from typing import Any
 from pas.algebra.rational import Vector, VectorLike, vector
 from pas.partition.cells import Partition, written
 
+KUHN_CELLS = tuple((0, first, first + second, 7) for first, second, _ in permutations((4, 2, 1)))
+"""The corners of each tetrahedron, by numbers 4 i + 2 j + k of a box's corners (i, j, k)."""
+
 
 class KuhnCube(Partition):
     """The box from `lower` to `upper` (three exact numbers each), cut into six around the diagonal between these.
@@ -27,9 +30,8 @@ class KuhnCube(Partition):
         if any(a >= b for a, b in zip(*self.box, strict=True)):
             raise ValueError("each lower bound of a box must be below the upper one")
         corners = [vector(corner) for corner in product(*zip(*self.box, strict=True))]
-        cells = [(0, first, first + second, 7) for first, second, _ in permutations((4, 2, 1))]
         center = vector([(a + b) / 2 for a, b in zip(*self.box, strict=True)])
-        super().__init__(corners, cells, center)
+        super().__init__(corners, KUHN_CELLS, center)
 
     def to_record(self) -> dict[str, Any]:
         """See `Partition.to_record`."""

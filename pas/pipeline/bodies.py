@@ -18,7 +18,7 @@ from pas.algebra.rational import exact, rational
 from pas.algebra.scaling import Scaled
 from pas.errors import GeometryError
 from pas.pipeline.mouth import Mouth
-from pas.pipeline.neighbours import walls
+from pas.pipeline.neighbours import NOTHING, walls
 from pas.solid.pieces import Pieces, region
 from pas.solid.several import union
 from pas.solid.solid import Solid, patch
@@ -35,11 +35,13 @@ def body(
     face: str = "blend",
     floor: fmpq | None = None,
     around: Around = "edged",
+    beyond: fmpq = NOTHING,
 ) -> Solid:
     """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
 
     `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
     The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does.
+    Neighbours go on by `beyond` more than their length.
     """
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
@@ -61,9 +63,9 @@ def body(
             if reach > 0 and around != "surface":
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
-        elif reach > 0:
-            cap = _cap(end, reach)
-            apart = walls(surface, number, reach)
+        elif reach + beyond > 0:
+            cap = _cap(end, reach + beyond)
+            apart = walls(surface, number, name, reach, beyond)
             solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
     solid = union(solids)
     for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
@@ -86,11 +88,15 @@ def hollow_body(
     titles = _names(names, len(outer.contacts))
     low = next((Mouth.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
     floors = (None, None) if low is None else (low / 2, low / 4)
-    further = reach + outer.partition.frame.scale / 2
     around: Around = "endless" if reach > 0 else "surface"
-    cavity = body(inner, further, [f"{INSIDE} {t}" for t in titles], f"{INSIDE} blend", floors[1], around)
+    inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
+    cavity = body(inner, reach, inside, f"{INSIDE} blend", floors[1], around, beyond)
     return body(outer, length, names, floor=floors[0]) - (cavity if reach > 0 else replace(cavity, joints=()))
 
+
+FURTHER = 64
+"""Parts of the region's scale, by one of which a cavity goes on beyond the caps: there it takes nothing away, and must
+be proved to be one piece as well."""
 
 INSIDE = "inside of"
 """How faces of a cavity are named after those of the outside, as a shell's are."""

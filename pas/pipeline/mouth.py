@@ -34,6 +34,9 @@ HIGHER, BEYOND = 1.2, 1.05
 """How much higher than where rays leave the surface it ends at last, and how much wider than the edge what is looked at
 is."""
 
+WITHIN = 0.99
+"""Of a height: the one at which what is looked at begins below the back, and at which the piece ends below its top."""
+
 FINE = 2**20
 """Parts of a unit in which an axis and heights are rounded that are given by no plane: too fine to be seen."""
 
@@ -103,15 +106,14 @@ class Mouth:
         """
         wanted = min(reach, self.radius / 2) if shorter and not self.flat else reach
         works = reach if self.flat else next((part for n in range(PARTS) if self._leave(part := wanted / 2**n)), None)
-        if works is not None and not self.flat and (shorter or works == reach):
-            return self._apart(around, reach, works).cap(self.edge(works), f"{around.faces[0]} end")
         if works is None or (works != reach and not shorter):
             advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
             raise GeometryError(
                 f"neighbour {self.number} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
                 f"around its opening; {advice} instead"
             )
-        return around.cap(self.edge(works), f"{around.faces[0]} end")
+        alone = around if self.flat else self._apart(around, reach, works)
+        return alone.cap(self.edge(works), f"{around.faces[0]} end")
 
     def _apart(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
         """The solid around the opening below a plane above which rays do not come back; see `neighbours`."""
@@ -120,9 +122,9 @@ class Mouth:
         low = to_float(self._back(reach) / self.scale) / length
         across = BEYOND * to_float(self._wide(works)) * self.join.nappe[1:]
         square = [self.join.nappe[0] + i * across[0] + j * across[1] for i, j in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
-        floor, roof = ([_exact(share * corner) for corner in square] for share in (0.99 * low, high))
+        floor, roof = ([_exact(share * corner) for corner in square] for share in (WITHIN * low, high))
         cone = self.edge(works).raw.compose(*(c + self.scale * g for c, g in zip(self.center, GENERATORS, strict=True)))
-        ceiling = self.at(exact(0.99 * high * length) * self.scale)
+        ceiling = self.at(exact(WITHIN * high * length) * self.scale)
         places = [[moved(self.center, (self.scale, corner)) for corner in quad] for quad in (floor, roof)]
         between = all(self.back(reach).raw(*p) > 0 for p in places[0]) and all(ceiling.raw(*p) < 0 for p in places[1])
         if between and is_left_once(self.join.contact.surface, Polynomial.from_raw(cone), floor, roof):

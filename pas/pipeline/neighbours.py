@@ -27,16 +27,17 @@ All by Bernstein forms with rounding counted (see `pas.bernstein.signs`).  What 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import permutations, product
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
 from pas.errors import GeometryError
+from pas.partition.kuhn_cube import KUHN_CELLS
 from pas.surface.nesting import prove_inside
 from pas.verdicts import Status
 
@@ -54,6 +55,11 @@ ROOM = 1.5
 BEYOND = fmpq(21, 20)
 """How much larger than the wall the box is in which it is looked at."""
 
+ADVISED = 1 - 5e-4
+"""Of the least length that does not work: its four digits, rounded, are those of one that does."""
+
+NOTHING = fmpq(0)
+
 ROUNDED = fmpq(1, 2**40)
 """By which part slabs are taken higher, as a cap's height is rounded."""
 
@@ -61,26 +67,29 @@ Positive = tuple[Polynomial, tuple[Polynomial, ...]]
 """A polynomial that is to be positive where no other one is."""
 
 
-def walls(surface: PiecewiseSurface, number: int, length: fmpq) -> tuple[Polynomial, ...]:
-    """What keeps the part of contact `number` (from 0) up to a length (the model's units) beyond its plane clip face
-    apart from the rest of its surface: polynomials that are positive there, in the user's coordinates.
+def walls(
+    surface: PiecewiseSurface, number: int, name: str, length: fmpq, beyond: fmpq = NOTHING
+) -> tuple[Polynomial, ...]:
+    """What keeps the part of contact `number` (from 0), called `name`, apart from the rest of its surface: polynomials
+    that are positive there, in the user's coordinates.
 
-    Raises `GeometryError` where it is not proved that this part is one piece with the blend.
+    The part is that up to `length + beyond` (the model's units) over its plane clip face, of which `length` was asked
+    for.  Raises `GeometryError` where it is not proved that this part is one piece with the blend.
     """
     join, frame = surface.joins[number], surface.partition.frame
-    slab = Slab(join, length / frame.scale)
+    slab = Slab(join, (length + beyond) / frame.scale)
     if join.contact.surface.degree == 2:
         comes_back = slab.comes_back()
         if comes_back is None:
             return ()
         raise GeometryError(
-            f"neighbour {number + 1} comes back within {to_float(length):.4g} of its clip; take a length below "
-            f"{to_float(comes_back * frame.scale):.4g}"
+            f"{name} comes back within {to_float(length):.4g} of its clip; take a length of at most "
+            f"{ADVISED * to_float(comes_back * frame.scale - beyond):.4g}"
         )
     radius = slab.radius()
     if radius is None or not slab.is_one_piece(radius):
         raise GeometryError(
-            f"neighbour {number + 1} is not proved to go on in one piece for {to_float(length):.4g} beyond its clip; "
+            f"{name} is not proved to go on in one piece for {to_float(length):.4g} beyond its clip; "
             "take a shorter length, or compose the solid with pas.solid.patch"
         )
     return (-frame.globalise(slab.wall(radius)),)
@@ -114,17 +123,16 @@ class Slab:
         det = 4 * a * c - b * b
         if a <= 0 or det <= 0:
             raise GeometryError("a neighbour of degree 2 whose sections are no discs does not end in a closed curve")
-        p, q = ([terms.get((*e, i), fmpq(0)) for i in range(2)] for e in ((1, 0), (0, 1)))
-        # f is least where its slope along the section is 0, and there less by (c p^2 - b p q + a q^2) / det
-        taken = [_product(p, p, c), _product(p, q, -b), _product(q, q, a)]
-        least = [terms.get((0, 0, i), fmpq(0)) - sum((part[i] for part in taken), fmpq(0)) / det for i in range(3)]
+        p, q, r = (fmpq_poly([terms.get((*e, i), fmpq(0)) for i in range(3)]) for e in ((1, 0), (0, 1), (0, 0)))
+        # f is least where its slope along the section is 0
+        least = r - (c * p * p - b * p * q + a * q * q) / det
         if least[2] >= 0:
             return None
         turn = -least[1] / (2 * least[2])
-        if not 0 < turn < self.top or _at(least, turn) < 0 or _at(least, self.top) > 0:
+        if not 0 < turn < self.top or least(turn) < 0 or least(self.top) > 0:
             return None
-        ends = [r for r in np.roots([to_float(x) for x in reversed(least)]).real.tolist() if r > 0]
-        return exact(float(min(ends, default=0.0))) * dot(self.normal, self.normal) / self.size
+        first = turn - exact(float(np.sqrt(to_float(-least(turn) / least[2]))))
+        return first * dot(self.normal, self.normal) / self.size
 
     def radius(self) -> fmpq | None:
         """A radius for the wall, between what goes on from the clip faces and everything else, as samples show it."""
@@ -227,20 +235,12 @@ def proved(claim: Positive, simplices: Sequence[Sequence[Vector]]) -> bool:
 
 def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
     """Six tetrahedra that fill a convex hexahedron, given by two opposite sides, corners in order (Kuhn 1960)."""
-    places = {(0, 0): 0, (0, 1): 1, (1, 1): 2, (1, 0): 3}
-    corner = {(i, j, k): quads[k][places[i, j]] for i, j, k in product((0, 1), repeat=3)}
-    found = []
-    for order in permutations(range(3)):
-        at = [0, 0, 0]
-        path = [corner[0, 0, 0]]
-        for axis in order:
-            at[axis] = 1
-            path.append(corner[at[0], at[1], at[2]])
-        found.append(tuple(path))
-    return found
+    corners = [quads[k][(0, 3)[i] if j == 0 else (1, 2)[i]] for i, j, k in product((0, 1), repeat=3)]
+    return [tuple(corners[v] for v in cell) for cell in KUHN_CELLS]
 
 
 def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
+    """A point and the sum of some vectors, each given with its factor."""
     x, y, z = (c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
     return x, y, z
 
@@ -261,12 +261,3 @@ def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
     """The plane through two points along a direction, as a polynomial."""
     normal = cross(minus(second, first), along)
     return sum((n * (g - c) for n, g, c in zip(normal, GENERATORS, first, strict=True)), 0 * GENERATORS[0])
-
-
-def _product(p: Sequence[fmpq], q: Sequence[fmpq], factor: fmpq) -> list[fmpq]:
-    """Of two polynomials of degree 1 in t and a number, by rising powers."""
-    return [factor * p[0] * q[0], factor * (p[0] * q[1] + p[1] * q[0]), factor * p[1] * q[1]]
-
-
-def _at(coefficients: Sequence[fmpq], t: fmpq) -> fmpq:
-    return coefficients[0] + t * (coefficients[1] + t * coefficients[2])

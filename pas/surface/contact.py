@@ -55,7 +55,7 @@ class Contact(Movable):
 
     @cached_property
     def scaled(self) -> Contact:
-        """The same contact by polynomials that are scaled, as whatever works in doubles takes them."""
+        """The contact with each polynomial over a power of two of its own, for what works in doubles."""
         return Contact(scaled(self.surface), scaled(self.clip), self.near)
 
     def __str__(self) -> str:

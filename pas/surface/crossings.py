@@ -124,7 +124,7 @@ def _blocks(
 
 
 def _ordered(found: Found) -> Found:
-    """The same by ray and along each ray."""
+    """Crossings by ray, and along each ray by rising parameters."""
     rays, lengths, sides = found
     after = (rays[1:] > rays[:-1]) | ((rays[1:] == rays[:-1]) & (lengths[1:] >= lengths[:-1]))
     if after.all():
@@ -157,7 +157,7 @@ def in_doubles(evaluator: Evaluator, local: LocalRays, first: bool) -> tuple[Fou
     polynomials without a region and those of higher degrees (see `pas.surface.ray_forms.scene_of`).
     """
     if evaluator.scene is None:
-        return Search(evaluator, local, first).run()
+        return RaySearch(evaluator, local, first).run()
     shot = compiled().rays(evaluator.scene, local.origins, local.ways, first)
     return shot[:3], shot[3]
 
@@ -188,7 +188,7 @@ class _Parts:
         )
 
 
-class Search:
+class RaySearch:
     """The crossings of a block of rays, with numpy: of any degree, in cells or in all of space (see `in_doubles`)."""
 
     def __init__(self, evaluator: Evaluator, local: LocalRays, first: bool) -> None:

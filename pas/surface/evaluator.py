@@ -140,7 +140,7 @@ class Evaluator:
         return result
 
     def scaled_derivatives(self, points: Floats, orders: Sequence[int]) -> Floats:
-        """The same of the scaled patches, in doubles whatever the values are; NaN outside."""
+        """Partial derivatives of the scaled patches at points (..., 3), (..., entries), finite inside; NaN outside."""
         return self._located(points, orders)[0]
 
     def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, NDArray[np.bool_]]:

@@ -76,7 +76,7 @@ def _positive(lines: list[tuple[fmpq, fmpq]]) -> tuple[fmpq, fmpq] | None:
 
 
 def _joined(stretches: list[Stretch]) -> list[Stretch]:
-    """The same without overlaps: stretches that meet are one."""
+    """Stretches without overlaps: those that meet are one."""
     result: list[Stretch] = []
     for low, high in sorted(stretches, key=lambda stretch: stretch[0]):
         if result and _holds(result[-1], low):
