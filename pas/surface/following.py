@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pas.mesh.field import Floats, Integers
-from pas.mesh.graded import followed
 from pas.mesh.mesh import Mesh
+from pas.mesh.sheet import followed
 from pas.mesh.star import require_once, rim_numbers
 from pas.mesh.triangulate import wall_numbers
 

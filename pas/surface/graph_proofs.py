@@ -21,7 +21,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
+from pas.mesh.edges import Edges
 from pas.mesh.rows import dots
 from pas.surface.mesh_stage import Sheet
 from pas.surface.opening_rim import OpeningRim

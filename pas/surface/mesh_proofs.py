@@ -29,7 +29,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
+from pas.mesh.edges import Edges
 from pas.mesh.topology import same_places
 from pas.surface.graph_proofs import certify_graph
 from pas.surface.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
