@@ -32,7 +32,7 @@ VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 
-BOXED = "pas.surface.boxes:boxed"
+BOXED = "pas.piecewise:boxed"
 """What makes a surface of a polynomial, in a room above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"

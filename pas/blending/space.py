@@ -20,7 +20,7 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.fairing.functionals import Functional, value_at
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import InPlace, PlacedContacts
 
 Member = tuple[Polynomial, ...]
