@@ -14,7 +14,7 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.latex import latex
+from pas.algebra.brief import latex
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products

@@ -20,7 +20,7 @@ from typing import NoReturn, Protocol, TypeVar
 from flint import fmpq
 
 from pas.algebra.inputs import check_text, short, shown
-from pas.algebra.rational import written
+from pas.algebra.rational import read_number
 from pas.errors import meant
 
 V = TypeVar("V")
@@ -80,7 +80,7 @@ class Values(Protocol[V]):
     """Values of one kind, in which an expression is worked out; `ValueError` says what a kind cannot do."""
 
     def number(self, value: fmpq) -> V: ...
-    def name(self, name: str) -> V: ...
+    def name(self, name: str, /) -> V: ...
     def negative(self, value: V) -> V: ...
     def combine(self, step: Step, left: V, right: V) -> V:
         """left + - * / ** right; `step.action` is the sign."""
@@ -95,7 +95,7 @@ def steps(
 
     With `equation`, `f = g` is `f - (g)`.  Raises `ValueError` saying what is wrong and in which column.
     """
-    reader = _Reader(check_text(text), functions, equation)
+    reader = _ShuntingYard(check_text(text), functions, equation)
     for token in _tokens(text, tuple(names), tuple(functions)):
         reader.take(token)
     return reader.end()
@@ -119,13 +119,6 @@ def run(program: Sequence[Step], values: Values[V]) -> V:
     return stack.pop()
 
 
-def _number(text: str) -> fmpq:
-    try:
-        return written(text)
-    except ValueError as error:
-        raise ValueError(f"the number {shown(text)} {error}") from None
-
-
 @dataclass
 class _Bracket:
     """What is open: the whole text, one side of an equation or a bracket; where, and which function it belongs to."""
@@ -136,7 +129,7 @@ class _Bracket:
     terms: int = 1
 
 
-class _Reader:
+class _ShuntingYard:
     """Takes tokens in order; `waiting` holds signs whose right side is being read, `spans` where operands stand."""
 
     def __init__(self, text: str, functions: Collection[str], equation: bool) -> None:
@@ -186,12 +179,15 @@ class _Reader:
     def _operand(self, kind: str, text: str, token: Token) -> None:
         if not self.operand:
             raise ValueError(f"unexpected {text!r} at column {token.start + 1}")
-        self._step(kind, text, token.start, token.end)
         self.operand = False
+        self._step(kind, text, token.start, token.end)
 
     def _step(self, action: str, text: str, start: int, end: int) -> None:
         self.spans.append((start, end))
-        value = _number(text) if action == "number" else ZERO
+        try:
+            value = read_number(text) if action == "number" else ZERO
+        except ValueError as error:
+            raise ValueError(f"the number {shown(text)} {error}") from None
         self.program.append(Step(action, text, self.text, start, end, value))
 
     def _sign(self, text: str, start: int) -> None:
@@ -202,18 +198,14 @@ class _Reader:
                 self.waiting.append(("negative", start))
             return
         if text in "+-":
-            self._count()
+            self.opened[-1].terms += 1
+            if self.opened[-1].terms > MOST_SUMMANDS:
+                raise ValueError(f"a sum has more than {MOST_SUMMANDS} terms")
         if text != "**":
             self.opened[-1].divided = text == "/"
             self._finish(RANKS[text])
         self.waiting.append((text, start))
         self.operand = True
-
-    def _count(self) -> None:
-        bracket = self.opened[-1]
-        bracket.terms += 1
-        if bracket.terms > MOST_SUMMANDS:
-            raise ValueError(f"a sum has more than {MOST_SUMMANDS} terms")
 
     def _finish(self, rank: int) -> None:
         """Do what waits in this bracket and comes before a sign of this rank to its right."""
