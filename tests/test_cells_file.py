@@ -10,7 +10,7 @@ import pas
 from pas.exchange.formats import vtu as module
 from pas.exchange.formats.vtu import node_indices
 from pas.exchange.write import write_cells
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 pyvista = pytest.importorskip("pyvista")
 

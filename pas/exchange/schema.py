@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import written
+from pas.algebra.rational import read_number
 from pas.errors import meant
 
 
@@ -89,7 +89,7 @@ class Table:
 
 def _is_number(value: Any) -> bool:
     try:
-        return WHOLE.fits(value) or (isinstance(value, str) and bool(written(value) is not None))
+        return WHOLE.fits(value) or (isinstance(value, str) and bool(read_number(value) is not None))
     except (ValueError, ZeroDivisionError):
         return False
 

@@ -15,6 +15,7 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
+from pas.certify.certificate import Certificate
 from pas.exchange.records import (
     CERTIFICATE,
     CONSTRAINTS,
@@ -31,6 +32,7 @@ from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes, check_member
 from pas.partition.layout import Layout
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.hollow import HollowBlend, check_sides
 from pas.pipeline.result import Attempt, Blend
@@ -39,9 +41,7 @@ from pas.render.layout import layers as layout_layers
 from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
 from pas.shape import Kind
-from pas.surface.certificate import Certificate
 from pas.surface.fairness_limits import FairnessLimits
-from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Verdicts
 
 SURFACE = Kind(

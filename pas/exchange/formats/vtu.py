@@ -21,8 +21,9 @@ import numpy as np
 from pas.algebra.monomials import homogeneous_exponents
 from pas.exchange.formats.format import Content, Format, Request
 from pas.exchange.volume import is_filled, tetrahedra_of
+from pas.piecewise import PiecewiseSurface
 from pas.shape import Shape, kind_of
-from pas.surface.piecewise import Cell, PiecewiseSurface
+from pas.surface.function import Cell
 
 
 def _piecewise(thing: Any) -> PiecewiseSurface | None:
