@@ -13,6 +13,10 @@ import pas
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
 from pas.bernstein.subdivision import edges, halving, raised
+from pas.certify.mesh_bounds import _moves, bounds
+from pas.certify.mesh_stage import Sheet
+from pas.certify.rests import _parted, leaves
+from pas.certify.windings import crossed
 from pas.mesh import topology
 from pas.mesh.fine import finer
 from pas.mesh.graded import BENT, GRADE, LONGEST, _moved, _sizes
@@ -22,10 +26,6 @@ from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, sma
 from pas.mesh.refine import longest_of, split, with_longest
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count, same_places
 from pas.surface.local_field import LocalField
-from pas.surface.mesh_bounds import _moves, bounds
-from pas.surface.mesh_stage import Sheet
-from pas.surface.rests import _parted, leaves
-from pas.surface.windings import crossed
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BOWL = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
@@ -73,7 +73,7 @@ def test_means_of_whole_numbers_are_exact():
 
 def test_tetrahedra_are_cut_where_zeros_may_be():
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    cells = Subdivision(surface.cell_field)
+    cells = Subdivision(surface.mesher.cell_field)
     whole = np.abs(np.linalg.det(cells.points[:, 1:] - cells.points[:, :1])).min()
     for _ in range(3):
         cells.halve()
@@ -85,7 +85,7 @@ def test_tetrahedra_are_cut_where_zeros_may_be():
     lattice = cells.lattice
     corners = lattice.values[lattice.tetrahedra]
     assert (corners.min(axis=1) < 0).all() and (corners.max(axis=1) > 0).all()
-    assert lattice.values == pytest.approx(surface.cell_field.values(lattice.points), abs=1e-12)
+    assert lattice.values == pytest.approx(surface.mesher.cell_field.values(lattice.points), abs=1e-12)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])
@@ -258,7 +258,7 @@ def wanted(points, every, bends, rims, reach, tolerance):
 
 def test_points_are_moved_to_the_centres_around():
     mesh, points = rough()
-    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).cell_field
+    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesher.cell_field
     local = field.frame.local_points(points)
     edges = flipped_edges(local, mesh.triangles, mesh.point_normals)
     assert np.array_equal(edges.triangles, flipped(local, mesh.triangles, mesh.point_normals))
@@ -321,7 +321,7 @@ def noisy(field, mesh, scale=0.02):
 @pytest.mark.parametrize("name", ["corner", "torus"])
 def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
     surface = solved(EQUAL, 2).surface if name == "corner" else pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    field = surface.radial_field if name == "corner" else surface.cell_field
+    field = surface.mesher.radial_field if name == "corner" else surface.mesher.cell_field
     local, points = noisy(field, surface.mesh(2e-2))
     still = np.arange(len(points)) % 5 == 0
     rim = np.arange(len(points)) % len(field.rims)
@@ -336,7 +336,7 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
 
 def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     surface = solved(EQUAL, 2).surface
-    fields = surface.radial_field, LocalField(surface)
+    fields = surface.mesher.radial_field, LocalField(surface)
     assert fields[1].outer is None
     local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
     still = np.arange(len(points)) % 5 == 0
@@ -350,7 +350,7 @@ def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
 
 def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monkeypatch):
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    field = surface.cell_field
+    field = surface.mesher.cell_field
     local, points = noisy(field, surface.mesh(2e-2))
     still, rim = np.arange(len(points)) % 5 == 0, np.arange(len(points)) % len(field.rims)
 
@@ -365,7 +365,7 @@ def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monke
 
 def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():
     surface = solved(EQUAL, 2).surface
-    field = surface.radial_field
+    field = surface.mesher.radial_field
     local = field.frame.local_points(surface.mesh(2e-2).points)
     noise = np.random.default_rng(5).normal(size=local.shape)
     on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
@@ -396,7 +396,7 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
     corners = [surface.local.points[list(face.vertices)] for face in surface.local.outer_faces]
     weights = np.array([np.linalg.solve(own.T, points.T) for own in corners])
     held = weights.min(axis=1).argmax(axis=0)
-    leave, pieces = surface.radial_field.leaving(points)
+    leave, pieces = surface.mesher.radial_field.leaving(points)
     assert leave == pytest.approx(1 / weights.sum(axis=1)[held, np.arange(len(points))], rel=1e-12)
     assert pieces.tolist() == [surface.local.outer_faces[face].piece for face in held]
 

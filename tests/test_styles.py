@@ -14,6 +14,7 @@ import pas
 from pas.cli import main
 from pas.exchange.picture_options import STYLES
 from pas.parametric.curvatures import Forms
+from pas.piecewise import PiecewiseSurface
 from pas.render.coloring import Coloring
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
 from pas.render.layers import Comb, Layer
@@ -25,7 +26,6 @@ from pas.render.scene import Picture, scene_of
 from pas.render.styles.curvature import color_range, point_areas
 from pas.render.styles.highlights import LIGHTS, meeting_angles, tunnel, unwrapped
 from pas.shape import KINDS
-from pas.surface.piecewise import PiecewiseSurface
 
 CURVED = [name for name, kind in KINDS.items() if kind.curved]
 OTHERS = [name for name in KINDS if name not in CURVED]

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.surface.piecewise import Cell, PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
+from pas.surface.function import Cell
 
 
 def cell_grid(surface: PiecewiseSurface) -> Any:

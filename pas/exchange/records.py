@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, cast
 
 from pas.algebra.rational import Vector, plain
+from pas.contacts.contact import Contact
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, one_of
 from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
 from pas.fairing.wishes import (
@@ -17,8 +18,7 @@ from pas.fairing.wishes import (
     Wishes,
 )
 from pas.partition.kinds import read_partition
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import written
+from pas.algebra.rational import read_number
 from pas.errors import meant
 
 
@@ -58,7 +58,7 @@ def one_of(values: Sequence[str]) -> Value:
 
 def _is_number(value: Any) -> bool:
     try:
-        return WHOLE.fits(value) or (isinstance(value, str) and bool(written(value) is not None))
+        return WHOLE.fits(value) or (isinstance(value, str) and bool(read_number(value) is not None))
     except (ValueError, ZeroDivisionError):
         return False
 

@@ -1,4 +1,4 @@
-/* Whether polynomials on simplices rise along one direction, and simplices halved, for pas/surface/rests.py.  A function that finds no memory returns -1. */
+/* Whether polynomials on simplices rise along one direction, and simplices halved, for pas/certify/rests.py.  A function that finds no memory returns -1. */
 
 #include <math.h>
 #include <stddef.h>

@@ -11,6 +11,7 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
+from pas.certify.certificate import Certificate
 from pas.exchange.cell_grid import cell_grid
 from pas.exchange.records import (
     CERTIFICATE,
@@ -31,7 +32,6 @@ from pas.pipeline.space import SolutionSpace
 from pas.render.piecewise import layers
 from pas.render.scene import Scene
 from pas.shape import Kind
-from pas.surface.certificate import Certificate
 from pas.surface.fairness_limits import FairnessLimits
 from pas.verdicts import Verdicts
 

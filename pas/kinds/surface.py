@@ -8,10 +8,10 @@ from pas.exchange.cell_grid import cell_grid
 from pas.exchange.records import read_surface, surface_record
 from pas.exchange.schema import Table
 from pas.exchange.shapes import SURFACE as SHAPE
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.render.piecewise import layers
 from pas.shape import Kind
-from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Verdicts
 
 

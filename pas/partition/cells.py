@@ -5,7 +5,7 @@ polygon, a box).
 
 With a centre, every interior face lies in a plane through it and every cell touches it, so a ray
 from the centre stays in one cell until it leaves the region.  That is what lets a surface be
-proved to be met once by each ray (see `pas.surface.proofs`).  A mesh without a centre serves
+proved to be met once by each ray (see `pas.certify.proofs`).  A mesh without a centre serves
 for everything but that proof.
 
 A kind of partitions may be `open`: its centre is the apex of a convex cone that the cells fill up to some faces.

@@ -11,12 +11,12 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.contacts.contact import Contact
 from pas.generatrix.frames import connectivity
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
+from pas.piecewise import PiecewiseSurface
 from pas.render.collar import ROWS, strip
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
 
 NEAR = 1e-7
 """Distance from a contact's curve below which a point of the boundary is on it, over the size of its coordinates."""

@@ -15,8 +15,8 @@ from typing import Any
 
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.rational import rational, to_float
+from pas.contacts.contact import CONTACTS
 from pas.studio.gallery import TEAPOT, Data
-from pas.surface.contact import CONTACTS
 
 Control = dict[str, Any]
 

@@ -26,6 +26,7 @@ from pas.exchange.problem import read_problem
 from pas.exchange.tables import read_toml
 from pas.kinds.files import load
 from pas.limits import limit
+from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape
 from pas.studio import documents
@@ -38,9 +39,7 @@ from pas.studio.messages import Message
 from pas.studio.repairs import remedies
 from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
 from pas.studio.sections import hairs
-from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
-from pas.surface.surface_mesh import SurfaceMesh
 
 PATIENCE = 120.0
 """Seconds after which a shape that is not found is given up."""

@@ -20,16 +20,15 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
 from pas.blending.place import ended, places
+from pas.contacts.joins import Join
+from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.scene import Picture, scene_of
 from pas.shape import Shape, kind_of
 from pas.studio.legs import legs
 from pas.studio.messages import Message
 from pas.surface.fairness_limits import neighbour
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
-from pas.surface.surface_mesh import SurfaceMesh
 
 BEYOND = 0.22
 """How far neighbours are shown beyond their clips, over the extent of the region."""

@@ -1,6 +1,6 @@
 """The compiled functions of surfaces: forms on triangles, fields and their rims, windings, and rays.
 
-What each is for is said in `pas.surface.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`,
+What each is for is said in `pas.certify.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`,
 `radial_field` and `ray_cells`.
 """
 
@@ -109,7 +109,7 @@ class CompiledForms:
         cut: bool,
         cuts: tuple[Integers, Integers, Integers],
     ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        """See `pas.surface.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of.
+        """See `pas.certify.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of.
 
         `cuts` are edges (E, 2), and for each (E, M, 2) says the means, and (E, 2, m) the coefficients, to be taken.
         """
@@ -133,7 +133,7 @@ class CompiledForms:
         towards: Floats,
         limits: tuple[float, float],
     ) -> tuple[Integers, NDArray[np.bool_]]:
-        """See `pas.surface.windings.crossed`: the ends are `ways` (E, 3) away from `origin`, `towards` unit vectors."""
+        """See `pas.certify.windings.crossed`: the ends are `ways` (E, 3) away from `origin`, `towards` unit vectors."""
         times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
         given = (len(triangles), triangles, points, origin, len(ways), ways, towards)
         self._call("pas_crossed", *given, *limits, times, known)

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join, joins
 from pas.partition.cells import OuterFace, Partition
-from pas.surface.contact import Contact
-from pas.surface.joins import Join, joins
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring, rings_of
 
