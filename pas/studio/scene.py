@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -41,10 +41,9 @@ def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
     its derivative where there is one.
     """
-    find = kind_of(shape).generatrix
-    if find is None:
+    if kind_of(shape).name != "generatrix blend":
         return {}, {}
-    blend: GeneratrixBlend = find(shape)
+    blend = cast("GeneratrixBlend", shape)
     functions = {name: getattr(blend.shape, name) for name in SHAPE}
     values = {name: function.value for name, function in functions.items() if function is not None}
     if len(values) < len(SHAPE) or None in values.values():
@@ -79,7 +78,7 @@ MOST = 95
 def picture(shape: Shape) -> Message:
     """Everything that is needed to draw a shape."""
     kind = kind_of(shape)
-    surface = None if kind.cast is None else kind.cast(shape)
+    surface = None if kind.piecewise is None else kind.piecewise(shape)
     if surface is not None and surface.partition.cells:
         return _cast(surface)
     return _meshes(shape)

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import InputError, MissingLibraryError
-from pas.studio import conversation
-from pas.studio.conversation import Conversation
+from pas.studio.conversation import LONGEST_FILE, Conversation
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
 from pas.studio.workers import RefusedError, StoppedError, Worker
@@ -263,7 +262,7 @@ def _run(studio: Studio, door: socket.socket, tell: Callable[[str], Any], browse
     except ImportError:
         raise MissingLibraryError('the studio needs three small libraries: pip install "pas[studio]"') from None
     config = uvicorn.Config(
-        application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=conversation.LONGEST_FILE,
+        application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=LONGEST_FILE,
         timeout_graceful_shutdown=GRACE, access_log=False,
     )  # fmt: skip
     tell(f"the studio is at {studio.address} (Ctrl-C ends it)")

@@ -94,8 +94,8 @@ class StudioSession:
             shape = self.shape_of(document)
             message = picture(shape)
             head = {**message.head, **_judged(shape), **_texts(document),
-                    "controls": [*controls(document), *handle_controls(document, shape)], "members": coefficients_of(shape),
-                    "shares": shares_of(shape), "formats": formats_for(shape),
+                    "controls": [*controls(document), *handle_controls(document, shape)],
+                    "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
                     "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
         self.solved = (document, shape)
         return Message(head, message.arrays)

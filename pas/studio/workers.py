@@ -1,4 +1,4 @@
-"""Processes in which sessions work, so that the page is answered at all times and what is not wanted any more is stopped.
+"""Processes in which sessions work, so that the page is answered at all times and what is not wanted is stopped.
 
 Processes are spawned, end with the server, whatever ends it (they watch it), and leave Ctrl-C to it.
 """
