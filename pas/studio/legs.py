@@ -6,7 +6,7 @@ curves, their vectors and the derivatives of these are sent once (see `pas.gener
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -26,10 +26,9 @@ def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
     its derivative where there is one.
     """
-    find = kind_of(shape).generatrix
-    if find is None:
+    if kind_of(shape).name != "generatrix blend":
         return {}, {}
-    blend: GeneratrixBlend = find(shape)
+    blend = cast("GeneratrixBlend", shape)
     functions = {name: getattr(blend.shape, name) for name in SHAPE}
     values = {name: function.value for name, function in functions.items() if function is not None}
     if len(values) < len(SHAPE) or None in values.values():

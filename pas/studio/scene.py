@@ -49,7 +49,7 @@ MOST = 95
 def picture(shape: Shape) -> Message:
     """Everything that is needed to draw a shape."""
     kind = kind_of(shape)
-    surface = None if kind.cast is None else kind.cast(shape)
+    surface = None if kind.piecewise is None else kind.piecewise(shape)
     if surface is not None and surface.partition.cells:
         return _cast(surface)
     return _meshes(shape)
