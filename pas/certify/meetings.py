@@ -18,7 +18,7 @@ from pas.bernstein.forms import rounded_forms
 from pas.bernstein.signs import Limits, SignResult, prove_positive
 from pas.certify.expansion import Division, divide, powers
 from pas.contacts.joins import ClipPlane, Join
-from pas.partition.cells import OuterFace
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status
 

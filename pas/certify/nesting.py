@@ -33,7 +33,8 @@ from pas.algebra.rational import Vector, cross, dot, to_floats
 from pas.bernstein.forms import nearby_forms
 from pas.bernstein.signs import Limits, SignResult, prove_positive_inside
 from pas.certify.contact_proofs import from_signs
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 

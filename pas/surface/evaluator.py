@@ -22,9 +22,9 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.partition.location import BLOCK, Group
-from pas.partition.single_cell import SingleCell
 from pas.surface.crossings import Crossings, crossings, first_crossings
 from pas.surface.rays import RayTarget
 
