@@ -11,6 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
+from pas.algebra.affine import Frame
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
@@ -23,8 +24,7 @@ from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
-from pas.partition.cells import OuterFace
-from pas.partition.frame import Frame
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 
 ON_WALL = 1e-12

@@ -34,7 +34,8 @@ from pas.bernstein.forms import nearby_forms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import SignResult, prove_positive_inside
 from pas.certify.contact_proofs import from_signs
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 

@@ -1,4 +1,4 @@
-"""Blends by a generatrix as a kind of shape: the plain data of their boundaries and shape functions.
+"""Blends by a generatrix, and such through a sphere, as kinds of shapes: their boundaries and shape functions.
 
 Boundaries are kept as the tables from which they were read (`pas.exchange.boundaries`) and how they were turned, so
 that reading searches nothing; shape functions as their exact coefficients.
@@ -21,22 +21,23 @@ from pas.exchange.schema import (
     REAL,
     TEXT,
     WHOLE,
-    Choice,
-    List,
-    Maybe,
     Table,
-    TableOf,
-    Value,
+    choice,
+    list_of,
+    maybe,
+    one_of,
+    table_of,
 )
 from pas.generatrix.align import Alignment, alignment
 from pas.generatrix.blend import GeneratrixBlend
 from pas.generatrix.boundary import Boundary
+from pas.generatrix.quadrics import SphereBlend, blend_through_sphere
 from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
-from pas.kinds.exact_patches import blend_patches
+from pas.kinds.parametric import exact_patches
 from pas.mesh.mesh import Mesh
 from pas.parametric.framed import extent
 from pas.parametric.meshing import RELATIVE
-from pas.render.generatrix import layers
+from pas.render.generatrix import layers, sphere_layers
 from pas.shape import Kind
 from pas.verdicts import Verdicts
 
@@ -46,45 +47,45 @@ SAME = 1e-6
 """By how much a shift (of a turn) and a mean distance (over itself) may be found elsewhere on another machine: the best
 shift is found to about 1e-8."""
 
-_FUNCTION = Choice(
-    (Table({"cosine": List(REAL, 3)}), Table({"coefficients": List(NUMBER)})),
+_FUNCTION = choice(
     "a shape function: a table with a cosine or coefficients",
+    Table({"cosine": list_of(REAL, 3)}),
+    Table({"coefficients": list_of(NUMBER)}),
 )
-BOUNDARY = Table({"table": TableOf(ANYTHING), "phase": REAL, "backwards": FLAG})
-SHAPE = Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": Maybe(List(Choice((TEXT, WHOLE), "a formula"), 3))})
+_BOUNDARY = Table({"table": table_of(ANYTHING), "phase": REAL, "backwards": FLAG})
+_SHAPE = Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": maybe(list_of(choice("a formula", TEXT, WHOLE), 3))})
 _ALIGNMENT = {"reversed": FLAG, "shift": REAL, "distance": REAL, "opposed": FLAG, "reason": TEXT}
-CONTENT = Table(
+_BLEND = Table(
     {
-        "boundaries": List(BOUNDARY, 2),
-        "signs": List(Value("1 or -1", lambda value: WHOLE.fits(value) and value in (1, -1)), 2),
+        "boundaries": list_of(_BOUNDARY, 2),
+        "signs": list_of(one_of((1, -1)), 2),
         "unit": FLAG,
-        "shape": SHAPE,
+        "shape": _SHAPE,
         "alignment": Table(_ALIGNMENT, {"by_length": FLAG}),
         "verdicts": KEPT_VERDICTS,
     }
 )
-"""What a project file of a generatrix blend holds."""
 
 
-def record(blend: GeneratrixBlend, certificate: Verdicts | None = None) -> dict[str, Any]:
+def _record(blend: GeneratrixBlend, certificate: Verdicts | None = None) -> dict[str, Any]:
     """Everything that defines a blend; raises `ValueError` for one made of callables."""
     return {
-        "boundaries": [boundary_record(boundary) for boundary in blend.boundaries],
+        "boundaries": [_boundary_record(boundary) for boundary in blend.boundaries],
         "signs": list(blend.frames.signs),
         "unit": blend.frames.unit,
-        "shape": shape_record(blend.shape),
+        "shape": _shape_record(blend.shape),
         "alignment": asdict(blend.alignment),
         "verdicts": kept_verdicts(blend, certificate),
     }
 
 
-def read(content: dict[str, Any]) -> GeneratrixBlend:
-    """The blend of `record`.
+def _read(content: dict[str, Any]) -> GeneratrixBlend:
+    """The blend of `_record`.
 
     How the second curve was turned must be how it is turned anew, once it is turned back.
     """
-    first, second = map(read_boundary, content["boundaries"])
-    shape = shape_of(content["shape"])
+    first, second = map(_read_boundary, content["boundaries"])
+    shape = _shape_of(content["shape"])
     a, b = content["signs"]
     found = _found_again(Alignment(**content["alignment"]), first, second, (a, b))
     return GeneratrixBlend.of_turned((first, second), (a, b), shape, found, content["unit"])
@@ -108,7 +109,7 @@ def _found_again(told: Alignment, first: Boundary, second: Boundary, signs: tupl
     return replace(told, opposed=found.opposed, reason=found.reason)
 
 
-def boundary_record(boundary: Boundary) -> dict[str, Any]:
+def _boundary_record(boundary: Boundary) -> dict[str, Any]:
     """The table that a boundary was made from, and how it was turned; raises `ValueError` for one of callables."""
     if boundary.source is None:
         raise ValueError(
@@ -118,19 +119,19 @@ def boundary_record(boundary: Boundary) -> dict[str, Any]:
     return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
 
 
-def read_boundary(record: dict[str, Any]) -> Boundary:
-    """The boundary of `boundary_record`."""
+def _read_boundary(record: dict[str, Any]) -> Boundary:
+    """The boundary of `_boundary_record`."""
     made = boundary_from(record["table"])
     return replace(made, phase=float(record["phase"]), backwards=record["backwards"])
 
 
-def shape_record(shape: GeneratrixShape) -> dict[str, Any]:
+def _shape_record(shape: GeneratrixShape) -> dict[str, Any]:
     """The shape functions by name, and the middle curve; raises `ValueError` for one that is callable."""
     return {name: _function_record(getattr(shape, name)) for name in VALUES} | {"middle": _middle(shape)}
 
 
-def shape_of(record: dict[str, Any]) -> GeneratrixShape:
-    """The shape of `shape_record`."""
+def _shape_of(record: dict[str, Any]) -> GeneratrixShape:
+    """The shape of `_shape_record`."""
     return GeneratrixShape(**{n: _read_function(record[n]) for n in VALUES}, middle=record["middle"])
 
 
@@ -159,7 +160,7 @@ def _middle(shape: GeneratrixShape) -> list[Any] | None:
     return list(middle)
 
 
-def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
+def _mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
     """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
     if domain is not None:
         return blend.surface.mesh(tolerance, domain)
@@ -167,6 +168,54 @@ def mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
 
 
 BLEND = Kind(
-    "generatrix blend", GeneratrixBlend, CONTENT, record, read, layers, mesh=mesh, patches=blend_patches, open=True,
-    curved=True, generatrix=lambda blend: blend,
-)  # fmt: skip
+    "generatrix blend",
+    GeneratrixBlend,
+    _BLEND,
+    _record,
+    _read,
+    layers,
+    mesh=_mesh,
+    patches=lambda blend, domain: exact_patches(blend.surface, domain),
+    open=True,
+    curved=True,
+)
+
+_SPHERE_BLEND = Table(
+    {
+        "boundaries": list_of(_BOUNDARY),
+        "center": list_of(REAL, 3),
+        "radius": REAL,
+        "angles": list_of(REAL),
+        "shapes": list_of(_SHAPE),
+    }
+)
+
+
+def _sphere_record(blend: SphereBlend, _: Verdicts | None = None) -> dict[str, Any]:
+    """Everything that defines a blend; raises `ValueError` for one made of callables."""
+    return {
+        "boundaries": [_boundary_record(part.boundaries[0]) for part in blend.blends],
+        "center": list(blend.center),
+        "radius": blend.radius,
+        "angles": list(blend.angles),
+        "shapes": [_shape_record(part.shape) for part in blend.blends],
+    }
+
+
+def _read_sphere(content: dict[str, Any]) -> SphereBlend:
+    """The blend of `_sphere_record`: made anew, each part with its own shape."""
+    boundaries = [_read_boundary(b) for b in content["boundaries"]]
+    made = blend_through_sphere(boundaries, content["center"], content["radius"], content["angles"])
+    shapes = [_shape_of(s) for s in content["shapes"]]
+    if len(shapes) != len(made.blends):
+        raise ValueError(f"there must be a shape for each of the {len(made.blends)} boundaries, not {len(shapes)}")
+    parts = [
+        part.with_shape(**{name: getattr(shape, name) for name in (*VALUES, "middle")})
+        for part, shape in zip(made.blends, shapes, strict=True)
+    ]
+    return replace(made, blends=tuple(parts))
+
+
+SPHERE_BLEND = Kind(
+    "sphere blend", SphereBlend, _SPHERE_BLEND, _sphere_record, _read_sphere, sphere_layers, curved=True
+)

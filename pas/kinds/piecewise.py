@@ -1,4 +1,8 @@
-"""Blends as a kind of shape: the whole problem, the exact solution, the verdicts."""
+"""Piecewise surfaces, blends, hollow blends and layouts as kinds of shapes: all exact.
+
+A blend is kept with its whole problem, its solution and its verdicts; what can be found anew is found anew on reading,
+and what was asked of the surface must hold of it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,6 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
 from pas.certify.certificate import Certificate
-from pas.exchange.cell_grid import cell_grid
 from pas.exchange.records import (
     CERTIFICATE,
     CONSTRAINTS,
@@ -22,43 +25,61 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, TableOf
-from pas.exchange.shapes import POLYNOMIAL, SURFACE, polynomial_record, read_polynomial
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Table, list_of, maybe, row, table_of
+from pas.exchange.shapes import POINT, POLYNOMIAL, polynomial_record, read_polynomial
+from pas.exchange.shapes import SURFACE as FORM
 from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes, check_member
+from pas.partition.layout import Layout
+from pas.piecewise import PiecewiseSurface
+from pas.pipeline.bodies import body
+from pas.pipeline.hollow import HollowBlend, check_sides
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.space import SolutionSpace
+from pas.render.layout import layers as layout_layers
+from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
-from pas.render.scene import Scene
 from pas.shape import Kind
 from pas.surface.fairness_limits import FairnessLimits
 from pas.verdicts import Verdicts
 
-SOLUTION = Table(
+SURFACE = Kind(
+    "surface",
+    PiecewiseSurface,
+    Table({"surface": FORM}),
+    lambda surface, _: {"surface": surface_record(surface)},
+    lambda content: read_surface(content["surface"]),
+    layers,
+    piecewise=lambda surface: surface,
+    body=body,
+    curved=True,
+)
+
+_SOLUTION = Table(
     {
         "dimension": WHOLE,
-        "basis": Maybe(List(List(POLYNOMIAL))),
-        "coefficients": List(NUMBER),
+        "basis": maybe(list_of(list_of(POLYNOMIAL))),
+        "coefficients": list_of(NUMBER),
         "energy": REAL,
-        "attempts": List(Row((WHOLE, WHOLE, TEXT))),
-        "seconds": TableOf(REAL),
+        "attempts": list_of(row(WHOLE, WHOLE, TEXT)),
+        "seconds": table_of(REAL),
     },
-    {"attempt_seconds": List(REAL), "attempt_partitions": List(TEXT), "fairness": Maybe(OpenTable({}))},
+    {"attempt_seconds": list_of(REAL), "attempt_partitions": list_of(TEXT), "fairness": maybe(Table({}, open=True))},
 )
-LIMITS = Table({}, dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL))
-CONTENT = Table(
+_LIMITS = Table({}, dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL))
+_BLEND = Table(
     {
-        "surface": SURFACE,
-        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}, {"limits": Maybe(LIMITS)}),
-        "solution": SOLUTION,
+        "surface": FORM,
+        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}, {"limits": maybe(_LIMITS)}),
+        "solution": _SOLUTION,
         "certificate": CERTIFICATE,
     },
 )
 """What a project file of a blend holds."""
 
 
-def record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
+def _record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
     """Everything that defines a blend, proved first where that has not been done."""
     return {
         "problem": {
@@ -90,8 +111,8 @@ def _coefficients(blend: Blend) -> list[str]:
         return []
 
 
-def read(content: dict[str, Any]) -> Blend:
-    """The blend of `record`: what can be found anew is, and what was asked of the surface must hold of it.
+def _read(content: dict[str, Any]) -> Blend:
+    """The blend of `_record`: what can be found anew is, and what was asked of the surface must hold of it.
 
     Its energy, and what was tried in what time, are what the file tells.
     """
@@ -132,8 +153,8 @@ def read(content: dict[str, Any]) -> Blend:
             Attempt(n, m, outcome, float(spent), where)
             for (n, m, outcome), spent, where in zip(
                 solution["attempts"],
-                of_attempts(solution, "attempt_seconds", 0.0),
-                of_attempts(solution, "attempt_partitions", ""),
+                _of_attempts(solution, "attempt_seconds", 0.0),
+                _of_attempts(solution, "attempt_partitions", ""),
                 strict=True,
             )
         ),
@@ -143,7 +164,7 @@ def read(content: dict[str, Any]) -> Blend:
     )
 
 
-def of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
+def _of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
     """What is said of each attempt, which older files do not have."""
     attempts = solution["attempts"]
     found = solution.get(key, [usual] * len(attempts))
@@ -154,14 +175,6 @@ def of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
 
 def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:
     return None if record is None else tuple(tuple(read_polynomial(p) for p in m) for m in record)
-
-
-def _layers(blend: Blend, scene: Scene) -> None:
-    layers(blend.surface, scene)
-
-
-def _cells(blend: Blend) -> Any:
-    return cell_grid(blend.surface)
 
 
 def _facts(blend: Blend) -> dict[str, Any]:
@@ -177,6 +190,57 @@ def _facts(blend: Blend) -> dict[str, Any]:
 
 
 BLEND = Kind(
-    "blend", Blend, CONTENT, record, read, _layers, facts=_facts, text=str, body=Blend.solid, cells=_cells, open=True,
-    curved=True, cast=attrgetter("surface"),
-)  # fmt: skip
+    "blend",
+    Blend,
+    _BLEND,
+    _record,
+    _read,
+    lambda blend, scene: layers(blend.surface, scene),
+    _facts,
+    piecewise=attrgetter("surface"),
+    body=Blend.solid,
+    open=True,
+    curved=True,
+)
+
+
+def _hollow_record(hollow: HollowBlend, _: Verdicts | None = None) -> dict[str, Any]:
+    """Both blends, each as files keep it, and the thickness."""
+    return {
+        "outer": _record(hollow.outer),
+        "inner": _record(hollow.inner),
+        "thickness": None if hollow.thickness is None else plain(hollow.thickness),
+    }
+
+
+def _read_hollow(content: dict[str, Any]) -> HollowBlend:
+    """The hollow blend of `_hollow_record`; that the one is inside the other is proved again when it is asked for.
+
+    The inner contacts must be those that the outer ones and the thickness come to.
+    """
+    thickness = None if content["thickness"] is None else rational(content["thickness"], "thickness")
+    outer, inner = (_read(content[side]) for side in ("outer", "inner"))
+    check_sides(outer, inner, thickness)
+    return HollowBlend(outer, inner, thickness)
+
+
+HOLLOW_BLEND = Kind(
+    "hollow blend",
+    HollowBlend,
+    Table({"outer": _BLEND, "inner": _BLEND, "thickness": maybe(NUMBER)}),
+    _hollow_record,
+    _read_hollow,
+    solid_layers,
+    lambda hollow: {"outer": _facts(hollow.outer), "inner": _facts(hollow.inner)},
+    body=HollowBlend.solid,
+)
+
+_LAYOUT = Table({"center": POINT, "rays": list_of(list_of(WHOLE, 3)), "pieces": list_of(list_of(WHOLE)), "name": TEXT})
+LAYOUT = Kind(
+    "layout",
+    Layout,
+    Table({"layout": _LAYOUT}),
+    lambda layout, _: {"layout": layout.to_record()},
+    lambda content: Layout.from_record(content["layout"]),
+    layout_layers,
+)
