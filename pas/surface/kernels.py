@@ -1,7 +1,7 @@
 """The compiled functions of surfaces: forms on triangles, fields and their rims, and windings.
 
-What each is for is said in `pas.certify.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`
-and `radial_field`.
+What each is for is said in `pas.certify.triangle_forms`, `windings`, `patch_field`, `local_field`, `rings` and
+`radial_field`.
 """
 
 from __future__ import annotations
@@ -92,29 +92,6 @@ class CompiledForms:
         once = np.empty(1, dtype=np.intp)
         self._call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
         return bool(once[0])
-
-    def parted(
-        self,
-        simplices: tuple[Floats, Floats],
-        up: Integers,
-        bounds: tuple[float, float],
-        cut: bool,
-        cuts: tuple[Integers, Integers, Integers],
-    ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        """See `pas.certify.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of.
-
-        `cuts` are edges (E, 2), and for each (E, M, 2) says the means, and (E, 2, m) the coefficients, to be taken.
-        """
-        forms, corners = simplices
-        (count, size), vertices = forms.shape, corners.shape[1]
-        most = 2 * count if cut else count
-        left, sure = ((np.empty((most, size)), np.empty((most, vertices, 3))) for _ in range(2))
-        pairs, halves, taken = cuts
-        tables, sizes = (len(pairs), pairs, halves.shape[1], halves, taken), np.empty(2, dtype=np.intp)
-        given = (count, size, vertices - 1, len(up), up, *bounds, cut, *tables)
-        self._call("pas_parted", *given, forms, corners, *left, *sure, sizes)
-        first, second = sizes.tolist()
-        return (left[0][:first], left[1][:first]), (sure[0][:second], sure[1][:second])
 
     def crossed(
         self,
