@@ -28,13 +28,13 @@ from pas.exchange.schema import (
     TableOf,
     Value,
 )
-from pas.generatrix.align import Alignment, alignment
-from pas.generatrix.blend import GeneratrixBlend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.kinds.exact_patches import blend_patches
 from pas.mesh.mesh import Mesh
 from pas.parametric.framed import extent
+from pas.parametric.generatrix.align import Alignment, alignment
+from pas.parametric.generatrix.blend import GeneratrixBlend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.meshing import RELATIVE
 from pas.render.generatrix import layers
 from pas.shape import Kind

@@ -25,9 +25,8 @@ from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
 from pas.exchange.schema import ANYTHING, NUMBER, TEXT, WHOLE, List, Maybe, Table, TableOf
 from pas.kinds.exact_patches import blend_patches
 from pas.mesh.mesh import Mesh
-from pas.parametric.blends import ParametricBlend
+from pas.parametric.blends import ParametricBlend, blend_by, method_of
 from pas.parametric.data import BlendingData
-from pas.parametric.methods import blend_by, method_of
 from pas.parametric.surface import ParametricSurface
 from pas.render.parametric import blend_layers
 from pas.shape import Kind

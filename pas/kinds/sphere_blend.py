@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from pas.exchange.schema import REAL, List, Table
-from pas.generatrix.quadrics import SphereBlend, blend_through_sphere
 from pas.kinds.generatrix_blend import BOUNDARY, SHAPE, VALUES, boundary_record, read_boundary, shape_of, shape_record
+from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.render.generatrix import sphere_layers
 from pas.shape import Kind
 from pas.verdicts import Verdicts

@@ -11,9 +11,9 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.frames import connectivity
 from pas.mesh.mesh import Mesh
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.frames import connectivity
 from pas.parametric.surface import ParametricSurface
 
 ROWS, NEWTON = 40, 4

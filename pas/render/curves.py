@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.monomials import Floats
 from pas.mesh.mesh import Mesh
-from pas.parametric.curvatures import Forms
+from pas.parametric.curves import Forms
 from pas.parametric.domain import Domain
 from pas.parametric.surface import ParametricSurface
 from pas.render.layers import Comb

@@ -11,9 +11,9 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.generatrix.frames import connectivity
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
+from pas.parametric.generatrix.frames import connectivity
 from pas.render.collar import ROWS, strip
 from pas.surface.contact import Contact
 from pas.surface.piecewise import PiecewiseSurface

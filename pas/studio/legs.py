@@ -1,7 +1,7 @@
 """What the page needs to draw a blend by a generatrix for other shape values by itself.
 
 Control points are C + l (sqrt(1 - lambda^2) W + lambda E): only l and lambda change while they are dragged, so that the
-curves, their vectors and the derivatives of these are sent once (see `pas.generatrix.frames`).
+curves, their vectors and the derivatives of these are sent once (see `pas.parametric.generatrix.frames`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pas.shape import Shape, kind_of
 from pas.studio.controls import SHAPE
 
 if TYPE_CHECKING:
-    from pas.generatrix.blend import GeneratrixBlend
+    from pas.parametric.generatrix.blend import GeneratrixBlend
 
 SIZE = (120, 40)
 """Points in s and t of what is drawn while a value is dragged."""
