@@ -22,7 +22,6 @@ import pyvista
 
 import pas
 from pas.mesh.radial import smallest_angles
-from pas.surface.mesh_proofs import certify_mesh
 from pas.surface.radial_field import RadialField
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -142,7 +141,7 @@ def compare(surface: pas.PiecewiseSurface, share: float, repeat: int) -> None:
     tolerance = share * float(np.ptp(surface.partition.points, axis=0).max())
     spent, mesh = best(lambda: surface.mesh(tolerance), repeat)
     aim = error(surface, mesh.points, mesh.triangles)
-    proof, certificate = best(lambda: certify_mesh(surface, mesh.points, mesh.triangles), repeat)
+    proof, certificate = best(lambda: surface.certify_mesh(mesh.points, mesh.triangles), repeat)
     said = next((v.status.value for v in certificate.verdicts if "topology" in v.claim), "nothing")
     within = "?" if certificate.distance is None else f"{certificate.distance / tolerance:.2f}"
     more = f"  proof {proof:.0f} ms, {said}, within {within}"

@@ -19,7 +19,8 @@ from pas.shape import KINDS
 
 ROOMS = [
     *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "shape", "kernels"),
-    *("algebra", "bernstein", "partition", "mesh", "surface", "solid", "parametric", "fairing"),
+    *("algebra", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
+    *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
     *("studio", "bench", "cli"),
 ]

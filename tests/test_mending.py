@@ -227,7 +227,7 @@ def test_vertices_at_walls_stay(text, monkeypatch):
 def test_vertices_beside_the_boundary_stay():
     """So that no move takes one out of the region."""
     surface = pas.Polynomial("x*y - z/3").surface((-1,) * 3, (1,) * 3)
-    field, mesh = surface.cell_field, surface.mesh(2e-2)
+    field, mesh = surface.mesher.cell_field, surface.mesh(2e-2)
     points = (mesh.points - field.world(np.zeros((1, 3)))) / field.scale
     edge = np.zeros(len(points), dtype=bool)
     edge[mesh.boundary] = True

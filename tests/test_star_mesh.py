@@ -134,7 +134,7 @@ def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
         ((0, 0, 2), "1/5", 1, ("1/8", "-1/8", "1/16")),
         order=1,
     )
-    first = surface.radial_field.first
+    first = surface.mesher.radial_field.first
     across = first.normals[first.edges.inner]
     assert (across[:, 0] * across[:, 1]).sum(axis=1).min() >= 0
     mesh = surface.mesh(share * extent)

@@ -2,10 +2,6 @@
 
 A path s -> (t(s), h(s)) gives the curve P(t(s), h(s)); with it come the surface's normals along the
 curve and the direction across the curve in the tangent plane, which is what a blend starts from.
-
-With P_t, P_h and the normal N = P_t x P_h / |P_t x P_h|, the first form I = [P_i . P_j] and the second one
-II = -[P_ij . N], whose sign is that of a ball with its normals outwards: the principal curvatures are the eigenvalues
-of I^-1 II, and the normal curvature in a direction u is II(u, u) / I(u, u) (do Carmo 1976, chapter 3).
 """
 
 from __future__ import annotations
@@ -131,7 +127,12 @@ def one_parameter(expression: Any) -> Any:
 
 @dataclass(frozen=True)
 class Forms:
-    """First and second forms (N, 2, 2) and unit normals (N, 3) of a surface at N places; nan at poles."""
+    """First and second forms (N, 2, 2) and unit normals (N, 3) of a surface at N places; nan at poles.
+
+    With P_t, P_h and the normal N = P_t x P_h / |P_t x P_h| these are I = [P_i . P_j] and II = -[P_ij . N], whose sign
+    is that of a ball with its normals outwards: the principal curvatures are the eigenvalues of I^-1 II, the normal
+    curvature in a direction u is II(u, u) / I(u, u) (do Carmo 1976, chapter 3).
+    """
 
     first: Floats
     second: Floats

@@ -10,8 +10,7 @@ exactly zero at a point, or one of them changes sign near.  UNDECIDED: the effor
 exact, and for high degrees, tangents are measured on a grid.
 
 Base points are isolated parameters at which a component is 0/0, numerator and denominator in lowest terms.  Resultants
-give the candidates for each parameter (Cox, Little and O'Shea 2015, chapter 3, section 6); real roots are isolated
-exactly, and a pair of them is kept unless interval arithmetic shows that one of the two polynomials is not zero there.
+give the candidates for each parameter; real roots are isolated exactly, and a pair of them is kept unless interval arithmetic shows that one of the two polynomials is not zero there.
 Guaranteed: no base point is missed.  Not guaranteed: that a pair at which both vanish to the precision of 256 bits is
 one.
 """
@@ -167,7 +166,7 @@ class BasePoint:
 
 
 def base_points(surface: ParametricMap) -> tuple[BasePoint, ...]:
-    """The base points of an exact surface in its domain, by component (resultants: Cox, Little and O'Shea 2015).
+    """The base points of an exact surface in its domain, by component (resultants: Cox, Little and O'Shea 2015, 3.6).
 
     Near one the surface has no limit, whatever a blend does.  Raises `ValueError` for a surface that is not exact.
     """

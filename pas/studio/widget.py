@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 from pas.errors import MissingLibraryError, PasError
 from pas.shape import Shape
-from pas.studio.desk import Desk, can_follow
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
 from pas.studio.server import PAGE
+from pas.studio.session import StudioSession, can_follow
 
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
@@ -49,10 +49,10 @@ def module() -> str:
     return "\n".join([*parts, "export default widget_.widget;"])
 
 
-def document_of(shape: Shape, desk: Desk) -> Data:
-    """A document of a shape, which the desk has open from then on."""
+def document_of(shape: Shape, session: StudioSession) -> Data:
+    """A document of a shape, which the session has open from then on."""
     name = "shape.pas.json"
-    desk.opened[name] = shape
+    session.opened[name] = shape
     return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
 
 
@@ -73,19 +73,19 @@ def widget_class() -> type[Any]:
         document = traitlets.Dict().tag(sync=True)
 
         def __init__(self, document: Data | None = None, shape: Shape | None = None) -> None:
-            self.desk, self._shot = Desk(), 0
-            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.desk)
+            self.session, self._shot = StudioSession(), 0
+            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.session)
             super().__init__(document=start)
             self.on_msg(lambda _, request, __: self.answer(request))
 
         @property
         def shape(self) -> Shape:
             """The shape that is seen at rest."""
-            return self.desk.shape_of(self.document)
+            return self.session.shape_of(self.document)
 
         @property
         def blend(self) -> Blend:
-            """The same; of blends."""
+            """The blend that is seen at rest, where the shape is one."""
             return cast("Blend", self.shape)
 
         def answer(self, request: dict[str, Any]) -> None:
@@ -99,18 +99,20 @@ def widget_class() -> type[Any]:
         def _answers(self, request: dict[str, Any]) -> list[Message]:
             verb, document = request.get("do"), request.get("document", {})
             if verb == "move":
-                return [self.desk.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)]
+                return [
+                    self.session.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)
+                ]
             if verb == "rest":
-                return [self.desk.solve(document), self.desk.measure(document)]
+                return [self.session.solve(document), self.session.measure(document)]
             if verb == "export":
-                return [self.desk.export(document, str(request.get("format")))]
+                return [self.session.export(document, str(request.get("format")))]
             if verb in ("combs", "safe", "mesh"):
-                return [getattr(self.desk, verb)(document)]
+                return [getattr(self.session, verb)(document)]
             if verb in ("repair", "handle"):
                 more = (request.get("at"),) if verb == "handle" else ()
-                return [Message({"kind": "changed", "document": getattr(self.desk, verb)(document, *more)})]
+                return [Message({"kind": "changed", "document": getattr(self.session, verb)(document, *more)})]
             if verb == "read":
-                found = self.desk.read(str(request.get("name")), str(request.get("text")))
+                found = self.session.read(str(request.get("name")), str(request.get("text")))
                 return [Message({"kind": "document", "document": found})]
             raise ValueError(f"there is no request {verb!r}")
 

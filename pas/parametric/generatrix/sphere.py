@@ -151,7 +151,7 @@ class SphereBlend(Shape):
         return f"{len(self.blends)} blends through a sphere of radius {self.radius:.6g} about {text(self.center)}"
 
     def require(self) -> SphereBlend:
-        """The blend itself; raises `NotProvedError` where a claim of one blend's certificate is refuted or measured to fail."""
+        """The blend itself; raises `NotProvedError` where a claim of a certificate is refuted or measured to fail."""
         for blend in self.blends:
             blend.require()
         return self
