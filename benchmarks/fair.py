@@ -20,8 +20,8 @@ import pas
 from pas.fairing.exchange import Search
 from pas.fairing.landscape import Landscape
 from pas.fairing.programme import MemberProgramme
+from pas.piecewise import PiecewiseSurface
 from pas.surface.directions import Directions
-from pas.surface.piecewise import PiecewiseSurface
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 CASES = {

@@ -205,7 +205,7 @@ def test_a_wall_that_is_grazed_is_named():
 def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
     """Of a part of a ball at an edge of the box: both arcs are in the box, and the direction tells which is meant."""
     surface = pas.Polynomial("(x - 6/5)^2 + (y - 6/5)^2 + z^2 - 1/4").surface((-1,) * 3, (1,) * 3)
-    mesh, field = surface.mesh(1e-3), surface.cell_field
+    mesh, field = surface.mesh(1e-3), surface.mesher.cell_field
     rim = mesh.points[Edges(mesh.triangles, len(mesh.points)).rim]
     ends = np.array([1, 1, -np.sqrt(0.17)]), np.array([1, 1, np.sqrt(0.17)])
     for axis in (0, 1):
@@ -225,7 +225,7 @@ def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
 )
 def test_points_of_convex_regions_are_placed_as_those_of_all(region):
     surface = pas.PiecewiseSurface.from_polynomials(region, (), 0, ["x + y/2 + z/3 - 1/3"])
-    stage, field = surface.stage, surface.cell_field
+    stage, field = surface.stage, surface.mesher.cell_field
     assert stage.convex
     points = np.random.default_rng(3).uniform(
         stage.corners.min((0, 1)) - 0.1, stage.corners.max((0, 1)) + 0.1, (400, 3)

@@ -12,16 +12,18 @@ from conftest import EQUAL, solved
 import pas
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
+from pas.bernstein.search import Fate
+from pas.bernstein.simplices import Simplices
 from pas.bernstein.subdivision import edges, halving, raised
+from pas.certify.critical_points import isolated
+from pas.certify.mesh_bounds import _moves, bounds
+from pas.certify.mesh_stage import Sheet
+from pas.certify.windings import crossed
 from pas.mesh import topology
 from pas.mesh.edges import Edges
 from pas.mesh.lattice import Subdivision, eighths, risings
 from pas.mesh.topology import is_manifold, piece_count, same_places
 from pas.surface.local_field import LocalField
-from pas.surface.mesh_bounds import _moves, bounds
-from pas.surface.mesh_stage import Sheet
-from pas.surface.rests import _parted, leaves
-from pas.surface.windings import crossed
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BOWL = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
@@ -69,7 +71,7 @@ def test_means_of_whole_numbers_are_exact():
 
 def test_tetrahedra_are_cut_where_zeros_may_be():
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    cells = Subdivision(surface.cell_field)
+    cells = Subdivision(surface.mesher.cell_field)
     whole = np.abs(np.linalg.det(cells.points[:, 1:] - cells.points[:, :1])).min()
     for _ in range(3):
         cells.halve()
@@ -81,7 +83,7 @@ def test_tetrahedra_are_cut_where_zeros_may_be():
     lattice = cells.lattice
     corners = lattice.values[lattice.tetrahedra]
     assert (corners.min(axis=1) < 0).all() and (corners.max(axis=1) > 0).all()
-    assert lattice.values == pytest.approx(surface.cell_field.values(lattice.points), abs=1e-12)
+    assert lattice.values == pytest.approx(surface.mesher.cell_field.values(lattice.points), abs=1e-12)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])
@@ -100,11 +102,11 @@ def test_risings_are_products_with_the_mean_gradient(degree):
     assert least / size == pytest.approx(along / squares, rel=1e-9)
 
 
-def test_places_of_rest_hold_all_critical_points():
+def test_parts_that_are_kept_hold_all_critical_points():
     stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
-    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+    found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     assert not any(len(some.open) for some in found)
-    solid, _, _, ends = (some.corners for some in found)
+    solid, _, _, ends = (some.kept.corners for some in found)
     assert len(ends) == 8  # the corners of the box
     critical = (np.array([-1 / 14, 0, 0]) - stage.origin) / stage.scale
     assert ((solid.min(axis=1) <= critical) & (critical <= solid.max(axis=1))).all(axis=1).any()
@@ -118,7 +120,8 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
     rng, indices, bound = np.random.default_rng(degree), np.array(homogeneous_exponents(degree, vertices)), 0.05
     forms, corners = 0.2 * rng.normal(size=(400, len(indices))), rng.normal(size=(400, vertices, 3))
     forms += 0.3 * rng.normal(size=(400, vertices)) @ indices.T / degree + 0.3 * rng.normal(size=(400, 1))
-    found, halves = _parted(forms, corners, degree, bound, cut=True), ([], [])
+    parts, halves = Simplices.of([forms], corners, bound / 2).halved(), ([], [])
+    fates, bound = parts.rising(), parts.bound
     for form, simplex in zip(forms, corners, strict=True):
         spans = [np.linalg.norm(simplex[a] - simplex[b]) for a, b in edges(vertices)]
         longest = int(np.argmax(spans))
@@ -130,7 +133,9 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
             direction = np.linalg.solve(ways @ ways.T, steps.mean(axis=0))
             if (steps @ direction).min() <= 2 * bound * np.abs(direction).sum():
                 halves[int(max(part.min(), -part.max()) > bound)].append((part, places))
-    for (own, at), expected in zip(found, halves, strict=True):
+    kept = fates == Fate.KEEP
+    for chosen, expected in zip((~kept & (fates != Fate.SETTLED), kept), halves, strict=True):
+        own, at = parts.table[chosen], parts.corners[chosen]
         assert 10 < len(own) == len(expected) < 700
         assert own == pytest.approx(np.array([part for part, _ in expected]), abs=1e-12)
         assert np.array_equal(at, [places for _, places in expected])
@@ -140,8 +145,8 @@ def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
     stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
-    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
-    _, _, sides, ends = (some.open for some in found)
+    found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
+    _, _, sides, ends = (some.open.corners for some in found)
     off = np.linalg.norm(stage.world(sides.mean(axis=1))[:, None] - places, axis=2)
     assert not len(ends)
     assert off.min(axis=1).max() < 1e-6
@@ -214,7 +219,7 @@ def noisy(field, mesh, scale=0.02):
 @pytest.mark.parametrize("name", ["corner", "torus"])
 def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
     surface = solved(EQUAL, 2).surface if name == "corner" else pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    field = surface.radial_field if name == "corner" else surface.cell_field
+    field = surface.mesher.radial_field if name == "corner" else surface.mesher.cell_field
     local, points = noisy(field, surface.mesh(2e-2))
     still = np.arange(len(points)) % 5 == 0
     rim = np.arange(len(points)) % len(field.rims)
@@ -229,7 +234,7 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
 
 def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     surface = solved(EQUAL, 2).surface
-    fields = surface.radial_field, LocalField(surface)
+    fields = surface.mesher.radial_field, LocalField(surface)
     assert fields[1].outer is None
     local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
     still = np.arange(len(points)) % 5 == 0
@@ -243,7 +248,7 @@ def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
 
 def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monkeypatch):
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    field = surface.cell_field
+    field = surface.mesher.cell_field
     local, points = noisy(field, surface.mesh(2e-2))
     still, rim = np.arange(len(points)) % 5 == 0, np.arange(len(points)) % len(field.rims)
 
@@ -258,7 +263,7 @@ def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monke
 
 def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():
     surface = solved(EQUAL, 2).surface
-    field = surface.radial_field
+    field = surface.mesher.radial_field
     local = field.frame.local_points(surface.mesh(2e-2).points)
     noise = np.random.default_rng(5).normal(size=local.shape)
     on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
@@ -290,7 +295,7 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
     corners = [surface.local.points[list(face.vertices)] for face in surface.local.outer_faces]
     weights = np.array([np.linalg.solve(own.T, points.T) for own in corners])
     held = weights.min(axis=1).argmax(axis=0)
-    leave, pieces = surface.radial_field.leaving(points)
+    leave, pieces = surface.mesher.radial_field.leaving(points)
     assert leave == pytest.approx(1 / weights.sum(axis=1)[held, np.arange(len(points))], rel=1e-12)
     assert pieces.tolist() == [surface.local.outer_faces[face].piece for face in held]
 

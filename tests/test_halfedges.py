@@ -8,10 +8,11 @@ from conftest import EQUAL, solved
 
 import pas
 from pas.mesh.edges import Edges
+from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, Kind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import smallest_angles
-from pas.mesh.remesher import Remesher, Settings
+from pas.mesh.remesher import Remesher
 from pas.mesh.sheet import SurfaceGround, open_mesh
 from pas.mesh.star import rim_numbers
 from pas.mesh.topology import euler_characteristic, fans_of, is_manifold
@@ -33,7 +34,7 @@ def torus():
 def opened():
     """A corner of three pipes, with three boundary curves."""
     surface = solved(EQUAL, 2).surface
-    mesh, field = surface.mesh(2e-2), surface.radial_field
+    mesh, field = surface.mesh(2e-2), surface.mesher.radial_field
     points = field.frame.local_points(mesh.points)
     first = open_mesh(field, points, mesh.triangles, rim_numbers(field, points, mesh.triangles))
     found = HalfEdges(first, BENT[:1])
@@ -173,7 +174,7 @@ def wanted(points, every, bends, curves, reach, tolerance, settings):
 
 def test_edges_are_as_long_as_the_curvature_lets_them_be():
     surface, settings = solved(EQUAL, 2).surface, Settings()
-    field, mesh = surface.radial_field, opened()
+    field, mesh = surface.mesher.radial_field, opened()
     remesher = Remesher(SurfaceGround(field), 1e-3, settings)
     mesh = remesher.begun(mesh.value)
     remesher._sizes(mesh, 1e-3)

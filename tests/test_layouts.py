@@ -12,13 +12,13 @@ from pas.algebra.rational import rational
 from pas.blending.net import Net
 from pas.blending.place import places
 from pas.blending.spherical import splines
+from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
 from pas.layouts.nodes import KINDS, LADDERS, Node
 from pas.layouts.planes import arrangement
 from pas.layouts.region import region
 from pas.partition.layout import Layout, normal_of, turns
 from pas.render.layout import colors
-from pas.surface.contact import as_contact
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 BACK = tuple(tuple(-c for c in axis) for axis in (X, Y, Z))

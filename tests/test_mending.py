@@ -10,7 +10,9 @@ import pytest
 import pas
 from pas import solid
 from pas.designs.teapot import teapot
+from pas.mesh import triangulate
 from pas.mesh.deviation import Deviation
+from pas.mesh.grading import Settings
 from pas.mesh.mending import Mending
 from pas.mesh.places import Asked, Stars, all_sines, better_places, sines
 from pas.mesh.quality import smallest_angles
@@ -215,7 +217,7 @@ def test_vertices_at_walls_stay(text, monkeypatch):
     """What is mended more eagerly ends where it ended, and in the box."""
     surface = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3)
     plain = surface.mesh(2e-4)
-    monkeypatch.setattr(star, "Settings", lambda **given: Settings(good=0.6, **given))
+    monkeypatch.setattr(triangulate, "Settings", lambda **given: Settings(good=0.6, **given))
     mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(2e-4)
     assert np.array_equal(mesh.points[np.unique(mesh.boundary)], plain.points[np.unique(plain.boundary)])
     assert not np.array_equal(mesh.points, plain.points)

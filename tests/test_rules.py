@@ -21,7 +21,7 @@ from adversarial.surface_places import distance2, holds, mean, walls
 
 import pas
 from pas import Certificate, Contact, Partition, PiecewiseSurface, Polynomial, Status, Verdict
-from pas.surface.proofs import face_verdict, sheet_verdict
+from pas.certify.proofs import face_verdict, sheet_verdict
 
 PROVED, REFUTED, UNDECIDED = Status.PROVED, Status.REFUTED, Status.UNDECIDED
 TINY = Fraction(1, 10**30)

@@ -62,7 +62,7 @@ def rational(value: Any, name: str = "number") -> fmpq:
         raise TypeError(f"{name} must be a number, not the truth value {value}")
     if isinstance(value, str):
         try:
-            return written(value)
+            return read_number(value)
         except ZeroDivisionError:
             raise ValueError(f"{name} divides by zero: {shown(value)}") from None
         except ValueError as error:
@@ -72,7 +72,7 @@ def rational(value: Any, name: str = "number") -> fmpq:
     if isinstance(value, numbers.Real):
         if not math.isfinite(value):
             raise ValueError(f"{name} must be finite, not {float(value)}")
-        return written(str(value))
+        return read_number(str(value))
     if getattr(value, "is_Rational", False):  # sympy, not imported here
         return fmpq(int(value.p), int(value.q))
     if getattr(value, "is_Float", False):
@@ -92,7 +92,7 @@ def amount(value: Any, name: str) -> fmpq:
     return number
 
 
-def written(text: str) -> fmpq:
+def read_number(text: str) -> fmpq:
     """The number that a text such as "1/3" or "1.5e-3" stands for.
 
     Raises `ValueError`, to be continued after a name ("is not a rational number: ..."), and `ZeroDivisionError`.
@@ -184,3 +184,8 @@ def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
     return str(value)
+
+
+def texts(point: Vector) -> list[str]:
+    """Three exact numbers as records hold them."""
+    return [plain(c) for c in point]

@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import ArrayLike
 
-from pas.algebra.brief import FORMULA, LONGEST, cut
+from pas.algebra.brief import formula_repr, latex
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
+from pas.algebra.grammar import Step
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
-from pas.algebra.latex import latex
 from pas.algebra.locus import primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
-from pas.algebra.written import Step
 
 if TYPE_CHECKING:
     import sympy
@@ -202,10 +201,7 @@ class RationalFunction:
         return above if self.is_polynomial else f"({above})/({below})"
 
     def __repr__(self) -> str:
-        text = str(self)
-        if len(text) <= LONGEST - len("RationalFunction('')"):
-            return f"RationalFunction({text!r})"
-        return f"<RationalFunction of degree {self.degree}: {cut(text, FORMULA)}>"
+        return formula_repr("RationalFunction", str(self), f"degree {self.degree}")
 
     def _repr_latex_(self) -> str:
         above, below = (latex(part) for part in self._parts())

@@ -19,7 +19,7 @@ from pas.algebra.monomials import Exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
-from pas.surface.contact import Contact
+from pas.contacts.contact import Contact
 
 
 def lift(polynomial: Any, contact: Contact, order: int) -> tuple[Polynomial, Polynomial]:

@@ -15,6 +15,10 @@ from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
 from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
+from pas.certify.contact_proofs import check_join, clip_sided
+from pas.contacts.circular import Circular
+from pas.contacts.contact import Contact, as_contact
+from pas.contacts.joins import Join, joins
 from pas.errors import GeometryError, meant
 from pas.layouts.arms import is_free
 from pas.layouts.clips import with_clips
@@ -25,10 +29,6 @@ from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.surface.circular import Circular
-from pas.surface.contact import Contact, as_contact
-from pas.surface.contact_proofs import check_join, clip_sided
-from pas.surface.joins import Join, joins
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 

@@ -22,9 +22,9 @@ from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.products import Products
 from pas.algebra.sparse import solve_sparse
 from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
+from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
-from pas.surface.contact import Contact
 from pas.surface.placed import PlacedContacts
 
 Tables = tuple[fmpz_mat, ...]

@@ -8,11 +8,11 @@ from math import sqrt
 
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.contacts.contact import Contact, contact_ideal
 from pas.designs.body import Body, below
 from pas.designs.exact import settle
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
-from pas.surface.contact import Contact, contact_ideal
 
 KNOB_HEIGHTS = Fraction(1, 10), Fraction(2, 5)
 """Heights of a knob over its start at which its cubic is one sheet."""

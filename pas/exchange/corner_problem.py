@@ -5,7 +5,7 @@
     # tension = 5                  # optional, instead of [energy]: from 0 (full) over 23/5 (as usual) up (slim)
     tolerance = 1e-3               # optional; of the mesh, in the model's units
 
-    [[pipes]]                      # or any other table of pas.surface.contact.CONTACTS, whose keys are the arguments
+    [[pipes]]                      # or any other table of pas.contacts.contact.CONTACTS, whose keys are the arguments
                                    # of its class: [[cones]], [[spheres]], ..., [[contacts]] of bare polynomials
     axis = [1, 0, 0]
     radius = "1/3"                 # exact: a string, an integer, or the decimal as written
@@ -54,6 +54,7 @@ from typing import Any, Literal, Self
 from pas.algebra.inputs import check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
 from pas.blending.place import PartitionLike
+from pas.contacts.contact import CONTACTS, Contact, HasContact
 from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
 from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
@@ -64,7 +65,6 @@ from pas.fairing.wishes import Normalization, Wishes, tensed
 from pas.layouts.reading import partition_keys, read_partition_like
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
-from pas.surface.contact import CONTACTS, Contact, HasContact
 from pas.surface.fairness_limits import FairnessLimits
 
 KEYS = {

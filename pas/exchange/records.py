@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any, cast
 
 from pas.algebra.rational import Vector, plain
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, one_of
+from pas.contacts.contact import Contact
+from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Table, list_of, maybe, one_of, row
 from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
 from pas.fairing.wishes import (
     MeanAlpha,
@@ -17,36 +18,37 @@ from pas.fairing.wishes import (
     Wishes,
 )
 from pas.partition.kinds import read_partition
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
 NORMALIZATION = Table({"kind": one_of(NORMALIZATIONS)}, {"point": POINT, "value": NUMBER})
 CONSTRAINTS = Table(
     {
-        **{kind: List(POINT) for kind in ("inside", "outside", "through", "near")},
-        "near_weight": List(NUMBER),
-        "handles": List(Row((Row((WHOLE, List(WHOLE, 4))), NUMBER))),
-        "margin": Maybe(NUMBER),
+        **{kind: list_of(POINT) for kind in ("inside", "outside", "through", "near")},
+        "near_weight": list_of(NUMBER),
+        "handles": list_of(row(row(WHOLE, list_of(WHOLE, 4)), NUMBER)),
+        "margin": maybe(NUMBER),
         "normalize": NORMALIZATION,
     },
-    {"coefficients": List(Row((WHOLE, NUMBER)))},
+    {"coefficients": list_of(row(WHOLE, NUMBER))},
 )
-ENERGY = OpenTable({"kind": TEXT})
+ENERGY = Table({"kind": TEXT}, open=True)
 VERDICT = Table(
     {
         "claim": TEXT,
         "status": one_of([status.value for status in Status]),
         "reason": TEXT,
-        "witness": Maybe(List(REAL, 3)),
+        "witness": maybe(list_of(REAL, 3)),
         "measure": WHOLE,
     }
 )
-CERTIFICATE = Table({"contacts": List(VERDICT), "faces": List(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT})
+CERTIFICATE = Table(
+    {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT}
+)
 
 
-KEPT_VERDICTS = Maybe(List(VERDICT))
+KEPT_VERDICTS = maybe(list_of(VERDICT))
 """What somebody found of a shape, for people to read; null where nothing was kept."""
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from pas.algebra.inputs import DEEPEST, depth, shown
-from pas.algebra.rational import rational, to_float, to_fraction, written
+from pas.algebra.rational import rational, read_number, to_float, to_fraction
 from pas.errors import ProblemFileError, meant
 from pas.exchange.files import read_text, source
 
@@ -126,7 +126,7 @@ def _decimal(text: str) -> Fraction | float:
     if text.strip("+-") in ("nan", "inf"):
         return float(text)
     try:
-        return to_fraction(written(text))
+        return to_fraction(read_number(text))
     except ValueError as error:
         raise ValueError(f"the number {shown(text)} {error}", text) from None
 

@@ -16,7 +16,7 @@ from pas.fairing.guard import LADDER, Margins, Rows
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.settling import DAMPING, STEPS, Settling, State, Steep
 from pas.fairing.wishes import Wishes
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.fairing.fairing import Choice, Fairing

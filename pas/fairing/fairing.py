@@ -30,8 +30,8 @@ from pas.fairing.programme import MemberProgramme
 from pas.fairing.rays import Rays
 from pas.fairing.settling import State
 from pas.fairing.wishes import UnitCoefficients, Wishes
+from pas.piecewise import PiecewiseSurface
 from pas.surface.fairness_limits import FairnessLimits
-from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 _LAST: list[tuple[WorkingBasis, FairnessLimits, bytes, bool, Landscape]] = []

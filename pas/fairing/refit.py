@@ -19,7 +19,7 @@ from pas.fairing.landscape import Landscape, Look
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.settling import STEPS, Settling, State
 from pas.fairing.wishes import Wishes
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.fairing.fairing import Choice, Fairing

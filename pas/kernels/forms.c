@@ -1,4 +1,4 @@
-/* Bernstein forms of a polynomial and its gradient on many triangles, for pas/surface/triangle_forms.py, and the faces
+/* Bernstein forms of a polynomial and its gradient on many triangles, for pas/certify/triangle_forms.py, and the faces
    through which rays leave a region, for pas/surface/radial_field.py.
 
    Compiled together with pas/algebra/horner.c.  A function that finds no memory returns -1. */

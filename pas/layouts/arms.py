@@ -13,14 +13,14 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, cross, to_floats
+from pas.contacts.contact import as_contact
+from pas.contacts.endless import Endless
+from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.layouts.center import center_of
 from pas.layouts.nodes import rim_of_contact, seen
 from pas.layouts.seen import angle_between
-from pas.surface.contact import as_contact
-from pas.surface.endless import Endless
 from pas.surface.fairness_limits import WEDGE
-from pas.surface.rims import Rim
 
 SHARE = 0.6
 """Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on

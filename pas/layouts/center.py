@@ -10,8 +10,8 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.lengths import unit
 from pas.algebra.rational import Vector, cross, dot, to_float, to_floats
+from pas.contacts.rims import Rim
 from pas.layouts.seen import power_of_two
-from pas.surface.rims import Rim
 
 ROUNDED = 32
 """Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the algebra

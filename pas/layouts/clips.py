@@ -8,6 +8,7 @@ from itertools import takewhile
 from math import ceil, log, radians
 from typing import Any
 
+from pas.contacts.contact import Contact, as_contact
 from pas.errors import GeometryError
 from pas.layouts.arms import arms_of, is_free, nearest
 from pas.layouts.fan import best_gaps
@@ -15,7 +16,6 @@ from pas.layouts.nodes import KINDS, MANY, Node
 from pas.layouts.planes import symmetric
 from pas.layouts.region import region
 from pas.partition.layout import Layout
-from pas.surface.contact import Contact, as_contact
 
 GAP, OUTWARDS, FARTHEST = radians(5), 1.08, 6.0
 """Clips go outwards by this factor until a layout fits, mostly a fan with such a gap, up to so many times as far."""

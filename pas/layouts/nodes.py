@@ -12,6 +12,9 @@ import numpy as np
 
 from pas.algebra.inputs import short
 from pas.algebra.rational import Vector, cross, plain, to_floats
+from pas.contacts.contact import Contact
+from pas.contacts.movable import Movable
+from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
 from pas.layouts.center import center_of, center_of_bend
 from pas.layouts.fan import fan
@@ -21,9 +24,6 @@ from pas.layouts.seen import Seen, angle_between
 from pas.layouts.strips import strips
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.surface.contact import Contact
-from pas.surface.movable import Movable
-from pas.surface.rims import Rim, outlook
 
 CURVE_POINTS = 96
 """Points of a contact's curve by which a layout is fitted to it."""

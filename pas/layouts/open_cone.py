@@ -18,13 +18,13 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, plain, to_float
+from pas.contacts.cones import first_met, nappe
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.layouts.ring import between, clip_polygon
 from pas.layouts.seen import Seen, power_of_two
 from pas.partition.layout import primitive
-from pas.partition.open_region import OpenRegion
-from pas.surface.cones import first_met, nappe
-from pas.surface.contact import Contact
+from pas.partition.regions import OpenRegion
 
 CORNERS, LARGER = 12, 1.05
 """Of the polygon round the opening, and how much larger than the smallest one it is."""

@@ -1,7 +1,7 @@
 """Contacts of nodes that are open towards a plate, or along a cone out of another surface.
 
 The blend is seen from below, through the opening that the plate's edge is, up to the other contacts' curves.  See
-`pas.layouts.open_cone` for the region and `pas.surface.openings` for what is proved in it.
+`pas.layouts.open_cone` for the region and `pas.certify.openings` for what is proved in it.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from flint import fmpq
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, minus, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.contacts.cones import apex
+from pas.contacts.contact import Contact, as_contact
+from pas.contacts.endless import Endless
+from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.layouts.arms import is_free
 from pas.layouts.nodes import check_outlook, rim_of_contact, seen
 from pas.layouts.open_cone import open_cone
 from pas.layouts.seen import power_of_two
-from pas.partition.open_region import OpenRegion
-from pas.surface.cones import apex
-from pas.surface.contact import Contact, as_contact
-from pas.surface.endless import Endless
-from pas.surface.rims import Rim
+from pas.partition.regions import OpenRegion
 
 DEPTH = 0.5
 """How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27

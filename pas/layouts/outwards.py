@@ -8,10 +8,10 @@ from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.layouts.center import center_of
 from pas.layouts.nodes import rim_of_contact, seen
-from pas.surface.contact import Contact
 
 FARTHEST = 64
 """How many times as far out clips are looked for."""

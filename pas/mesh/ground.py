@@ -1,12 +1,11 @@
-"""What the remesher asks of the surface that a mesh is of: to project points onto it, and to measure distances from it."""
+"""What the remesher asks of the surface that a mesh is of: projections of points, and distances."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from numpy.typing import NDArray
-
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.halfedges import HalfEdges
@@ -29,8 +28,8 @@ class Ground(Protocol):
         and curvatures (W,) of wedges there."""
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
-        """Points (K, 3) projected onto where faces of labels (K, k), ascending, then -1, meet, or onto boundary curves of
-        numbers (K,), -1 of none; no step is longer than its `reach` (K,)."""
+        """Points (K, 3) projected onto where faces of labels (K, k), ascending, then -1, meet, or onto boundary curves
+        of numbers (K,), -1 of none; no step is longer than its `reach` (K,)."""
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices (V, 3), which are near, projected onto their faces and curves, and normals (W, 3) there."""

@@ -11,7 +11,6 @@ topology, labels and curves.  Not guaranteed: that triangles do not cross one an
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from enum import IntEnum
 from functools import cache
 from typing import Any
@@ -84,7 +83,8 @@ class HalfEdges:
         if triangles.min(initial=0) < 0 or triangles.max(initial=0) >= len(first.points):
             raise ValueError("triangles must be numbers of points")
         self.faces = np.ascontiguousarray(faces, dtype=np.int8)
-        self._struct, self.arrays = _Struct(), {}
+        self._struct = _Struct()
+        self.arrays: dict[str, NDArray[Any]] = {}
         twins = twins_of(triangles, len(first.points))
         if twins.min(initial=0) < -1:
             raise ArithmeticError("some edge does not have one or two triangles")
@@ -129,7 +129,7 @@ class HalfEdges:
             old = self.arrays.get(name)
             if old is None or len(old) < needed:
                 room = needed if old is None else needed + needed // 2
-                new = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
+                new: NDArray[Any] = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
                 if old is not None:
                     new[: len(old)] = old
                 self.arrays[name] = new
@@ -236,7 +236,7 @@ class HalfEdges:
         self._call("pas_mesh_split", len(halves), halves, ends)
 
     def flip(self, limit: float = np.inf, only_fresh: bool = False) -> None:
-        """Flip edges towards Delaunay's criterion, on ruled faces towards the face; of all, or those at fresh vertices."""
+        """Flip edges, of all or at fresh vertices, towards Delaunay's criterion, on ruled faces towards the face."""
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
     def collapse(self, halves: Integers, longer: float, kept: float, off: float, held: float = 0.8) -> int:
@@ -269,7 +269,7 @@ class HalfEdges:
         return centres, middles
 
     def better(self, aim: float, vertices: Integers) -> tuple[Integers, Floats]:
-        """Some of the vertices given, those first that are fresh, and places (K, 3) where triangles are less slender."""
+        """Some of the vertices given that are fresh, and places (K, 3) where triangles are less slender."""
         chosen, places = np.empty(len(vertices), dtype=np.intp), np.empty((len(vertices), 3))
         number = np.empty(1, dtype=np.intp)
         self._call("pas_mesh_better", aim, len(vertices), vertices, chosen, places, number)
@@ -322,7 +322,7 @@ _ARRAYS = {name: array for name, array in vars(HalfEdges).items() if isinstance(
 class _Struct(ctypes.Structure):
     """What `pas/kernels/halfedge.h` has of a mesh; the same names in the same order."""
 
-    _fields_: Sequence[tuple[str, Any]] = [
+    _fields_ = [
         *((name, ctypes.c_ssize_t) for name in ("vertices", "triangles", "wedges", "stamp")),
         ("fine", ctypes.c_double),
         ("coarse", ctypes.c_double),

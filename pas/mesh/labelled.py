@@ -36,8 +36,8 @@ class Topology:
     """Triangles (T, 3), the label of each (T,), and the number of vertices.
 
     The triangles form a closed manifold.  `pinned` vertices (K,) on curves are corners, whatever the labels around them
-    say: a curve between two faces may turn sharply where these touch.  Of an open mesh, which has one label, `rims` (T, 3)
-    are the numbers of the boundary curves that the edges from each corner to the next are on, -1 inside.
+    say: a curve between two faces may turn sharply where these touch.  Of an open mesh, which has one label, `rims`
+    (T, 3) are the numbers of the boundary curves that the edges from each corner to the next are on, -1 inside.
     """
 
     triangles: Integers

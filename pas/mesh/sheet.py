@@ -8,11 +8,12 @@ import numpy as np
 
 from pas.mesh.edges import Edges
 from pas.mesh.field import Floats, Integers, SheetField
+from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, Kind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refine import too_many
-from pas.mesh.remesher import Failure, Remeshed, Remesher, Settings
+from pas.mesh.remesher import Failure, Remeshed, Remesher
 from pas.mesh.shading import unit_rows
 
 
@@ -66,7 +67,7 @@ def remeshed(
 
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
-    """The mesh of points (N, 3) near the surface, or on curves with given numbers (N,), moved onto it; see `remeshed`."""
+    """The mesh of points (N, 3) near the surface, or on curves of numbers (N,), moved onto it; see `remeshed`."""
     on = np.flatnonzero(rim >= 0)
     points = points.copy()
     points[on] = field.on_rims(points[on], rim[on])

@@ -18,15 +18,15 @@ from scipy.spatial import cKDTree
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
+from pas.mesh.edges import Edges
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
+from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.remesher import Settings
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
-from pas.mesh.edges import Edges
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
@@ -53,8 +53,8 @@ MORE = 0.4
 be a little coarser than those of a star, which rays have to see all of."""
 
 FOLDED, FOLDS = 0.3, 0.03
-"""Cosine with the normals below which a triangle counts as folded; and the share of such triangles, and of those without
-area, that coarsening and smoothing may have to mend."""
+"""Cosine with the normals below which a triangle counts as folded; and the share of such triangles, and of those
+without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:

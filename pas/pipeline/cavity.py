@@ -20,6 +20,9 @@ from flint import fmpq
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float, to_floats
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join
+from pas.contacts.rims import outlook
 from pas.errors import GeometryError
 from pas.fairing.basis import to_doubles
 from pas.fairing.energies.even_wall import EvenWall, Thickness
@@ -28,14 +31,11 @@ from pas.layouts.nodes import Node
 from pas.layouts.seen import power_of_two
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.partition.region import Region
+from pas.partition.regions import Region
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
-from pas.surface.contact import Contact
 from pas.surface.depth import Depth
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
-from pas.surface.rims import outlook
 
 Way: TypeAlias = "tuple[int | None, Partition | Layout]"
 """A degree, None where it is to be found, and a partition to try."""

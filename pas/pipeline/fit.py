@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from pas.errors import NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Wishes
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.stages import Stages
-from pas.surface.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.pipeline.space import SolutionSpace

@@ -36,14 +36,14 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
+from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
-from pas.partition.kuhn_cube import KUHN_CELLS
-from pas.surface.nesting import prove_inside
+from pas.partition.boxes import KUHN_CELLS
 from pas.verdicts import Status
 
 if TYPE_CHECKING:
-    from pas.surface.joins import Join
-    from pas.surface.piecewise import PiecewiseSurface
+    from pas.contacts.joins import Join
+    from pas.piecewise import PiecewiseSurface
 
 ACROSS, ALONG, WIDE = 41, 17, 4.0
 """Samples across a neighbour and along it, by which the wall's radius is chosen, and how far they reach from the middle

@@ -11,17 +11,16 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.contacts.contact import ContactLike, as_contact
 from pas.layouts.fits import check_fits
 from pas.layouts.nodes import Node
 from pas.layouts.seen import Seen, angle_between
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
 from pas.partition.layout import Layout
-from pas.render.layers import CURVE_COLOR, TINTS, Layer
 from pas.render.picture import draw_scene
-from pas.render.scene import Picture, PictureOptions, Scene
+from pas.render.scene import CURVE_COLOR, TINTS, Layer, Picture, PictureOptions, Scene
 from pas.render.window import show_scene
-from pas.surface.contact import ContactLike, as_contact
 
 VIEW = (0.62, -0.62, 0.48)
 """From where one looks: as at blends."""

@@ -12,9 +12,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.partition.cells import Partition
+from pas.piecewise import PiecewiseSurface
 from pas.solid.bank import Bank
 from pas.solid.tree import Atom, Bools, Function, Node, Tree
-from pas.surface.piecewise import PiecewiseSurface
 
 
 class Pieces:

@@ -27,7 +27,7 @@ from pas.surface.geometry import FIRST, SECOND, derived, tangent_frame
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-    from pas.surface.piecewise import PiecewiseSurface
+    from pas.surface.function import PiecewisePolynomial
 
 SAMPLES = 2000
 """Points of the surface among which the nearest is looked for."""
@@ -43,7 +43,7 @@ focal points Newton's step has no bound."""
 class Depth:
     """The depths of points inside a surface that is seen from a centre, all in the user's units."""
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         frame = surface.partition.frame
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
         self._pieces = [Sheet.of(patch, surface.degree) for patch in surface.scaled.polynomials]

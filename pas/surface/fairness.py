@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -30,11 +30,9 @@ from pas.surface.fairness_limits import (
     sharpest_of,
     widest,
 )
+from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import FIRST, SECOND, Geometry, jets
 from pas.surface.sections import AROUND, circle, planes, runs
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
@@ -156,7 +154,7 @@ def _shown(place: Place) -> str:
     return "({:.4g}, {:.4g}, {:.4g})".format(*place)
 
 
-def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
+def fairness(surface: PiecewisePolynomial, rays: int = RAYS) -> Fairness:
     """Measure a surface on about `rays` rays from its centre.
 
     Raises `GeometryError` for a surface without a region, a centre inside it or a contact that meets a face of it.
@@ -165,7 +163,7 @@ def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
 
 
 class _Measuring:
-    def __init__(self, surface: PiecewiseSurface, rays: int) -> None:
+    def __init__(self, surface: PiecewisePolynomial, rays: int) -> None:
         if surface.partition.center is None or not surface.partition.cells or not surface.contacts:
             raise GeometryError("fairness is measured on rays from the centre of a region with contacts; there is none")
         self.surface, self.degree = surface, surface.degree

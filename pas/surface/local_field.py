@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +14,10 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
-from pas.partition.cells import OuterFace
+from pas.partition.complex import OuterFace
+from pas.surface.function import PiecewisePolynomial
 from pas.surface.kernels import compiled
 from pas.surface.patch_field import INSIDE, PatchField
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 STEPS = 20
 """Of Newton's method along gradients."""
@@ -39,7 +36,7 @@ class LocalField(PatchField):
     """The surface in local coordinates: of one piece by compiled code, of several, which points are located in, by
     numpy."""
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
         self.surface = surface
         if len(surface.patches) == 1:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +12,9 @@ from pas.algebra.rational import to_fraction
 from pas.algebra.tables import PieceTables
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
+from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import JETS, derived
 from pas.surface.kernels import Faces, compiled
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 CLOSING, CLOSE = 6, 1e-11
 """Steps along gradients, for points very near the surface, and the last that is worth another."""
@@ -41,7 +38,7 @@ class PatchField(ABC):
     `outer`); where points are located in cells, numpy does the same, to the bit.
     """
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         local, self.degree = surface.local, max(surface.degree, 1)
         self.frame = surface.partition.frame
         self.scale = float(to_fraction(self.frame.scale))

@@ -6,7 +6,6 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +16,10 @@ from pas.mesh.field import Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import dots
 from pas.mesh.star import first
+from pas.surface.function import PiecewisePolynomial
 from pas.surface.kernels import Faces, compiled
 from pas.surface.patch_field import INSIDE, PatchField
 from pas.surface.rings import Rings
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
@@ -52,7 +49,7 @@ class RadialField(PatchField):
 
     outer: Faces
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
         local = surface.local
         degrees = np.array([sum(e) for e in exponents(self.degree)])

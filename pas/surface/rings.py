@@ -18,7 +18,7 @@ from pas.surface.kernels import compiled
 from pas.surface.opening_rim import OpeningRim
 
 if TYPE_CHECKING:
-    from pas.surface.joins import Join
+    from pas.contacts.joins import Join
 
 STEPS = 40
 """Of Newton's method towards the middle of a curve or away from it, none by more than a factor of two."""
