@@ -7,12 +7,12 @@ import pytest
 from conftest import EQUAL, solved
 
 import pas
-from pas.exchange.picture_options import STYLES
+from pas.exchange.picture_options import STYLES, Picture, Style
 from pas.parametric.curvatures import Forms
 from pas.render import offscreen
 from pas.render.layers import BLEND_COLOR
 from pas.render.parametric import BLEND_TINT, COLORS, TINTS
-from pas.render.scene import Picture, Style, scene_of
+from pas.render.scene import scene_of
 
 
 def pixels(path):

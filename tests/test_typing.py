@@ -63,6 +63,7 @@ MAY_BE_ANY = {
     "Weights.__call__": SERIES,
     "NotProvedError.__init__": BELOW,
     "Shape.mesh": BELOW,
+    "Picture.coloring": BELOW,
     "Picture.domain": UNSAID,
     "Picture.of": UNSAID,
     "Picture.view": UNSAID,

@@ -7,11 +7,12 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from pas.exchange.picture_options import Style
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.render.layers import BLEND_COLOR, Layer
 from pas.render.picture import draw
-from pas.render.scene import Scene, Style
+from pas.render.scene import Scene
 from pas.shape import Shape
 
 VIEW = (0.35, -1.0, 0.45)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.render.camera import FOUR_VIEWS, look_at, widest_view
@@ -19,7 +20,7 @@ from pas.render.combs import add_combs, hair_length, tips
 from pas.render.layers import CURVE_COLOR, Layer
 from pas.render.legend import add_comb_legend, add_legend, bar, room
 from pas.render.offscreen import offscreen_pyvista
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
 GAP = 0.35

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 from pas.errors import MissingLibraryError
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.mesh.mesh import Mesh
 from pas.render.picture import plotted
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")

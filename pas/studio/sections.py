@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.exchange.picture_options import Picture
 from pas.render.combs import hair_length
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import scene_of
 from pas.shape import Shape
 from pas.studio.messages import Message
 
