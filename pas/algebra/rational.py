@@ -184,3 +184,8 @@ def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
     return str(value)
+
+
+def texts(point: Vector) -> list[str]:
+    """Three exact numbers as records hold them."""
+    return [plain(c) for c in point]

@@ -15,7 +15,7 @@ Settings = TypeVar("Settings")
 
 
 def add_settings(
-    parser: argparse.ArgumentParser, settings: type[Any], usual: str = "", leave: Iterable[str] = ()
+    parser: argparse._ActionsContainer, settings: type[Any], usual: str = "", leave: Iterable[str] = ()
 ) -> None:
     """An argument for each option of a class of settings, but those to leave out; `usual` stands in help texts."""
     for field in options(settings, "command", leave):

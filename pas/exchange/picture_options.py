@@ -29,7 +29,7 @@ STYLES: Registry[Any] = Registry(
         "curvature": "pas.render.styles.curvature:CURVATURE",
     },
 )
-"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.coloring`."""
+"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
 
 MOST_PIXELS = 16384
 """Width and height of a picture, as graphics libraries have it."""

@@ -21,7 +21,7 @@ from pas.layouts.fits import check_fits
 from pas.layouts.ring import between, clip_polygon
 from pas.layouts.seen import Seen, power_of_two
 from pas.partition.layout import Layout, Ray, turns
-from pas.partition.region import Region
+from pas.partition.regions import Region
 
 WALLS = 1.3
 """How far out free rays end, as a multiple of what just leaves all pipes: at 1.0 three pipes at GC^2 have no clean

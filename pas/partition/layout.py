@@ -101,7 +101,7 @@ class Layout(Shape):
                 )
         triangles = [t for piece in self.triangles for t in piece]
         # every arc has triangles on both sides, so all directions are covered equally often: one is counted
-        times = _times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
+        times = times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
         if times != 1:
             raise GeometryError(f"the pieces of a layout must cover all directions once; they do {times} times")
 
@@ -272,7 +272,7 @@ def middle_ray(rays: Sequence[Ray]) -> Ray:
     return reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
 
 
-def _times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:
+def times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:
     """How many spherical triangles hold a direction that lies on none of their sides."""
     a, b, c = triangles[0]
     for step in range(2, 3 + 6 * len(triangles)):

@@ -11,17 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import cross, to_floats
+from pas.partition.complex import CellComplex, OuterFace
 from pas.partition.layout import Ray, primitive, reduced
-
-if TYPE_CHECKING:
-    from pas.partition.cells import OuterFace, Partition
 
 MOST_PLANES = 12
 """Of 2^planes combinations of signs a table is kept; with more planes the test of all cells is not slower either."""
@@ -37,7 +34,7 @@ Group = tuple[int, Integers, Floats]
 class Location:
     """Finds the pieces of points, in the coordinates of a partition in local coordinates (its centre, if any, is 0)."""
 
-    def __init__(self, partition: Partition) -> None:
+    def __init__(self, partition: CellComplex) -> None:
         self.partition = partition
 
     def groups(self, points: Floats, tolerance: float) -> Iterator[Group]:

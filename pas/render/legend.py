@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from pas.exchange.picture_options import Picture
-from pas.render.coloring import Legend
 from pas.render.combs import CONCAVE, CONVEX
-from pas.render.layers import CURVE_COLOR, Layer
+from pas.render.scene import CURVE_COLOR, Layer, Legend
 
 SIDE, FOOT = 0.2, 0.075
 """What legends take of a picture: of its width for a bar, of its height for the line below about combs."""

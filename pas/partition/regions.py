@@ -1,4 +1,4 @@
-"""Regions whose layout and clip faces the program chose around contacts."""
+"""Regions that the program laid out around contacts, closed and open ones."""
 
 from __future__ import annotations
 
@@ -27,11 +27,23 @@ class Region(Partition):
         """See `Partition.moved`; a direction in the title goes along."""
         center = None if self.center is None else map_.exact(self.center)
         title = DIRECTION.sub(lambda found: _moved(found[0], map_), self.title)
-        return Region([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces, title)
+        return type(self)([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces, title)
 
     def to_record(self) -> dict[str, Any]:
         """The partition as a table of plain data, exact numbers as texts."""
         return super().to_record() | {"kind": self.name}
+
+
+class OpenRegion(Region):
+    """Cells that fill a convex cone up to its outer faces, its apex the centre, as `pas.layouts.opened` makes them.
+
+    One contact has no face of it: its clip is a cone of degree 2 with the same apex, inside this one, as that through
+    the edge of a plate.  Arguments are those of `Partition`; raises `GeometryError` without a centre, and where cells
+    fill no convex cone around it.
+    """
+
+    name = "open region"
+    open = True
 
 
 def _moved(words: str, map_: Affine) -> str:
