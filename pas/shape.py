@@ -21,7 +21,7 @@ VERBS = {
     "write": "pas.exchange.write:write",
     "draw": "pas.render.picture:draw",
     "show": "pas.render.window:show",
-    "html": "pas.render.notebook:html",
+    "html": "pas.render.window:html",
     "studio": "pas.studio.widget:studio",
 }
 """Where the work of the verbs is done that all shapes have, in rooms above."""

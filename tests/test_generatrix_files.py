@@ -16,7 +16,7 @@ import pas
 from pas.cli import main
 from pas.exchange.container import checksum
 from pas.generatrix import verdicts
-from pas.render.collar import collar
+from pas.render.neighbours import collar
 from pas.render.scene import Picture, Style, scene_of
 from pas.verdicts import Status
 

@@ -77,6 +77,12 @@ class Functions:
         return function
 
 
+@cache
+def compiled() -> Functions:
+    """The functions of the compiled library."""
+    return Functions()
+
+
 def _held(array: NDArray[Any]) -> NDArray[Any]:
     """A copy of an array as the functions take it; those that they write to already are."""
     return np.ascontiguousarray(array, dtype=np.intp if array.dtype.kind == "i" else None)

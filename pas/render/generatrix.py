@@ -15,11 +15,9 @@ from pas.generatrix.boundary import Boundary
 from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.mesh import Mesh
 from pas.parametric.curvatures import Forms
-from pas.render.collar import collar
-from pas.render.curves import blend_curves, combs_on
-from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer
-from pas.render.parametric import UNKNOWN, principal_on
-from pas.render.scene import Scene
+from pas.render.neighbours import collar
+from pas.render.parametric import UNKNOWN, blend_curves, combs_on, principal_on
+from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
 GRID, CURVED = (320, 120), (160, 60)
 """Of the blend's mesh; the second for curvatures, which are smooth but slow."""

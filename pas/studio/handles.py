@@ -133,13 +133,13 @@ def with_handle(document: Data, blend: Any, point: Any) -> Data:
 
 
 def at_degree(document: Data, degree: int) -> Data:
-    """The same document with its degree said, where that is left to be found."""
+    """A document that says its degree, where that was left to be found."""
     if document["kind"] != "problem" or isinstance(document["problem"].get("degree"), int):
         return document
     return {**document, "problem": {**document["problem"], "degree": degree}}
 
 
-def freedoms(document: Data, shape: Any) -> Iterator[Control]:
+def handle_controls(document: Data, shape: Any) -> Iterator[Control]:
     """The controls of handles and of members' coefficients, where a shape has some; see `pas.studio.controls`.
 
     Of "coefficients", `names` are the members as polynomials and `ends` the least and the greatest values that any

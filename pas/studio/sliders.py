@@ -1,4 +1,4 @@
-"""What may be tried where the shape of a document is refuted."""
+"""What a document says of a blend beside its problem: where its sliders stand, and what may be tried where it fails."""
 
 from __future__ import annotations
 
@@ -6,9 +6,26 @@ from collections.abc import Iterator
 from typing import Any
 
 from pas.algebra.rational import plain, rational
-from pas.fairing.wishes import DEFAULT_NEAR_WEIGHT
-from pas.studio.controls import OF_DEGREE
+from pas.fairing.energies.curvature_variation import CurvatureVariation
+from pas.fairing.wishes import DEFAULT_NEAR_WEIGHT, MeanAlpha
+from pas.studio import documents
+from pas.studio.controls import OF_DEGREE, TENSION
 from pas.studio.gallery import Data
+
+AT_REST: dict[str, Any] = {"inside": (), "outside": (), "through": (), "near": (), "near_weight": DEFAULT_NEAR_WEIGHT,
+                           "handles": (), "coefficients": ()}  # fmt: skip
+"""The sliders of a blend of which nothing is wished."""
+
+
+def sliders_of(blend: Any, document: Data) -> dict[str, Any]:
+    """All sliders of a document, those that it does not name at rest."""
+    tense = {"tension": TENSION} if isinstance(blend.plate, CurvatureVariation) else {}
+    usual = {**AT_REST, **tense}
+    if document["kind"] == "project":  # the file's own wishes
+        usual = {}
+    elif isinstance(blend.wishes.normalize, MeanAlpha):
+        usual["margin"] = None
+    return usual | documents.sliders_of(document)
 
 
 def remedies(document: Data, shape: Any) -> Iterator[Data]:

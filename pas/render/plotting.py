@@ -1,13 +1,17 @@
-"""From where a picture is taken."""
+"""Where the camera of a picture stands, and what draws it without a window."""
 
 from __future__ import annotations
 
+import ctypes
+import os
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.errors import MissingLibraryError
+from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 
 VIEW_ANGLE, MARGIN = 24.0, 1.12
@@ -54,3 +58,37 @@ def look_at(
     plotter.camera.up = tuple(axes[1])
     plotter.camera.view_angle = VIEW_ANGLE
     plotter.reset_camera_clipping_range()
+
+
+LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1"}
+"""The shared libraries that drawing needs, and Debian's packages of them."""
+
+
+def offscreen_pyvista() -> Any:
+    """The pyvista module, ready to draw without a screen.
+
+    Raises `MissingLibraryError` naming the packages to install.
+    """
+    missing = [package for library, package in LIBRARIES.items() if not _loads(library)]
+    if missing:
+        raise MissingLibraryError(
+            f"pictures need OpenGL, which is not installed; on Debian: apt-get install {' '.join(missing)}"
+        )
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    checkpoint("loading the graphics library")  # which takes seconds on slow machines: looked at between its halves
+    import pyvista
+
+    checkpoint()
+    import pyvista.plotting
+
+    checkpoint()
+    pyvista.OFF_SCREEN = True
+    return pyvista
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
