@@ -16,7 +16,7 @@ import pas
 from pas.cli import main
 from pas.exchange.container import checksum
 from pas.exchange.picture_options import Picture, Style
-from pas.generatrix import verdicts
+from pas.parametric.generatrix import verdicts
 from pas.render.neighbours import collar
 from pas.render.scene import scene_of
 from pas.verdicts import Status

@@ -32,9 +32,9 @@ from typing import Any
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
 from pas.exchange.tables import TableReader
-from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.settings import MeshSettings
 
 GENERATRIX_METHODS = {"generatrix": KINDS, "quadrics": (SECTION,)}

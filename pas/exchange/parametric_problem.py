@@ -35,10 +35,9 @@ from pas.algebra.rational_function import PARAMETERS
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
 from pas.exchange.tables import TableReader
-from pas.parametric.blends import ParametricBlend
+from pas.parametric.blends import METHODS, ParametricBlend, blend_by
 from pas.parametric.data import BlendingData
 from pas.parametric.domain import ExactDomain
-from pas.parametric.methods import METHODS, blend_by
 from pas.parametric.surface import ParametricSurface
 from pas.settings import MeshSettings
 
