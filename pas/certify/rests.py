@@ -19,9 +19,9 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.polar import bisection
 from pas.bernstein.signs import rounding_bound
 from pas.bernstein.subdivision import edges, raised
+from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.surface.kernels import compiled
 
 HALVINGS, MOST = 150, 6000
 """Halvings of a simplex, and simplices still open, at which the search ends."""
@@ -113,8 +113,14 @@ def _parted(
 
     Those along one direction in which the derivative is positive are dropped.
     """
-    up, bounds = _raised(degree, corners.shape[1]), (bound, ROUNDINGS * UNIT_ROUNDOFF)
-    return compiled().parted((forms, corners), up, bounds, cut, _cuts(degree, corners.shape[1]))
+    (count, size), vertices = forms.shape, corners.shape[1]
+    up, (pairs, halves, taken) = _raised(degree, vertices), _cuts(degree, vertices)
+    most, sizes = 2 * count if cut else count, np.empty(2, dtype=np.intp)
+    left, sure = ((np.empty((most, size)), np.empty((most, vertices, 3))) for _ in range(2))
+    tables = (len(up), up, bound, ROUNDINGS * UNIT_ROUNDOFF, cut, len(pairs), pairs, halves.shape[1], halves, taken)
+    compiled().call("pas_parted", count, size, vertices - 1, *tables, forms, corners, *left, *sure, sizes)
+    first, second = sizes.tolist()
+    return (left[0][:first], left[1][:first]), (sure[0][:second], sure[1][:second])
 
 
 @cache
