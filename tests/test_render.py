@@ -8,7 +8,7 @@ from conftest import EQUAL, solved
 
 import pas
 from pas.exchange.picture_options import STYLES
-from pas.parametric.curvatures import Forms
+from pas.parametric.curves import Forms
 from pas.render import plotting
 from pas.render.parametric import BLEND_TINT, COLORS, TINTS
 from pas.render.scene import BLEND_COLOR, Picture, Style, scene_of

@@ -13,7 +13,7 @@ from test_kinds import SAMPLES, sample
 import pas
 from pas.cli import main
 from pas.exchange.picture_options import STYLES
-from pas.parametric.curvatures import Forms
+from pas.parametric.curves import Forms
 from pas.piecewise import PiecewiseSurface
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
 from pas.render.legend import FOOT, SIDE, add_comb_legend

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.rational import Vector, to_floats
+from pas.algebra.rational import Vector, cross, dot, minus, to_floats
 from pas.errors import GeometryError
 
 Indices = tuple[int, ...]
@@ -198,14 +198,12 @@ def _over_one(points: Sequence[Vector]) -> tuple[int, list[Whole]]:
 
 def _normal(a: Whole, b: Whole, c: Whole) -> Whole:
     """The vector product of b - a and c - a."""
-    x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    u, v, w = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    return y * w - z * v, z * u - x * w, x * v - y * u
+    return cross(minus(b, a), minus(c, a))
 
 
 def _height(a: Whole, b: Whole, c: Whole, d: Whole) -> int:
     """Six times the volume of a tetrahedron, positive where d is on the side of the normal of a, b, c."""
-    return sum(n * (y - x) for n, x, y in zip(_normal(a, b, c), a, d, strict=True))
+    return dot(_normal(a, b, c), minus(d, a))
 
 
 def _linear(way: Whole, point: Whole, denominator: int, sign: int) -> Polynomial:

@@ -21,7 +21,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
 from pas.blending.place import ended, places
 from pas.contacts.joins import Join
-from pas.generatrix.blend import GeneratrixBlend
+from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.scene import Picture, scene_of

@@ -1,11 +1,16 @@
-"""Blends of quadrics: two cut by planes, and n surfaces joined by a sphere in the middle."""
+"""Blends of n surfaces joined by a sphere in the middle, and their meshes.
+
+Points on a sphere that lie on the blends' circles or outside them have a convex hull whose faces are a triangulation
+of the sphere between the circles and one flat disc for each, which is left out.  The circles' points are the blends'
+own, so that all is welded.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
@@ -15,23 +20,24 @@ from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, short, shown
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
-from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.checks import refuse_both
-from pas.generatrix.quadric import text
-from pas.generatrix.sections import plane_section
-from pas.generatrix.shape import GeneratrixShape
-from pas.generatrix.sphere_mesh import grid_deviation, sphere_deviation, sphere_mesh
 from pas.limits import Report, checkpoint, limited
+from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.checks import refuse_both
+from pas.parametric.generatrix.quadric import text
+from pas.parametric.generatrix.sections import plane_section
+from pas.parametric.generatrix.shape import GeneratrixShape
 from pas.shape import Shape
 from pas.verdicts import Findings
 
-SAMPLES = 256
+SPHERE = "sphere"
+"""The name of the face on the sphere."""
 
 GRID = 96, 48
 """Points of each blend's mesh in s and t where neither tolerance nor size is given."""
@@ -40,44 +46,14 @@ SIZES = tuple((round(24 * 2 ** (k / 2)), round(12 * 2 ** (k / 2))) for k in rang
 """Grids that are tried for a tolerance, each with twice the points of the last; the finest has 3 million triangles
 on three blends."""
 
-SHARES = {
-    Quality.BALANCED: (1.0,),
-    Quality.COUNT: (1.0, 0.7, 0.5, 0.35, 1.4),
-    Quality.ANGLES: (1.0, 0.7, 0.5, 0.35, 1.4),
-}
-"""Of these grids' points in t, of which the best is taken."""
+SHARES = (1.0, 0.7, 0.5, 0.35, 1.4)
+"""Of these grids' points in t, of which the best is taken where a quality is asked for."""
 
 ROOM = 0.8
 """Share of half the angle between neighbouring directions that a circle on the middle sphere takes at most."""
 
 WIDEST = math.pi / 3
 """Half-angle of the circles at most, so that a good part of the sphere's cap is bent towards the boundary."""
-
-
-@limited("finding a blend by a generatrix", "lengths l1 and l2")
-def blend_quadrics(
-    quadric1: PolynomialLike,
-    plane1: PolynomialLike,
-    quadric2: PolynomialLike,
-    plane2: PolynomialLike,
-    shape: GeneratrixShape | None = None,
-    sides: tuple[int | None, int | None] = (None, None),
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
-) -> GeneratrixBlend:
-    """The blend of two quadrics in any position, each ending at a plane that cuts it in an ellipse.
-
-    `shape` holds the four shape values (by default they are chosen), `sides` where each blend lies (see `Boundary`)
-    if that is not clear.  Raises `GeometryError` for sections that are no closed curves, and as `generatrix_blend`.
-    """
-    boundaries = []
-    for quadric, plane, side, name in zip((quadric1, quadric2), (plane1, plane2), sides, ("1", "2"), strict=True):
-        try:
-            boundaries.append(plane_section(quadric, plane, side=side))
-        except (GeometryError, ValueError, TypeError) as error:
-            raise type(error)(f"quadric{name} and plane{name}: {error}") from None
-    return generatrix_blend(boundaries[0], boundaries[1], shape)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,7 +101,7 @@ class SphereBlend(Shape):
         refuse_both(tolerance, size)
         wanted = self._measured(GRID).deviation if tolerance is None else check_tolerance(tolerance, self.radius)
         found: list[Mesh] = []
-        for share in SHARES[how]:
+        for share in SHARES[: 1 if how is Quality.BALANCED else None]:
             try:
                 found.append(self._near(wanted or 0.0, share))
             except MeshError:  # there is a mesh already
@@ -148,24 +124,98 @@ class SphereBlend(Shape):
     def _measured(self, grid: tuple[int, int]) -> Mesh:
         """The mesh on a grid, and how near it is."""
         mesh = self._gridded(grid)
-        on_blends = (grid_deviation(partial(_points, blend), grid, blend.closed) for blend in self.blends)
-        return replace(mesh, deviation=max(*on_blends, sphere_deviation(mesh, self.center, self.radius)))
+        away = [*(_grid_deviation(blend, grid) for blend in self.blends), _sphere_deviation(mesh, self)]
+        return replace(mesh, deviation=max(away))
 
     def _gridded(self, size: tuple[int, int]) -> Mesh:
-        return sphere_mesh(self.center, self.radius, [blend.mesh(size=size) for blend in self.blends], size)
+        """The blends on grids of a size, whose last points in t are the circles, and the sphere."""
+        n, m = size
+        count, origin = n * m, np.array(self.center)
+        tubes = [_outward(blend.mesh(size=size), m, origin) for blend in self.blends]
+        rims = [np.arange(n) * m + m - 1 + number * count for number in range(len(tubes))]
+        points = np.concatenate([tube.points for tube in tubes])
+        circles = [(points[rim] - origin) / self.radius for rim in rims]
+        free = _between(circles, n)
+        faces = _hull(np.concatenate([*circles, free]), len(circles), n)
+        numbers = np.concatenate([*rims, len(points) + np.arange(len(free))])
+        triangles = [tube.triangles + number * count for number, tube in enumerate(tubes)]
+        mesh = Mesh.smooth(
+            np.concatenate([points, origin + self.radius * free]),
+            np.concatenate([*triangles, numbers[faces]]),
+            np.concatenate([*(tube.point_normals for tube in tubes), free]),
+        )
+        owner = np.repeat(np.arange(len(tubes) + 1), [*map(len, triangles), len(faces)])
+        return replace(mesh, faces=owner, names=(*(f"blend {i + 1}" for i in range(len(tubes))), SPHERE))
 
     def __str__(self) -> str:
         return f"{len(self.blends)} blends through a sphere of radius {self.radius:.6g} about {text(self.center)}"
 
     def require(self) -> SphereBlend:
-        """The same; raises `NotProvedError` where a claim of one blend's certificate is refuted or measured to fail."""
+        """The blend itself; raises `NotProvedError` where a claim of a certificate is refuted or measured to fail."""
         for blend in self.blends:
             blend.require()
         return self
 
 
-def _points(blend: GeneratrixBlend, size: tuple[int, int]) -> Floats:
-    return blend.sheet(size)[0]
+def _sphere_deviation(mesh: Mesh, blend: SphereBlend) -> float:
+    """How far the triangles on the sphere are inside it at most: where their planes come nearest to the centre."""
+    corners = mesh.triangles[mesh.faces == mesh.names.index(SPHERE)].T
+    a, b, c = (mesh.points[corner] - blend.center for corner in corners)
+    normal = np.cross(b - a, c - a)
+    heights = np.abs((normal * a).sum(axis=1)) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    return float((blend.radius - heights).max(initial=0.0))
+
+
+def _grid_deviation(blend: GeneratrixBlend, size: tuple[int, int]) -> float:
+    """How far a blend is from its mesh on a grid, at equal parameters half way between the grid's points."""
+    n, m = size
+    points, _ = blend.sheet((2 * n if blend.closed else 2 * n - 1, 2 * m - 1))
+    if blend.closed:
+        points = np.concatenate([points, points[:1]])
+    corners = points[::2, ::2]
+    middles = (
+        (points[1::2, ::2], corners[:-1], corners[1:]),
+        (points[::2, 1::2], corners[:, :-1], corners[:, 1:]),
+        (points[1::2, 1::2], corners[:-1, :-1], corners[1:, 1:]),  # of the diagonals that `connectivity` draws
+    )
+    return max(float(np.linalg.norm(p - (a + b) / 2, axis=-1).max()) for p, a, b in middles)
+
+
+def _outward(tube: Mesh, m: int, origin: Floats) -> Mesh:
+    rim = slice(m - 1, None, m)
+    if ((tube.points[rim] - origin) * tube.point_normals[rim]).sum() >= 0:
+        return tube
+    return tube.flipped
+
+
+def _between(circles: Sequence[Floats], n: int) -> Floats:
+    """Points spread evenly over the unit sphere (a spiral of golden angles), those in the circles left out."""
+    spacing = min(float(np.linalg.norm(circle[1] - circle[0])) for circle in circles)
+    number = int(np.clip(4 * np.pi / spacing**2, 4 * n, 60 * n))
+    k = np.arange(number) + 0.5
+    z, angle = 1 - 2 * k / number, np.pi * (1 + np.sqrt(5)) * k
+    ring = np.sqrt(1 - z * z)
+    points = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
+    margin = 0.6 * np.sqrt(4 * np.pi / number)  # of the mean spacing
+    outside = np.ones(number, dtype=bool)
+    for circle in circles:
+        axis = circle.mean(axis=0)
+        height = float(np.linalg.norm(axis))
+        outside &= np.arccos(np.clip(points @ (axis / height), -1, 1)) > np.arccos(min(1.0, height)) + margin
+    return points[outside]
+
+
+def _hull(points: Floats, circles: int, n: int) -> Integers:
+    """The faces of the hull, outwards, but those with all corners on one of the circles, n points each."""
+    from scipy.spatial import ConvexHull
+
+    faces = ConvexHull(points).simplices
+    owner = np.minimum(faces // n, circles)
+    faces = faces[~((owner[:, 0] == owner[:, 1]) & (owner[:, 1] == owner[:, 2]) & (owner[:, 0] < circles))]
+    p = points[faces]
+    inward = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p.sum(axis=1)) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    return np.asarray(faces, dtype=np.intp)
 
 
 @limited("finding a blend by a generatrix", "lengths l1 and l2")
@@ -219,7 +269,7 @@ def _seen(boundary: Any, number: int, center: Floats, radius: float) -> tuple[Fl
         raise TypeError(f"boundaries[{number}] must be a Boundary, not {shown(boundary)}")
     if not boundary.closed:
         raise GeometryError(f"boundaries[{number}] ({boundary.name}) is open; circles on a sphere are closed")
-    points = boundary(np.linspace(0, 1, SAMPLES, endpoint=False))
+    points = boundary(np.linspace(0, 1, 256, endpoint=False))
     away = np.linalg.norm(points - center, axis=1)
     if away.min() <= radius:
         where = text(points[int(away.argmin())])

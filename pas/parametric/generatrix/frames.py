@@ -9,19 +9,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import comb
 
 import numpy as np
 
-from pas.algebra.lengths import exponent, unit
+from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.mesh.field import Integers
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.paths import value_at
+from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.parametric.nets import bernstein_at
 from pas.parametric.surface import ParametricSurface
 
 STEP = 3e-6
 """Of the differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
+
+LEAST_SWING, MOST_SWING = 0.02, 0.9
+"""Share of the mean by which lengths swing on closed curves: less is not worth it, more would not be positive."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +102,7 @@ class Frames:
         """The middle curve and its derivative at s (n,)."""
         if self.middle is None:
             return None
-        places = np.stack([s, np.zeros_like(s)], axis=-1)
-        return self.middle(places), self.middle.derivative(places, 1, 0)
+        return value_at(self.middle, s), value_at(self.middle, s, 1)
 
     def _edge(self, boundary: Boundary, sign: int, s: Floats) -> Edge:
         center = s if self.closed else np.clip(s, STEP, 1.0 - STEP)
@@ -145,20 +148,6 @@ def bernstein(degree: int, size: int) -> tuple[Floats, Floats]:
     return bernstein_at(degree, t), bernstein_at(degree, t, 1)
 
 
-def bernstein_at(degree: int, t: Floats, order: int = 0) -> Floats:
-    """The derivatives of an order of the Bernstein polynomials at t (...): (..., degree + 1)."""
-    if order > degree:
-        return np.zeros((*t.shape, degree + 1))
-    low = degree - order
-    rows = np.stack([comb(low, i) * t**i * (1.0 - t) ** (low - i) for i in range(low + 1)], axis=-1)
-    for k in range(order):
-        wide = np.zeros((*t.shape, rows.shape[-1] + 1))
-        wide[..., 1:] += rows
-        wide[..., :-1] -= rows
-        rows = wide * (low + k + 1)
-    return rows
-
-
 def _combined(weights: Floats, controls: Floats) -> Floats:
     """sum_i weights[j, i] controls[i, k]: (k, j, 3)."""
     size = controls.shape[1]
@@ -184,3 +173,26 @@ def connectivity(size: tuple[int, int], closed: bool, flipped: bool) -> Integers
     b = (((rows + 1) % n)[:, None] * m + np.arange(m - 1)[None]).ravel()
     triangles = np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])
     return np.ascontiguousarray(triangles[:, ::-1] if flipped else triangles).astype(np.intp)
+
+
+def with_lengths(shape: GeneratrixShape, frames: Frames) -> GeneratrixShape:
+    """The shape with open lengths filled in: a third of the distance of corresponding points, rounded.
+
+    A straight generatrix has its inner control points at thirds.  It is the mean distance, for closed curves with its
+    first harmonic, so that the outside of a bend bulges as it should.
+    """
+    missing = [name for name in ("l1", "l2") if getattr(shape, name) is None]
+    if not missing:
+        return shape
+    s = frames.parameters(120)
+    first, second = frames.boundaries
+    distance = 1 / 3 * lengths(first(s) - second(s))
+    mean = float(distance.mean())
+    wave = complex(2 * (distance * np.exp(2j * np.pi * s)).mean())
+    swing = min(abs(wave), MOST_SWING * mean)
+    if not frames.closed or not frames.unit or swing < LEAST_SWING * mean:
+        length = ShapeFunction.constant(f"{mean:.3g}")
+    else:
+        start = (np.angle(wave) / (2 * np.pi) + 0.5) % 1.0
+        length = ShapeFunction.cosine(*(f"{x:.3g}" for x in (mean - swing, mean + swing, start)))
+    return shape.changed(**dict.fromkeys(missing, length))

@@ -12,6 +12,7 @@ Speed: curves that are not exact take their lengths as parameters where correspo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,8 +20,8 @@ import numpy as np
 from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.quadric import text
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.quadric import text
 
 SAMPLES = 240
 UNCLEAR = 0.03
@@ -77,30 +78,24 @@ def _side(boundary: Boundary, own: Floats, other: Floats) -> int:
 
 def require_apart(first: Boundary, second: Boundary) -> None:
     """Raise `GeometryError` where the two curves meet."""
+    from scipy.optimize import least_squares
     from scipy.spatial import cKDTree
 
     s = np.linspace(0.0, 1.0, 4 * SAMPLES + 1)
     a, b = first(s), second(s)
-    power = exponent(np.concatenate([a, b]))
+    both = np.concatenate([a, b])
+    power = exponent(both)
     distance, partner = cKDTree(np.ldexp(b, -power)).query(np.ldexp(a, -power))
     i = int(distance.argmin())
-    j = int(partner[i])
-    near = _nearest(first, second, float(s[i]), float(s[j]), 1.0 / (4 * SAMPLES))
-    size = float(np.ptp(np.concatenate([a, b]), axis=0).max())
-    if near[0] <= TOUCH * size:
-        raise GeometryError(f"{first.name} and {second.name} touch at {text(near[1])}; move them apart")
 
+    def gap(pair: Floats) -> Floats:
+        return np.asarray(np.ldexp(first(pair[:1]) - second(pair[1:]), -power)[0])
 
-def _nearest(first: Boundary, second: Boundary, s: float, t: float, step: float) -> tuple[float, Floats]:
-    """The least distance near a pair of parameters by a search on ever finer grids, and where."""
-    for _ in range(8):
-        offsets = np.linspace(-step, step, 9)
-        u, v = s + offsets, t + offsets
-        a, b = first(u), second(v)
-        gaps = lengths(a[:, None] - b[None])
-        i, j = np.unravel_index(int(gaps.argmin()), gaps.shape)
-        s, t, step = float(u[i]), float(v[j]), step / 3
-    return float(gaps.min()), a[i]
+    found = least_squares(gap, [s[i], s[int(partner[i])]], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    size = math.ldexp(float(np.ptp(both, axis=0).max()), -power)
+    if np.linalg.norm(found.fun) <= TOUCH * size:
+        where = text(first(found.x[:1])[0])
+        raise GeometryError(f"{first.name} and {second.name} touch at {where}; move them apart")
 
 
 def alignment(first: Boundary, second: Boundary, signs: tuple[int, int], turn: bool = True) -> Alignment:

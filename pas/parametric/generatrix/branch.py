@@ -24,11 +24,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.exact import on_unit_interval
-from pas.generatrix.pencil import Rulings
-from pas.generatrix.quadric import Quadric, text, to_array
-from pas.generatrix.sections import Conic, ConicKind
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.paths import on_unit_interval
+from pas.parametric.generatrix.pencil import Rulings
+from pas.parametric.generatrix.quadric import Quadric, text, to_array
+from pas.parametric.generatrix.sections import Conic, ConicKind
 
 STEP = 1e-5
 """Of the differences for the speed of a branch (not for its direction, which comes from the gradients)."""

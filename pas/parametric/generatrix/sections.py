@@ -24,9 +24,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Exact, Vector, cross, dot, exact, to_float, to_floats
 from pas.errors import GeometryError
-from pas.generatrix.boundary import Boundary, Bounds
-from pas.generatrix.exact import on_unit_interval
-from pas.generatrix.quadric import Quadric, plane_text, read_plane, text, to_array
+from pas.parametric.generatrix.boundary import Boundary, ContactBounds
+from pas.parametric.generatrix.paths import on_unit_interval
+from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, text, to_array
 
 
 class ConicKind(Enum):
@@ -148,7 +148,7 @@ def plane_section(
     )
 
 
-def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
+def ellipse_bounds(quadric: Quadric, conic: Conic) -> ContactBounds:
     """How far an ellipse m + a cos + b sin is from a quadric, and how steep against it, for all angles.
 
     f is p0 + p1 cos + q1 sin + p2 cos 2 + q2 sin 2 with coefficients that are exact in the doubles m, a, b; the
@@ -174,12 +174,12 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> Bounds:
     bend = np.linalg.norm(axes @ hessian, axis=1).sum()
     slope = float((slopes - half * turns - half**2 / 2 * bend).min()) / ROUNDED
     if not (speed * slope > 0):
-        return Bounds(np.inf, np.inf)
+        return ContactBounds(np.inf, np.inf)
     steepest = to_float(sum(first, fmpq(0)) + 2 * sum(second, fmpq(0)))
     furthest = to_float(constant + sum(first, fmpq(0)) + sum(second, fmpq(0)))
     sine = steepest / float(speed * slope)
     distance = furthest / float(slope) * ROUNDED
-    return Bounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, math.ldexp(distance, power))
+    return ContactBounds(float(np.arcsin(min(1.0, sine))) * ROUNDED, math.ldexp(distance, power))
 
 
 def _in_units(matrix: fmpq_mat, unit: fmpq) -> fmpq_mat:

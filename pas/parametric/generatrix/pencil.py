@@ -13,7 +13,6 @@ v = (-B +- sqrt(D)) / A with the trigonometric polynomial D = B^2 - A C of degre
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,10 +23,11 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, to_float
+from pas.algebra.roots import between, real_roots
 from pas.errors import GeometryError
-from pas.generatrix.exact import square_root
-from pas.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
-from pas.parametric.roots import real_roots
+from pas.parametric.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
+from pas.parametric.hermite import taylor_basis
+from pas.parametric.series import square_root
 
 DEGREE = 4
 """Of D in cos a, sin a."""
@@ -108,30 +108,15 @@ def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
     for factor, _ in determinant.factor()[1] if determinant.degree() > 0 else ():
         if factor.degree() == 1:
             yield -factor[0] / factor[1]
-    roots = real_roots(determinant)
-    ends = [-math.inf, *roots, math.inf]
-    for low, high in pairwise(ends):
-        yield exact(_between(low, high))
+    roots = sorted(real_roots(determinant)) if determinant.degree() > 0 else []
+    for low, high in pairwise([None, *roots, None]):
+        yield between(low, high)
 
 
 def _determinant(a: fmpq_mat, b: fmpq_mat) -> fmpq_poly:
     """det(A + mu B) by interpolation at five numbers."""
-    result = fmpq_poly([0])
-    for i in range(5):
-        basis = fmpq_poly([1])
-        for j in range(5):
-            if j != i:
-                basis = basis * fmpq_poly([-j, 1]) / (i - j)
-        result = result + basis * _mixed(a, b, fmpq(i)).det()
-    return result
-
-
-def _between(low: float, high: float) -> float:
-    if math.isinf(low) and math.isinf(high):
-        return 0.0
-    if math.isinf(low):
-        return high - 1.0 - abs(high)
-    return low + 1.0 + abs(low) if math.isinf(high) else (low + high) / 2
+    places = [fmpq(i) for i in range(5)]
+    return sum((taylor_basis(places, i, 0)[0] * _mixed(a, b, mu).det() for i, mu in enumerate(places)), fmpq_poly([0]))
 
 
 def rulings(first: Quadric, second: Quadric, found: list[Member]) -> Rulings | None:

@@ -20,16 +20,15 @@ from pas.algebra.inputs import WIDEST, short, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
-from pas.generatrix.exact import zeros_in_unit_interval
-from pas.generatrix.space import CurveLike
-from pas.parametric.series import univariate
+from pas.parametric.generatrix.paths import NAMES, CurveLike
+from pas.parametric.hermite import taylor_basis
+from pas.parametric.series import univariate, zeros_in_unit_interval
 
 MANY = 24
 """Data pairs above make an interpolating polynomial swing wildly between them."""
 
-
-LARGEST = 10**WIDEST
-"""Of coefficients of shape functions, which are evaluated in doubles."""
+FOUR = ("l1", "l2", "lambda1", "lambda2")
+"""The shape functions."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class ShapeFunction:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        if any(abs(c) > LARGEST for c in self.coefficients):
+        if any(abs(c) > 10**WIDEST for c in self.coefficients):
             raise ValueError(f"shape values must not be above 1e{WIDEST}, which cannot be evaluated in floating point")
 
     @classmethod
@@ -64,13 +63,8 @@ class ShapeFunction:
             raise ValueError(f"the s of pairs must be distinct and in [0, 1], not {shown([plain(p) for p in places])}")
         if len(read) > MANY:
             raise ValueError(f"{len(read)} pairs are too many for one polynomial; give at most {MANY}")
-        result = fmpq_poly([0])
-        for s, value in read:
-            basis = fmpq_poly([value])
-            for other in places:
-                if other != s:
-                    basis = basis * fmpq_poly([-other, 1]) / (s - other)
-            result = result + basis
+        terms = (taylor_basis(places, i, 0)[0] * value for i, (_, value) in enumerate(read))
+        result = sum(terms, fmpq_poly([0]))
         return cls(tuple(to_fraction(c) for c in result.coeffs()) or (Fraction(0),))
 
     @classmethod
@@ -105,9 +99,9 @@ class ShapeFunction:
 
     @property
     def exact(self) -> RationalFunction | None:
-        """The same as a function of (s, t), where it is a polynomial."""
+        """The function of (s, t) where it is a polynomial, else None."""
         p = self.polynomial
-        return None if p is None else RationalFunction.quotient(univariate(p, 0), ONE, ("s", "t"))
+        return None if p is None else RationalFunction.quotient(univariate(p, 0), ONE, NAMES)
 
     @property
     def value(self) -> Fraction | None:
@@ -124,15 +118,8 @@ class ShapeFunction:
         slope = p.derivative()
         return bool(p(0) == p(1) and slope(0) == slope(1))
 
-    def require_above(self, bound: int, what: str, remedy: str) -> None:
-        """Raise `ValueError` where the function is not greater than `bound` somewhere in [0, 1]."""
-        self._require(bound, 1, what, remedy)
-
-    def require_below(self, bound: int, what: str, remedy: str) -> None:
-        """The same from below."""
-        self._require(bound, -1, what, remedy)
-
-    def _require(self, bound: int, sign: int, what: str, remedy: str) -> None:
+    def require_beyond(self, bound: int, sign: int, what: str, remedy: str) -> None:
+        """Raise `ValueError` where the function is not above (`sign` 1) or below (-1) a bound somewhere in [0, 1]."""
         p = self.polynomial
         if p is None:
             assert self.wave is not None
@@ -182,12 +169,12 @@ class GeneratrixShape:
         for name, value in (("l1", l1), ("l2", l2)):
             made = None if value is None else _function(value)
             if made is not None:
-                made.require_above(0, name, "it must be positive on all of [0, 1]")
+                made.require_beyond(0, 1, name, "it must be positive on all of [0, 1]")
             object.__setattr__(self, name, made)
         for name, value in (("lambda1", lambda1), ("lambda2", lambda2)):
             made = _function(value)
-            made.require_above(-1, name, "it must lie between -1 and 1")
-            made.require_below(1, name, "it must lie between -1 and 1")
+            for bound in (-1, 1):
+                made.require_beyond(bound, -bound, name, "it must lie between -1 and 1")
             object.__setattr__(self, name, made)
         object.__setattr__(self, "middle", middle)
 
@@ -202,8 +189,8 @@ class GeneratrixShape:
         return self.lambda1, self.lambda2
 
     def changed(self, **changes: ShapeLike | CurveLike | None) -> GeneratrixShape:
-        """The same with some of the five replaced."""
-        names = ("l1", "l2", "lambda1", "lambda2", "middle")
+        """The shape with some of the five replaced; raises `TypeError` for another name."""
+        names = (*FOUR, "middle")
         strange = sorted(set(changes) - set(names))
         if strange:
             raise TypeError(f"a shape has {', '.join(names)}, no {', '.join(strange)}")
@@ -211,7 +198,7 @@ class GeneratrixShape:
 
     def require_periodic(self) -> None:
         """Raise `ValueError` for functions that would tear or crease a closed blend at s = 0."""
-        for name in ("l1", "l2", "lambda1", "lambda2"):
+        for name in FOUR:
             function = getattr(self, name)
             if function is not None and not function.is_periodic:
                 raise ValueError(

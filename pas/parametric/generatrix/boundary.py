@@ -25,20 +25,26 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact
 from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
-from pas.generatrix.checks import SAMPLES, closes, require_boundary, require_on
-from pas.generatrix.exact import ExactCurve, exact_cross, on_unit_interval
-from pas.generatrix.quadric import within_reach
-from pas.generatrix.space import NAMES, CurveLike, read_path, value_at
 from pas.parametric.curves import SurfaceCurve
+from pas.parametric.generatrix.checks import CHECKED, closes, require_boundary, require_on
+from pas.parametric.generatrix.exact import ExactCurve, exact_cross
+from pas.parametric.generatrix.paths import (
+    NAMES,
+    Curve,
+    CurveLike,
+    by_length,
+    on_unit_interval,
+    read_path,
+    splined,
+    value_at,
+)
+from pas.parametric.generatrix.quadric import within_reach
 from pas.parametric.series import composed
 from pas.parametric.surface import ParametricSurface
 
-Curve = Callable[[Floats], Floats]
-"""Vectors (n, 3) at parameters (n,)."""
-
 
 @dataclass(frozen=True)
-class Bounds:
+class ContactBounds:
     """What holds for all s of a curve in closed form: `angle` (radians) between C' and the surface's tangent plane at
     most, `distance` |f| / |grad f| from the surface at most."""
 
@@ -70,7 +76,7 @@ class Boundary:
     name: str = "the boundary"
     exact: ExactCurve | None = None
     side: int | None = None
-    bounds: Callable[[], Bounds] | None = None
+    bounds: Callable[[], ContactBounds] | None = None
     phase: float = 0.0
     backwards: bool = False
     surface: Polynomial | ParametricSurface | None = None
@@ -90,7 +96,7 @@ class Boundary:
         if not self.checked:
             if self.exact is not None:
                 self.exact.require_regular(self.name)
-            require_boundary(self)
+            require_boundary(self.name, self.curve, self.velocity, self.direction, self.has_normal, self.closed)
             object.__setattr__(self, "checked", True)
 
     @classmethod
@@ -116,7 +122,8 @@ class Boundary:
         exact = None
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
-        return _made(path, lambda s: value_at(vectors, s), tangent is None, closed, name, exact, side)
+        field: Curve = lambda s: value_at(vectors, s)  # noqa: E731
+        return cls._of(*_along(path), field, closed, name, has_normal=tangent is None, exact=exact, side=side)
 
     @classmethod
     def on_implicit(
@@ -140,10 +147,12 @@ class Boundary:
             residual = composed(f, path.components)
             if not residual.is_zero:
                 raise GeometryError(f"{name}: the curve does not lie on the surface; there {f} is {residual}")
-            exact = ExactCurve(path.components, _gradient(f, path), True)
+            x, y, z = (composed(f.diff(i), path.components) for i in range(3))
+            exact = ExactCurve(path.components, (x, y, z), True)
         else:
             require_on(f, path, name)
-        return _made(path, lambda s: f.gradient(value_at(path, s)), True, closed, name, exact, side, f)
+        field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
+        return cls._of(*_along(path), field, closed, name, exact=exact, side=side, surface=f)
 
     @classmethod
     def on_parametric(
@@ -158,33 +167,38 @@ class Boundary:
         if not isinstance(curve, SurfaceCurve):
             raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {shown(curve)}")
         (low, high), line = on_unit_interval(interval, name)
-        curve.surface(curve.parameters(np.linspace(low, high, SAMPLES)))  # speaks up outside the domain
-
-        def own(s: Floats) -> Floats:
-            return low + (high - low) * s
-
-        def velocity(s: Floats) -> Floats:
-            return (high - low) * curve.derivative(own(s))
-
+        own: Curve = lambda s: low + (high - low) * s  # noqa: E731
+        curve.surface(curve.parameters(own(CHECKED)))  # speaks up outside the domain
         exact = None
         if curve.surface.is_exact and curve.exact_path is not None:
             t, h = (RationalFunction(p, NAMES).substitute(line, line) for p in curve.exact_path)
             first, second = ([c.diff(*o).substitute(t, h) for c in curve.surface.components] for o in ((1, 0), (0, 1)))
             x, y, z = (c.substitute(t, h) for c in curve.surface.components)
             exact = ExactCurve((x, y, z), exact_cross(first, second), True)
-        shut = closes(curve(np.linspace(low, high, SAMPLES))) if closed is None else closed
-        return cls(
+
+        def field(s: Floats) -> Floats:
+            tangents = curve.surface.tangents(curve.parameters(own(s)))
+            return np.cross(tangents[..., 0, :], tangents[..., 1, :])
+
+        return cls._of(
             lambda s: curve(own(s)),
-            velocity,
-            lambda s: _plain_normals(curve, own(s)),
-            has_normal=True,
-            closed=shut,
-            name=name,
+            lambda s: (high - low) * curve.derivative(own(s)),
+            field,
+            closed,
+            name,
             exact=exact,
             side=side,
             surface=curve.surface,
             parameters=lambda s: curve.parameters(own(s)),
         )
+
+    @classmethod
+    def _of(
+        cls, curve: Curve, velocity: Curve, field: Curve, closed: bool | None, name: str, **others: Any
+    ) -> Boundary:
+        """One whose field is a normal unless said, and closed, if that is None, as it is found to be."""
+        shut = closes(curve(CHECKED)) if closed is None else closed
+        return cls(curve, velocity, field, **({"has_normal": True} | others), closed=shut, name=name)
 
     @classmethod
     def from_points(
@@ -200,8 +214,6 @@ class Boundary:
         Both are interpolated by cubic splines (periodic for closed curves, whose first point is not to be
         repeated, else natural) over the chords' lengths; the normals between are then made perpendicular to the curve.
         """
-        from pas.generatrix.splines import splined
-
         curve, velocity, direction = splined(points, normals, closed, name)
         return cls(curve, velocity, direction, True, closed, name, None, side)
 
@@ -237,7 +249,7 @@ class Boundary:
         return np.cross(given, self._shaped(self.velocity, s)) if self.has_normal else given
 
     def turned(self, backwards: bool, shift: float) -> Boundary:
-        """The same boundary run through the other way and, if closed, from another start, `shift` of a turn on."""
+        """The curve run through the other way and, if closed, from another start, `shift` of a turn on."""
         if shift and not self.closed:
             raise ValueError(f"{self.name} is not closed, so its start cannot be moved")
         start = self.phase + (-shift if self.backwards else shift)
@@ -246,12 +258,10 @@ class Boundary:
         return replace(self, phase=start, backwards=self.backwards != backwards)
 
     def by_length(self) -> Boundary:
-        """The same boundary with s the share of its length (to about 1e-6; smooth).  It is not kept exactly.
+        """The curve with s the share of its length (to about 1e-6; smooth).  It is not kept exactly.
 
         The curve and its tangent planes stay as they are, so bounds on them hold on.
         """
-        from pas.generatrix.splines import by_length
-
         if self.source is not None and self.source.get("by_length"):
             return self  # it is already
         place, speed = by_length(lambda s: lengths(self.velocity(s)), self.closed)
@@ -271,35 +281,6 @@ class Boundary:
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
 
 
-def _gradient(f: Polynomial, path: ParametricSurface) -> tuple[RationalFunction, RationalFunction, RationalFunction]:
-    x, y, z = (composed(f.diff(i), path.components) for i in range(3))
-    return x, y, z
-
-
-def _made(
-    path: ParametricSurface,
-    direction: Curve,
-    has_normal: bool,
-    closed: bool | None,
-    name: str,
-    exact: ExactCurve | None,
-    side: int | None,
-    surface: Polynomial | None = None,
-) -> Boundary:
-    shut = closes(value_at(path, np.linspace(0.0, 1.0, SAMPLES))) if closed is None else closed
-    return Boundary(
-        lambda s: value_at(path, s),
-        lambda s: value_at(path, s, 1),
-        direction,
-        has_normal=has_normal,
-        closed=shut,
-        name=name,
-        exact=exact,
-        side=side,
-        surface=surface,
-    )
-
-
-def _plain_normals(curve: SurfaceCurve, s: Floats) -> Floats:
-    tangents = curve.surface.tangents(curve.parameters(s))
-    return np.cross(tangents[..., 0, :], tangents[..., 1, :])
+def _along(path: ParametricSurface) -> tuple[Curve, Curve]:
+    """C and C' of a path."""
+    return lambda s: value_at(path, s), lambda s: value_at(path, s, 1)

@@ -1,43 +1,29 @@
-"""The blend of two surfaces by a Bezier generatrix: one cubic (or quartic) segment for each s.
-
-For each s the segment runs from C1(s) to C2(s) with inner control points C_i + l_i T_i,
-
-    T_i = +-sqrt(1 - lambda_i^2) W_i + lambda_i E_i,
-
-W_i across the curve in the tangent plane (N_i x C_i' or V_i) and E_i along it (C_i'), both of length one, the sign
-such that T_i points to the other surface.  Where the curves are regular the blend meets both with G1, whatever
-0 < l_i and -1 < lambda_i < 1 are.  A middle curve makes the segments quartic.
+"""The blend of two surfaces by a Bezier generatrix: one cubic (or quartic) segment for each s (see `form`).
 
 What is proved and what only measured of it is said by its `certificate`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from pas.algebra.brief import brief
-from pas.algebra.callables import plain
 from pas.algebra.inputs import shown
-from pas.algebra.jets import Jet, composed
-from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import PolynomialLike
 from pas.errors import GeometryError, NotProvedError
-from pas.generatrix.align import Alignment, aligned, alignment, require_apart, sides
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.checks import closes, refuse_both
-from pas.generatrix.exact_blend import exact_components, why_inexact
-from pas.generatrix.frames import Frames, bernstein_at, connectivity
-from pas.generatrix.lengths import with_lengths
-from pas.generatrix.shape import GeneratrixShape, ShapeLike
-from pas.generatrix.space import NAMES, CurveLike, space_curve, value_at
-from pas.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.parametric.generatrix.align import Alignment, aligned, alignment, require_apart, sides
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.checks import closes, refuse_both
+from pas.parametric.generatrix.form import GeneratrixForm
+from pas.parametric.generatrix.frames import Frames, with_lengths
+from pas.parametric.generatrix.paths import CurveLike, space_curve, value_at
+from pas.parametric.generatrix.sections import plane_section
+from pas.parametric.generatrix.shape import GeneratrixShape, ShapeLike
+from pas.parametric.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
 
@@ -49,28 +35,17 @@ TRIALS, FINER, LONGEST = 0.05, 1.3, 8.0
 
 BISECTIONS = 10
 
-TRIED = 16
-"""Generatrices that are tried when a blend is made."""
-
-UNIT_SQUARE = ((0, 1), (0, 1))
-
 GRID = 100, 100
 """Points of a mesh in s and t where neither tolerance nor size is given."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class GeneratrixBlend(Shape):
+class GeneratrixBlend(GeneratrixForm, Shape):
     """A blend P(s, t): t = 0 is the first boundary, t = 1 the second.
 
     `frames` holds the boundaries, turned to fit, `shape` the shape functions, `alignment` how the second was turned.
     """
 
-    frames: Frames
-    shape: GeneratrixShape
-    alignment: Alignment
     kind = "generatrix blend"
-
-    __repr__ = brief
 
     @classmethod
     def of_turned(
@@ -87,46 +62,6 @@ class GeneratrixBlend(Shape):
         """
         frames = Frames(boundaries, signs, unit, _middle(shape, boundaries[0]))
         return _checked(cls(frames, with_lengths(shape, frames), alignment))
-
-    @property
-    def boundaries(self) -> tuple[Boundary, Boundary]:
-        """The two boundaries, the second one turned to fit the first."""
-        return self.frames.boundaries
-
-    @property
-    def closed(self) -> bool:
-        """Whether the curves are closed, and the blend a tube."""
-        return self.frames.closed
-
-    @property
-    def degree(self) -> int:
-        """The degree of the generatrices."""
-        return self.frames.degree
-
-    def control_points(self, s: ArrayLike) -> Floats:
-        """The control points of the generatrices at `s` (...): (..., 4, 3), with a middle curve (..., 5, 3)."""
-        array = np.asarray(s, dtype=float)
-        _require_unit("s", array)
-        points, _ = self.frames.controls(self.shape, array.ravel())
-        return np.moveaxis(points, 0, 1).reshape(*array.shape, self.degree + 1, 3)
-
-    @cached_property
-    def surface(self) -> ParametricSurface:
-        """The blend as a surface over [0, 1]^2, parameters (s, t).
-
-        Exact where all data are: rational boundaries, `unit=False`, polynomial lengths, constant slants with
-        rational sqrt(1 - lambda^2), a rational middle curve, and no shift of a closed curve.
-        """
-        reason = why_inexact(self.frames, self.shape)
-        source = None if reason else lambda: exact_components(self.frames, self.shape)
-        return ParametricSurface.from_parts(self._values, source, NAMES, UNIT_SQUARE, reason)
-
-    def sheet(self, size: tuple[int, int] = (100, 100)) -> tuple[Floats, Floats]:
-        """Points and unit normals on a grid of parameters, (n, m, 3) each; for closed curves s < 1."""
-        points, normals = self.frames.sheet(self.shape, size)
-        length = np.sqrt(np.einsum("ijk,ijk->ij", normals, normals))
-        normals /= np.maximum(length, 1e-300)[..., None]
-        return points, -normals if self.frames.inward else normals
 
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
@@ -154,12 +89,10 @@ class GeneratrixBlend(Shape):
         n, m = size or GRID
         if n < 3 or m < 2:
             raise ValueError(f"size must be at least (3, 2), not {size}")
-        points, normals = self.sheet((n, m))
-        triangles = connectivity((n, m), self.closed, self.frames.inward)
-        return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
+        return self.gridded((n, m))
 
     def with_shape(self, **changes: ShapeLike | CurveLike | None) -> GeneratrixBlend:
-        """The same blend with some of l1, l2, lambda1, lambda2, middle replaced; cheap unless middle is.
+        """The blend with some of l1, l2, lambda1, lambda2, middle replaced; cheap unless middle is.
 
         Raises `ValueError` as `GeneratrixShape` does.
         """
@@ -225,32 +158,6 @@ class GeneratrixBlend(Shape):
         turned += ", both by their lengths" if self.alignment.by_length else ""
         return f"a generatrix blend of degree {self.degree} from {first.name} to {second.name}{turned}"
 
-    def _values(self, s: Any, t: Any) -> tuple[Any, ...]:
-        known: dict[tuple[int, int], Floats] = {}
-
-        def at(first: int, second: int) -> Floats:
-            if (first, second) not in known:
-                known[first, second] = self._derivative(plain(s), plain(t), first, second)
-            return known[first, second]
-
-        if not isinstance(s, Jet) and not isinstance(t, Jet):
-            return tuple(np.moveaxis(at(0, 0), -1, 0))
-        return tuple(composed(lambda i, j, axis=axis: at(i, j)[..., axis], s, t) for axis in range(3))  # type: ignore[misc]
-
-    def _derivative(self, s: ArrayLike, t: ArrayLike, first: int, second: int) -> Floats:
-        """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""
-        u, v = np.asarray(s, dtype=float), np.asarray(t, dtype=float)
-        controls = np.moveaxis(self._controls(u.ravel(), first), 0, -2).reshape(*u.shape, -1, 3)
-        return np.asarray(np.einsum("...i,...ix->...x", bernstein_at(self.degree, v, second), controls))
-
-    def _controls(self, s: Floats, order: int) -> Floats:
-        if order <= 1:
-            return self.frames.controls(self.shape, s)[order]
-        step = 1e-4
-        center = s if self.closed else np.clip(s, order * step, 1 - order * step)
-        low, high = (self._controls(center + k * step, order - 1) for k in (-1, 1))
-        return np.asarray((high - low) / (2 * step))
-
 
 @limited("finding a blend by a generatrix", "lengths l1 and l2")
 def generatrix_blend(
@@ -312,7 +219,7 @@ def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
     if blend.closed:
         blend.shape.require_periodic()
     with np.errstate(all="ignore"):
-        controls, slopes = blend.frames.controls(blend.shape, blend.frames.parameters(TRIED))
+        controls, slopes = blend.frames.controls(blend.shape, blend.frames.parameters(16))
     if not (np.isfinite(controls).all() and np.isfinite(slopes).all()):
         raise GeometryError("the control points are beyond the range of doubles (1.8e308); give shorter l1, l2")
     return blend
@@ -330,7 +237,27 @@ def _middle(shape: GeneratrixShape, first: Boundary) -> ParametricSurface | None
     return curve
 
 
-def _require_unit(name: str, values: Floats) -> None:
-    bad = values[~((values >= 0.0) & (values <= 1.0))]
-    if bad.size:
-        raise ValueError(f"parameter {name} = {bad[0]:.6g} lies outside [0, 1]")
+@limited("finding a blend by a generatrix", "lengths l1 and l2")
+def blend_quadrics(
+    quadric1: PolynomialLike,
+    plane1: PolynomialLike,
+    quadric2: PolynomialLike,
+    plane2: PolynomialLike,
+    shape: GeneratrixShape | None = None,
+    sides: tuple[int | None, int | None] = (None, None),
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> GeneratrixBlend:
+    """The blend of two quadrics in any position, each ending at a plane that cuts it in an ellipse.
+
+    `shape` holds the four shape values (by default they are chosen), `sides` where each blend lies (see `Boundary`)
+    if that is not clear.  Raises `GeometryError` for sections that are no closed curves, and as `generatrix_blend`.
+    """
+    boundaries = []
+    for quadric, plane, side, name in zip((quadric1, quadric2), (plane1, plane2), sides, ("1", "2"), strict=True):
+        try:
+            boundaries.append(plane_section(quadric, plane, side=side))
+        except (GeometryError, ValueError, TypeError) as error:
+            raise type(error)(f"quadric{name} and plane{name}: {error}") from None
+    return generatrix_blend(boundaries[0], boundaries[1], shape)

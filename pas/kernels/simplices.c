@@ -1,4 +1,6 @@
-/* Whether polynomials on simplices rise along one direction, and simplices halved, for pas/certify/rests.py.  A function that finds no memory returns -1. */
+/* Simplices with B-coefficients of polynomials: halved, for pas/bernstein/simplices.py, and judged by whether the
+   polynomial rises along one direction, for pas/certify/critical_points.py.  A function that finds no memory returns
+   -1. */
 
 #include <math.h>
 #include <stddef.h>
@@ -9,7 +11,8 @@
 
 #define BLOCK 16
 
-enum { RISES, SURE, OPEN };
+/* What is known of a polynomial on a simplex; the numbers are those of pas.bernstein.search.Fate. */
+enum { RISES, OPEN, LOST, SURE };
 
 /* A direction (d, BLOCK) by the products of edges (d, d, BLOCK) with one another and with it: by cofactors, its sizes
    summing to 1. */
@@ -102,10 +105,10 @@ static void gather(whole count, whole start, whole m, const double *rows, double
     }
 }
 
-/* Of simplices (count) with forms (m) and corners (d + 1, 3) whether the function rises along a direction, its
-   coefficients, off by `bound`, have one sign, or neither. */
-static int look(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
-                double bound, double roundings, char *states)
+/* Of simplices (count) with forms (m), off by `bound`, and corners (d + 1, 3) whether the function rises along a
+   direction, is nothing but rounding, has coefficients of one sign, or is open. */
+int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
+               double bound, double roundings, whole *states)
 {
     double *block = malloc((m + 3 * d + 3) * BLOCK * sizeof(double));
     double gram[3][3][BLOCK], mean[3][BLOCK], unused[3][BLOCK], u[3][BLOCK], least[BLOCK], low[BLOCK], high[BLOCK];
@@ -124,7 +127,7 @@ static int look(whole count, whole m, whole d, whole lower, const whole *up, con
             const double largest = -low[r] > high[r] ? -low[r] : high[r];
             const double away = low[r] > -high[r] ? low[r] : -high[r];
             const int rises = d && least[r] > 2 * bound + roundings * largest;
-            states[start + r] = rises ? RISES : away - bound > 0 ? SURE : OPEN;
+            states[start + r] = rises ? RISES : away - bound > 0 ? SURE : largest <= bound ? LOST : OPEN;
         }
     }
     free(block);
@@ -133,9 +136,8 @@ static int look(whole count, whole m, whole d, whole lower, const whole *up, con
 
 /* Both halves, one behind the other, of simplices with forms (m) and corners (d + 1, 3), cut in the middle of their
    longest of some edges (edges, 2), by means (means) of coefficients. */
-static int halve(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
-                 const whole *taken, const double *forms, const double *corners, double *new_forms,
-                 double *new_corners)
+int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
+               const whole *taken, const double *forms, const double *corners, double *new_forms, double *new_corners)
 {
     double *table = malloc(means * sizeof(double));
     if (!table) return -1;
@@ -168,33 +170,4 @@ static int halve(whole count, whole m, whole d, whole edges, const whole *pairs,
     }
     free(table);
     return 0;
-}
-
-/* Simplices with forms (m) and corners (d + 1, 3), or both halves of each, of which those that are open move to the
-   front, and those of one sign are copied; `sizes` says how many there are of both. */
-int pas_parted(whole count, whole m, whole d, whole lower, const whole *up, double bound, double roundings, whole cut,
-               whole edges, const whole *pairs, whole means, const whole *halves, const whole *taken,
-               const double *forms, const double *corners, double *open_forms, double *open_corners,
-               double *sure_forms, double *sure_corners, whole *sizes)
-{
-    const whole all = cut ? 2 * count : count, n = 3 * (d + 1);
-    char *states = malloc(all + 1);
-    int failed = !states;
-    if (!failed && cut)
-        failed = halve(count, m, d, edges, pairs, means, halves, taken, forms, corners, open_forms, open_corners);
-    if (!failed && !cut) {
-        memcpy(open_forms, forms, count * m * sizeof(double));
-        memcpy(open_corners, corners, count * n * sizeof(double));
-    }
-    if (!failed) failed = look(all, m, d, lower, up, open_forms, open_corners, bound, roundings, states);
-    sizes[0] = sizes[1] = 0;
-    for (whole t = 0; !failed && t < all; t++) {
-        if (states[t] == RISES) continue;
-        const int sure = states[t] == SURE;
-        const whole to = sizes[sure]++;
-        memmove((sure ? sure_forms : open_forms) + m * to, open_forms + m * t, m * sizeof(double));
-        memmove((sure ? sure_corners : open_corners) + n * to, open_corners + n * t, n * sizeof(double));
-    }
-    free(states);
-    return failed;
 }

@@ -22,34 +22,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import comb
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
+from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
 from pas.bernstein.subdivision import halves
-from pas.generatrix.align import alignment
-from pas.generatrix.crossings import crossings
-from pas.generatrix.exact import exact_dot
-from pas.generatrix.injective import is_injective
-from pas.mesh.field import Integers
-from pas.parametric.components import Components
+from pas.parametric.common_zeros import avoids_origin
+from pas.parametric.generatrix.align import alignment
+from pas.parametric.generatrix.crossings import crossings, double_point, is_injective
+from pas.parametric.generatrix.exact import exact_dot
+from pas.parametric.generatrix.form import GeneratrixForm
+from pas.parametric.generatrix.paths import NAMES
 from pas.parametric.regularity import regularity
-from pas.verdicts import Status, Verdict, Verdicts
-
-if TYPE_CHECKING:
-    from pas.generatrix.blend import GeneratrixBlend
+from pas.verdicts import Point, Status, Verdict, Verdicts
 
 SAMPLES = 257
 FINE = (160, 40)
 """Grid of the mesh that is searched for crossings."""
 
-GENERATRICES, DEEP = 256, 8
-"""Generatrices along which the normal is examined, and halvings of t."""
+GENERATRICES, DEEP = 256, 9
+"""Generatrices along which the normal is examined, and how often intervals of t are looked at, each half as long."""
+
+ROUNDING = 1e-13
+"""Of the coefficients of the normal along a generatrix, over the greatest."""
 
 TILTED, APART = 1e-3, 1e-6
 """Degrees between tangent planes, and distance of the curves over their size, above which a contact fails."""
@@ -57,8 +56,8 @@ TILTED, APART = 1e-3, 1e-6
 SMALL = 1e-9
 """Angle up to which a bound is as good as contact; larger ones come from badly scaled data, which are measured."""
 
-EXACT_EFFORT = 4_000
-NEWTON_STEPS, DOUBLE_POINTS = 25, 12
+EFFORT = 4_000
+"""Rectangles that proofs of exact blends may examine."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ class GeneratrixCertificate(Verdicts):
         return (*self.contacts, self.sense, self.regular, self.simple)
 
 
-def certify(blend: GeneratrixBlend) -> GeneratrixCertificate:
+def certify(blend: GeneratrixForm) -> GeneratrixCertificate:
     """All verdicts."""
     return GeneratrixCertificate(
         (contact_verdict(blend, 0), contact_verdict(blend, 1)),
@@ -93,7 +92,7 @@ def certify(blend: GeneratrixBlend) -> GeneratrixCertificate:
     )
 
 
-def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
+def contact_verdict(blend: GeneratrixForm, number: int) -> Verdict:
     """G1 with surface `number`."""
     boundary = blend.boundaries[number]
     claim = f"G1 with {boundary.name}"
@@ -108,26 +107,22 @@ def contact_verdict(blend: GeneratrixBlend, number: int) -> Verdict:
     return Verdict(Status.PROVED, claim, reason)
 
 
-def _touches(blend: GeneratrixBlend, number: int) -> bool:
+def _touches(blend: GeneratrixForm, number: int) -> bool:
     """Whether P(s, i) is the curve and P_s, P_t there are perpendicular to N, from the components alone."""
-    from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
-
     boundary = blend.boundaries[number]
     exact = boundary.exact
     assert exact is not None
-    s = RationalFunction.quotient(1 - GENERATORS[0] if boundary.backwards else GENERATORS[0], ONE, ("s", "t"))
-    end = RationalFunction.quotient(ONE * number, ONE, ("s", "t"))
-    parts = blend.surface.components
+    s = RationalFunction.quotient(1 - GENERATORS[0] if boundary.backwards else GENERATORS[0], ONE, NAMES)
+    end = RationalFunction.quotient(ONE * number, ONE, NAMES)
 
-    def at_end(order: tuple[int, int]) -> Components:
-        x, y, z = (c.diff(*order).substitute(s, end) for c in parts)
-        return x, y, z
+    def at_end(order: tuple[int, int]) -> list[RationalFunction]:
+        return [c.diff(*order).substitute(s, end) for c in blend.surface.components]
 
     on = all(c == d for c, d in zip(at_end((0, 0)), exact.curve, strict=True))
     return on and all(exact_dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
 
 
-def _bounded_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict | None:
+def _bounded_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict | None:
     """The blend's tangent plane is spanned by C' and N x C', so its angle with the surface's is that of C'."""
     make = blend.boundaries[number].bounds
     bounds = None if make is None else make()
@@ -140,7 +135,7 @@ def _bounded_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict
     return Verdict(Status.PROVED, f"{claim}, to rounding", reason)
 
 
-def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdict:
+def _measured_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict:
     boundary = blend.boundaries[number]
     s = np.linspace(0.0, 1.0, SAMPLES)
     places = np.stack([s, np.full(SAMPLES, float(number))], axis=-1)
@@ -157,12 +152,11 @@ def _measured_contact(blend: GeneratrixBlend, number: int, claim: str) -> Verdic
     extent = float(np.ptp(boundary(s), axis=0).max())
     if worst > TILTED or gaps.max() > APART * extent:
         i = int(sines.argmax() if worst > TILTED else gaps.argmax())
-        x, y, z = map(float, boundary(s[i]))
-        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(boundary(s[i])))
     return Verdict(Status.HOLDS_MEASURED, claim, reason)
 
 
-def sense_verdict(blend: GeneratrixBlend) -> Verdict:
+def sense_verdict(blend: GeneratrixForm) -> Verdict:
     """Whether the curves run the same way."""
     # judged anew of the curves as they run now, since a blend from a file brings its own alignment
     found = alignment(*blend.boundaries, blend.frames.signs, turn=False)
@@ -182,7 +176,7 @@ def sense_verdict(blend: GeneratrixBlend) -> Verdict:
     return Verdict(Status.PROVED if proof else Status.HOLDS_MEASURED, claim, reason)
 
 
-def _chords_agree(blend: GeneratrixBlend) -> bool | None:
+def _chords_agree(blend: GeneratrixForm) -> bool | None:
     """Whether the chords of two open exact curves make an acute angle (exactly); None where that says nothing."""
     chords = []
     for boundary in blend.boundaries:
@@ -194,36 +188,35 @@ def _chords_agree(blend: GeneratrixBlend) -> bool | None:
     return None if product == 0 else bool(product > 0)
 
 
-def regular_verdict(blend: GeneratrixBlend) -> Verdict:
+def regular_verdict(blend: GeneratrixForm) -> Verdict:
     """Whether the normal vanishes nowhere."""
     claim = "regular"
     if blend.surface.is_exact:
-        exact = regularity(blend.surface, EXACT_EFFORT)
+        exact = regularity(blend.surface, EFFORT)
         if exact.status in (Status.PROVED, Status.REFUTED):
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
     s = blend.frames.parameters(GENERATRICES)
     controls, slopes = blend.frames.controls(blend.shape, s)
     forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
-    settled, place = _avoid_origin(forms)
     points, normals = blend.frames.sheet(blend.shape, (GENERATRICES, 33))
     if not (np.isfinite(points).all() and np.isfinite(forms).all()):
         return Verdict(Status.UNDECIDED, claim, "the blend is not finite on all generatrices tried; change l1, l2")
     sizes = np.linalg.norm(normals, axis=-1)
     turn = _largest_turn(normals, blend.closed)
-    if not settled.all():
-        i = int(np.flatnonzero(~settled)[0])
-        x, y, z = map(float, blend.surface([s[i], place[i]]))
-        where = f"s = {s[i]:.5g}, t = {place[i]:.5g}"
-        reason = f"the normal vanishes (to {DEEP} halvings of t) near {where}; change l1, l2"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))
+    zero = _vanishing(forms)
+    if zero is not None:
+        place = s[zero[0]], zero[1]
+        where = "s = {:.5g}, t = {:.5g}".format(*place)
+        reason = f"the normal vanishes (to {DEEP - 1} halvings of t) near {where}; change l1, l2"
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(blend.surface(place)))
     smallest = float(sizes.min() / np.median(sizes))
     measured = (
         f"on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
         f"{smallest:.2g} of the median, and between neighbours it turns by {turn[0]:.3g} degrees at most"
     )
     if turn[0] >= 90.0:
-        x, y, z = map(float, points[turn[1]])
-        return Verdict(Status.FAILS_MEASURED, claim, measured + ": the blend folds over; change l1, l2", (x, y, z))
+        reason = measured + ": the blend folds over; change l1, l2"
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[turn[1]]))
     return Verdict(Status.HOLDS_MEASURED, claim, measured)
 
 
@@ -239,25 +232,20 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
     return forms
 
 
-def _avoid_origin(forms: Floats) -> tuple[NDArray[np.bool_], Floats]:
-    """Which curves of vectors (n, k, 3), Bernstein forms in t, avoid the origin; else a t near where they may not."""
-    n = len(forms)
-    settled, place = np.ones(n, dtype=bool), np.zeros(n)
-    rows, starts, width = np.arange(n), np.zeros(n), 1.0
-    for depth in range(DEEP + 1):
-        size = np.linalg.norm(forms, axis=-1)
-        mean = (forms / np.maximum(size, 1e-300)[..., None]).mean(axis=1)
-        bad = np.einsum("nkx,nx->nk", forms, mean).min(axis=1) <= 1e-12 * size.max(axis=1)
-        forms, rows, starts = forms[bad], rows[bad], starts[bad]
+def _vanishing(forms: Floats) -> tuple[int, float] | None:
+    """The number of one of curves of vectors (n, k, 3), Bernstein forms in t, that may meet the origin, and a t near;
+    None where they do not."""
+    rows, starts, width = np.arange(len(forms)), np.zeros(len(forms)), 1.0
+    for _ in range(DEEP):
+        open_ones = ~avoids_origin(forms[:, :, None], ROUNDING * np.abs(forms).max(axis=(1, 2)))
+        forms, rows, starts = forms[open_ones], rows[open_ones], starts[open_ones]
         if not len(rows):
-            break
-        if depth == DEEP:
-            settled[rows], place[rows] = False, starts + width / 2
-            break
+            return None
         width /= 2
         forms, rows = np.concatenate(halves(forms, 1)), np.concatenate([rows, rows])
         starts = np.concatenate([starts, starts + width])
-    return settled, place
+    first = int(rows.argmin())
+    return int(rows[first]), float(starts[first] + width / 2)
 
 
 def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:
@@ -270,64 +258,41 @@ def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]
     return float(np.degrees(np.arccos(np.clip(cosine[i, j], -1.0, 1.0)))), (int(i), int(j))
 
 
-def is_safe(blend: GeneratrixBlend, size: tuple[int, int]) -> bool:
+def is_safe(blend: GeneratrixForm, size: tuple[int, int]) -> bool:
     """Whether on a mesh of this size no triangles cross and no normal turns by a right angle between neighbours."""
     normals = blend.frames.sheet(blend.shape, size)[1]
     turns = (_largest_turn(normals, blend.closed), _largest_turn(normals.swapaxes(0, 1), False))
     if max(angle for angle, _ in turns) >= 90.0:
         return False
-    mesh = blend.mesh(size=size)
+    mesh = blend.gridded(size)
     return not len(crossings(mesh.points, mesh.triangles)[0])
 
 
-def simple_verdict(blend: GeneratrixBlend, size: tuple[int, int] = FINE) -> Verdict:
+def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = FINE) -> Verdict:
     """Whether the blend does not cross itself: on a mesh, and at double points found from its crossings."""
     claim = "does not cross itself"
-    if blend.surface.is_exact and is_injective(blend.surface, EXACT_EFFORT):
+    if blend.surface.is_exact and is_injective(blend.surface, EFFORT):
         return Verdict(Status.PROVED, claim, "the map from the square is monotone with respect to its mean tangents")
-    mesh = blend.mesh(size=size)
-    pairs, places = crossings(mesh.points, mesh.triangles)
+    mesh = blend.gridded(size)
+    pairs, where = crossings(mesh.points, mesh.triangles)
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):
         return Verdict(Status.HOLDS_MEASURED, claim, f"on {on} no triangles cross")
-    found = _double_point(blend, mesh.triangles, pairs, size)
+    places = np.stack(
+        [blend.frames.parameters(size[0]).repeat(size[1]), np.tile(np.linspace(0, 1, size[1]), size[0])], 1
+    )
+    found = double_point(blend.surface, places[mesh.triangles[pairs, 0]], blend.closed)
     if found is None:
-        x, y, z = map(float, places[0])
         reason = f"on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z), len(pairs))
-    (s, t, u, v), (x, y, z), gap = found
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(where[0]), len(pairs))
+    (s, t), (u, v) = found[0]
     reason = (
-        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {gap:.1e}; {len(pairs)} pairs of triangles cross on "
+        f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {found[2]:.1e}; {len(pairs)} pairs of triangles cross on "
         f"{on}; shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
     )
-    return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z), len(pairs))
+    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(found[1]), len(pairs))
 
 
-def _double_point(
-    blend: GeneratrixBlend, triangles: Integers, pairs: Integers, size: tuple[int, int]
-) -> tuple[tuple[float, float, float, float], tuple[float, float, float], float] | None:
-    """(s, t, s', t') with P(s, t) = P(s', t') by Newton's method from crossing triangles, the point, the gap."""
-    chosen = pairs[np.linspace(0, len(pairs) - 1, min(DOUBLE_POINTS, len(pairs))).astype(int)]
-    s = blend.frames.parameters(size[0])
-    first = triangles[chosen, 0]
-    places = np.stack([s[first // size[1]], (first % size[1]) / (size[1] - 1)], axis=-1)
-    for _ in range(NEWTON_STEPS):
-        points, tangents = blend.surface(places), blend.surface.tangents(places)
-        gap = points[:, 0] - points[:, 1]
-        slopes = np.concatenate([tangents[:, 0], -tangents[:, 1]], axis=1).swapaxes(1, 2)
-        step = (np.linalg.pinv(slopes) @ gap[..., None])[..., 0].reshape(-1, 2, 2)
-        places = places - step
-        places[..., 0] = places[..., 0] % 1.0 if blend.closed else np.clip(places[..., 0], 0.0, 1.0)
-        places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
-    points = blend.surface(places)
-    gaps = lengths(points[:, 0] - points[:, 1])
-    extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
-    apart = np.abs(places[:, 0] - places[:, 1])
-    apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if blend.closed else apart[:, 0]
-    good = np.flatnonzero((gaps < 1e-9 * extent) & (apart.max(axis=1) > 1e-3))
-    if not len(good):
-        return None
-    i = int(good[0])
-    (a, b), (c, d) = places[i]
-    x, y, z = map(float, points[i, 0])
-    return (float(a), float(b), float(c), float(d)), (x, y, z), float(gaps[i])
+def _point(point: Floats) -> Point:
+    x, y, z = map(float, point)
+    return x, y, z

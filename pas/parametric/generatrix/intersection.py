@@ -11,6 +11,7 @@ which no regular curve can pass, are reported as such when D has a double zero t
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,10 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
-from pas.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
-from pas.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, require_curve, rulings
-from pas.generatrix.quadric import Quadric, text
-from pas.generatrix.sections import ConicKind, conic_section
+from pas.parametric.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
+from pas.parametric.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, require_curve, rulings
+from pas.parametric.generatrix.quadric import Quadric, text
+from pas.parametric.generatrix.sections import ConicKind, conic_section
 
 SAMPLES = 1024
 """Angles at which the sign of D is looked at; between them extrema are searched."""
@@ -224,5 +225,4 @@ def _with_poles(branch: QuadricBranch) -> QuadricBranch:
     for run in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1) if len(near) else ():
         poles.append(float(s[run[np.abs(last[run]).argmin()]]))
     poles = [p for i, p in enumerate(sorted(poles)) if i == 0 or p - sorted(poles)[i - 1] > 1e-3]
-    fields = {name: getattr(branch, name) for name in branch.__dataclass_fields__}
-    return QuadricBranch(**(fields | {"poles": tuple(sorted(poles))}))
+    return replace(branch, poles=tuple(sorted(poles)))
