@@ -9,7 +9,6 @@ terms c x^a, with u = 2^-53 and the degree n: every term goes through at most th
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from functools import cache
 
@@ -17,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, count, monomial_values, positions
-from pas.kernels.library import address_of, library
+from pas.kernels.library import address_of, declared
 from pas.limits import checkpoint
 
 FEW = 4
@@ -82,7 +81,4 @@ def order_of_rule(degree: int) -> NDArray[np.intp]:
 
 @cache
 def _rule() -> Callable[..., None]:
-    run = library().pas_horner
-    run.restype = None
-    run.argtypes = (ctypes.c_int, ctypes.c_ssize_t, *[ctypes.c_void_p] * 5)
-    return run
+    return declared("pas_horner")

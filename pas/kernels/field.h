@@ -7,8 +7,6 @@
 
 #define JETS 4 /* value and gradient */
 
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
-
 /* Faces by their weights, each of a piece, and some polynomials of each piece; one piece without faces. */
 typedef struct {
     whole faces;
