@@ -24,8 +24,8 @@ from pas.limits import Report, limited
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh, SmoothMesh
 from pas.mesh.quality import Quality
+from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
-from pas.partition.single_cell import SingleCell
 from pas.shape import Shape
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.function import PiecewisePolynomial

@@ -7,9 +7,9 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.exchange.cell_grid import node_indices
+from pas.exchange.formats import vtu as module
+from pas.exchange.formats.vtu import node_indices
 from pas.exchange.write import write_cells
-from pas.kinds import surface as module
 from pas.piecewise import PiecewiseSurface
 
 pyvista = pytest.importorskip("pyvista")

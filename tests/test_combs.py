@@ -13,8 +13,7 @@ from pas.piecewise import PiecewiseSurface
 from pas.render import combs as drawing
 from pas.render import sections
 from pas.render.combs import hair_length, tips
-from pas.render.layers import Comb, Layer
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import Comb, Layer, Picture, scene_of
 from pas.render.sections import chains, combs, section_planes
 
 

@@ -12,10 +12,12 @@ from conftest import EQUAL, solved
 import pas
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.polar import bisection, means
+from pas.bernstein.search import Fate
+from pas.bernstein.simplices import Simplices
 from pas.bernstein.subdivision import edges, halving, raised
+from pas.certify.critical_points import isolated
 from pas.certify.mesh_bounds import _moves, bounds
 from pas.certify.mesh_stage import Sheet
-from pas.certify.rests import _parted, leaves
 from pas.certify.windings import crossed
 from pas.mesh import topology
 from pas.mesh.fine import finer
@@ -104,11 +106,11 @@ def test_risings_are_products_with_the_mean_gradient(degree):
     assert least / size == pytest.approx(along / squares, rel=1e-9)
 
 
-def test_places_of_rest_hold_all_critical_points():
+def test_parts_that_are_kept_hold_all_critical_points():
     stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
-    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
+    found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     assert not any(len(some.open) for some in found)
-    solid, _, _, ends = (some.corners for some in found)
+    solid, _, _, ends = (some.kept.corners for some in found)
     assert len(ends) == 8  # the corners of the box
     critical = (np.array([-1 / 14, 0, 0]) - stage.origin) / stage.scale
     assert ((solid.min(axis=1) <= critical) & (critical <= solid.max(axis=1))).all(axis=1).any()
@@ -122,7 +124,8 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
     rng, indices, bound = np.random.default_rng(degree), np.array(homogeneous_exponents(degree, vertices)), 0.05
     forms, corners = 0.2 * rng.normal(size=(400, len(indices))), rng.normal(size=(400, vertices, 3))
     forms += 0.3 * rng.normal(size=(400, vertices)) @ indices.T / degree + 0.3 * rng.normal(size=(400, 1))
-    found, halves = _parted(forms, corners, degree, bound, cut=True), ([], [])
+    parts, halves = Simplices.of([forms], corners, bound / 2).halved(), ([], [])
+    fates, bound = parts.rising(), parts.bound
     for form, simplex in zip(forms, corners, strict=True):
         spans = [np.linalg.norm(simplex[a] - simplex[b]) for a, b in edges(vertices)]
         longest = int(np.argmax(spans))
@@ -134,7 +137,9 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
             direction = np.linalg.solve(ways @ ways.T, steps.mean(axis=0))
             if (steps @ direction).min() <= 2 * bound * np.abs(direction).sum():
                 halves[int(max(part.min(), -part.max()) > bound)].append((part, places))
-    for (own, at), expected in zip(found, halves, strict=True):
+    kept = fates == Fate.KEEP
+    for chosen, expected in zip((~kept & (fates != Fate.SETTLED), kept), halves, strict=True):
+        own, at = parts.table[chosen], parts.corners[chosen]
         assert 10 < len(own) == len(expected) < 700
         assert own == pytest.approx(np.array([part for part, _ in expected]), abs=1e-12)
         assert np.array_equal(at, [places for _, places in expected])
@@ -144,8 +149,8 @@ def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
     stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
-    found = [leaves(forms / stage.size, at, stage.degree, stage.cell_forms[1]) for forms, at in stage.strata]
-    _, _, sides, ends = (some.open for some in found)
+    found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
+    _, _, sides, ends = (some.open.corners for some in found)
     off = np.linalg.norm(stage.world(sides.mean(axis=1))[:, None] - places, axis=2)
     assert not len(ends)
     assert off.min(axis=1).max() < 1e-6

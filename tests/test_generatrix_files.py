@@ -15,8 +15,8 @@ from conftest import ROOT
 import pas
 from pas.cli import main
 from pas.exchange.container import checksum
-from pas.generatrix import verdicts
-from pas.render.collar import collar
+from pas.parametric.generatrix import verdicts
+from pas.render.neighbours import collar
 from pas.render.scene import Picture, Style, scene_of
 from pas.verdicts import Status
 

@@ -13,16 +13,14 @@ from test_kinds import SAMPLES, sample
 import pas
 from pas.cli import main
 from pas.exchange.picture_options import STYLES
-from pas.parametric.curvatures import Forms
+from pas.parametric.curves import Forms
 from pas.piecewise import PiecewiseSurface
-from pas.render.coloring import Coloring
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
-from pas.render.layers import Comb, Layer
 from pas.render.legend import FOOT, SIDE, add_comb_legend
-from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import plotted
 from pas.render.piecewise import principal_curvatures
-from pas.render.scene import Picture, scene_of
+from pas.render.plotting import offscreen_pyvista
+from pas.render.scene import Coloring, Comb, Layer, Picture, scene_of
 from pas.render.styles.curvature import color_range, point_areas
 from pas.render.styles.highlights import LIGHTS, meeting_angles, tunnel, unwrapped
 from pas.shape import KINDS

@@ -74,7 +74,7 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     if not case.join.confined:
         return _free(case)
     reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
-    return case.verdict(Status.PROVED, reason, measure=positive.simplices)
+    return case.verdict(Status.PROVED, reason, measure=positive.examined)
 
 
 def _met(case: Case) -> Verdict | None:
@@ -128,7 +128,7 @@ def _opening(case: Case) -> Verdict:
     """The verdict on the contact through which the region is open."""
     status, reason, signs = opening_verdict(case.surface, case.join)
     if status is Status.PROVED or signs is None:
-        return case.verdict(status, reason, measure=signs.simplices if signs else 0)
+        return case.verdict(status, reason, measure=signs.examined if signs else 0)
     return from_signs(case.surface, case.claim, reason, signs)
 
 
@@ -198,11 +198,11 @@ def from_signs(surface: PiecewisePolynomial, claim: str, reason: str, result: Si
     """The verdict that a proof came to; `reason` says what is wrong where it is refuted."""
     if result.witness is not None:
         point = global_point(surface, result.witness)
-        return Verdict(Status.REFUTED, claim, reason, point, result.simplices)
+        return Verdict(Status.REFUTED, claim, reason, point, result.examined)
     left = len(result.undecided)
     point = global_point(surface, result.undecided[0])
     place = f"{left} simplices undecided, one around ({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g})"
-    return Verdict(Status.UNDECIDED, claim, f"open whether {reason}: {place}", measure=result.simplices)
+    return Verdict(Status.UNDECIDED, claim, f"open whether {reason}: {place}", measure=result.examined)
 
 
 def global_point(surface: PiecewisePolynomial, local: Floats) -> Point:

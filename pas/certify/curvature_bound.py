@@ -43,8 +43,8 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
         value.append(rounded(b_form(_difference(patch, corners, square), degree, 3)))
     result = prove_positive(np.array(value), local.points[np.array(local.cells)], np.array(zero))
     if result.status is Status.PROVED:
-        reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.simplices} tetrahedra"
-        return Verdict(Status.PROVED, claim, reason, measure=result.simplices)
+        reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.examined} tetrahedra"
+        return Verdict(Status.PROVED, claim, reason, measure=result.examined)
     return from_signs(surface, claim, "it is larger somewhere", result)
 
 

@@ -15,10 +15,11 @@ from flint import fmpq_mpoly
 
 from pas.algebra.polynomial import RING, Polynomial
 from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import Limits, SignResult, prove_positive
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import SignResult, prove_positive
 from pas.certify.expansion import Division, divide, powers
 from pas.contacts.joins import ClipPlane, Join
-from pas.partition.cells import OuterFace
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status
 

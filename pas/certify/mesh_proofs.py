@@ -13,10 +13,10 @@ then M meets each curve of the flow that crosses the zeros of f once, and no oth
 of v to another, and w falls by 1 at each crossing with M.  So the flow maps M one to one onto the zeros of f; it is the
 same surface up to an isotopy along the curves, and neither has a component that the other has not.
 
-The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (`pas.certify.rests`),
-the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted along segments from the centre
-(`pas.certify.windings`).  All count their rounding.  Points of the boundary may be off the walls by rounding, and are
-then taken to be on them.
+The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (see
+`pas.certify.critical_points`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
+along segments from the centre (`pas.certify.windings`).  All count their rounding.  Points of the boundary may be off
+the walls by rounding, and are then taken to be on them.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
+from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import certify_graph
 from pas.certify.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.certify.mesh_stage import ON_WALL, SCALED, Sheet, Stage
-from pas.certify.rests import Rests, rests
 from pas.certify.windings import crossed
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges
@@ -174,8 +174,8 @@ def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]
     if not (steep > 0).all():
         places = sheet.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)
-    singular = np.concatenate([leaves.open.mean(axis=1) for leaves in stage.leaves])
-    parts = [] if len(singular) else _rests(sheet, found.most * (1 + 2 * SCALED))
+    singular = np.concatenate([part.open.corners.mean(axis=1) for part in stage.isolated])
+    parts = [] if len(singular) else _critical(sheet, found.most * (1 + 2 * SCALED))
     left = np.concatenate([singular, *(part.open for part in parts)])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
@@ -193,8 +193,8 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
-    """Where the flow may rest, in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
+def _critical(sheet: Sheet, most: Floats) -> list[CriticalParts]:
+    """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = sheet.stage.size, most.max()
     a, b, c = (sheet.corners[:, i] for i in range(3))
     boxes = Boxes(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
@@ -213,7 +213,7 @@ def _rests(sheet: Sheet, most: Floats) -> list[Rests]:
             result[rows[~free_of]] = False
         return result
 
-    return [rests(found, sheet.stage.degree, free) for found in sheet.stage.leaves]
+    return [critical_parts(found, free) for found in sheet.stage.isolated]
 
 
 def _grouped(parts: list[Floats]) -> list[list[int]]:
@@ -237,8 +237,8 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _counted(sheet: Sheet, parts: list[Rests]) -> tuple[Verdict, tuple[Point, ...]]:
-    """Whether the mesh is crossed as the surface is between all places of rest.
+def _counted(sheet: Sheet, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
+    """Whether the mesh is crossed as the surface is between all critical points.
 
     None of them is on the mesh, so one of each group with common corners stands for all.
     """

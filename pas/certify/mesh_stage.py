@@ -11,18 +11,20 @@ from itertools import combinations
 
 import numpy as np
 
+from pas.algebra.affine import Frame
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
+from pas.bernstein.search import Searched
+from pas.bernstein.simplices import Simplices
+from pas.certify.critical_points import isolated
 from pas.certify.proofs import face_verdict
-from pas.certify.rests import Leaves, leaves
 from pas.certify.triangle_forms import TriangleForms
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
-from pas.partition.cells import OuterFace
-from pas.partition.frame import Frame
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 
 ON_WALL = 1e-12
@@ -224,10 +226,9 @@ class Stage:
         return (depth < -BESIDE).reshape(len(self.corners), 4, -1)
 
     @cached_property
-    def leaves(self) -> list[Leaves]:
-        """Where the function may rest in the strata of the region, its forms over the largest coefficient."""
-        error = self.cell_forms[1]
-        return [leaves(forms / self.size, corners, self.degree, error) for forms, corners in self.strata]
+    def isolated(self) -> list[Searched[Simplices]]:
+        """Where the function may have critical points in each of the strata, its forms over the largest coefficient."""
+        return [isolated(forms / self.size, corners, self.cell_forms[1]) for forms, corners in self.strata]
 
     @cached_property
     def size(self) -> float:

@@ -31,16 +31,18 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, to_floats
 from pas.bernstein.forms import nearby_forms
-from pas.bernstein.signs import Limits, SignResult, prove_positive_inside
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import SignResult, prove_positive_inside
 from pas.certify.contact_proofs import from_signs
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
 INSIDE = "inside"
 """The claim that the inner surface is inside the outer one."""
 
-HALVINGS = Limits(halvings=30)
+HALVINGS = Limits(depth=30)
 """Fewer than other proofs have: where the surfaces cross there is a refutation, and where they touch no end."""
 
 TOGETHER = 256
@@ -101,11 +103,11 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     reason = "the inner surface is not inside the outer one"
     if found.status is not Status.PROVED:
         return from_signs(outer, INSIDE, reason, found)
-    examined = found.simplices
+    examined = found.examined
     walls = [(part, -part.beyond.raw) for part in parts if part.beyond is not None]
     if walls:
         found = proved([part for part, _ in walls], [raw for _, raw in walls], 1)
-        examined += found.simplices
+        examined += found.examined
         if found.status is not Status.PROVED:
             return from_signs(outer, INSIDE, "the inner surface is not in the region of the outer one", found)
     where = "where the inner function is not positive, the outer one is negative"
@@ -157,7 +159,7 @@ def _nested(
     found = prove_inside(([wide] * count, int(wide.total_degree())), inside, corners)
     if found.status is not Status.PROVED:
         return from_signs(outer, claim, "the inner contact is not inside the outer one", found)
-    return Verdict(Status.PROVED, claim, f"both end in {words}", measure=found.simplices)
+    return Verdict(Status.PROVED, claim, f"both end in {words}", measure=found.examined)
 
 
 def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> bool:
@@ -187,13 +189,13 @@ def prove_inside(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence
     for start in range(0, max(1, len(corners)), TOGETHER):
         some = slice(start, start + TOGETHER)
         found = prove_positive_inside(forms[some], [w[some] for w, _ in walls], points[some], HALVINGS, error)
-        examined += found.simplices
+        examined += found.examined
         if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
             worst = found
         if found.status is Status.REFUTED:
             break
     assert worst is not None
-    return replace(worst, simplices=examined)
+    return replace(worst, examined=examined)
 
 
 def _in_frame_of(partition: Partition, other: Partition) -> Partition:

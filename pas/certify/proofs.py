@@ -39,7 +39,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import nearby_forms, on_simplex
-from pas.bernstein.signs import Limits, SignResult, prove_positive
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import SignResult, prove_positive
 from pas.certify.certificate import Certificate
 from pas.certify.contact_proofs import check_join, contact_verdict, from_signs, global_point
 from pas.certify.meetings import alpha_signs, meetings
@@ -99,8 +100,8 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
         return Verdict(Status.REFUTED, claim, "the centre is not inside the surface", point)
     result = sheet_signs(surface)
     if result.status is Status.PROVED:
-        reason = f"grad f . u > 0 wherever f = 0, u from the centre; {result.simplices} tetrahedra"
-        return Verdict(Status.PROVED, claim, reason, measure=result.simplices)
+        reason = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
+        return Verdict(Status.PROVED, claim, reason, measure=result.examined)
     reason = "a ray from the centre meets the surface more than once or tangentially"
     return from_signs(surface, claim, reason, _where_used(surface, result))
 
@@ -122,7 +123,7 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             return Verdict(Status.UNDECIDED, claim, reason)
     if walls.status is Status.UNDECIDED:
         return from_signs(surface, claim, reached, walls)
-    examined = walls.simplices
+    examined = walls.examined
     for number, join in enumerate(surface.joins, start=1):
         if join.opening:
             status, reason, _ = opening_verdict(surface, join)
@@ -134,7 +135,7 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
         result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
         if result.status is not Status.PROVED:
             return from_signs(surface, claim, f"alpha is not positive on the clip face of contact {number}", result)
-        examined += result.simplices
+        examined += result.examined
     reason = f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles"
     return Verdict(Status.PROVED, claim, reason, measure=examined)
 
@@ -169,8 +170,8 @@ def _where_used(surface: PiecewisePolynomial, result: SignResult) -> SignResult:
     """The result, no decision where the witness that refutes is not in use."""
     if result.witness is None or not _unused(surface, result.witness):
         return result
-    points = np.concatenate([result.counterexamples, result.undecided])
-    return replace(result, status=Status.UNDECIDED, counterexamples=points[:0], undecided=points, witness=None)
+    points = np.concatenate([result.witness[None], result.undecided])
+    return replace(result, status=Status.UNDECIDED, undecided=points, witness=None)
 
 
 def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:

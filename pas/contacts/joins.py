@@ -24,7 +24,8 @@ from pas.bernstein.signs import SignResult, prove_apart
 from pas.contacts.cones import first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
-from pas.partition.cells import Indices, OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import Indices, OuterFace
 from pas.verdicts import Status
 
 CURVE_LATTICE = 24

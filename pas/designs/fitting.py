@@ -12,7 +12,7 @@ from pas.designs.exact import Point
 from pas.fairing.energies.thin_plate import ThinPlate
 from pas.fairing.quadrature import Box
 from pas.fairing.wishes import ValueAt
-from pas.partition.single_cell import SingleCell
+from pas.partition.boxes import SingleCell
 from pas.pipeline.space import SolutionSpace, solutions
 
 Contacts = Sequence[tuple[Polynomial, Polynomial]]

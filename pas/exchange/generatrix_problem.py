@@ -36,9 +36,9 @@ from pas.errors import LimitError, PasError
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
 from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
-from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
 
 GENERATRIX_METHODS = {"generatrix": KINDS, "quadrics": (SECTION,)}
 """Names of the methods, and the kinds of boundaries that each takes."""

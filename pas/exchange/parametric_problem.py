@@ -41,10 +41,9 @@ from pas.errors import LimitError, PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS
 from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
-from pas.parametric.blends import ParametricBlend
+from pas.parametric.blends import METHODS, ParametricBlend, blend_by
 from pas.parametric.data import BlendingData
 from pas.parametric.domain import ExactDomain
-from pas.parametric.methods import METHODS, blend_by
 from pas.parametric.surface import ParametricSurface
 
 OPTIONS = {name for method in METHODS.values() for name in method.options}

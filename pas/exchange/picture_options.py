@@ -22,7 +22,7 @@ STYLES: Registry[Any] = Registry(
         "curvature": "pas.render.styles.curvature:CURVATURE",
     },
 )
-"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.coloring`."""
+"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
 
 PICTURE_KEYS = {"style", "view", "combs"}
 """Of the table [picture]."""

@@ -13,23 +13,24 @@ from flint import fmpq
 from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import plain, rational
-from pas.exchange.schema import NUMBER, TEXT, WHOLE, Choice, List, Maybe, OpenTable, Row, Table
+from pas.exchange.schema import NUMBER, TEXT, WHOLE, Table, choice, list_of, maybe, row
 
-POLYNOMIAL = List(Row((WHOLE, WHOLE, WHOLE, NUMBER)), words="a list of terms")
-EQUATION = Choice((TEXT, POLYNOMIAL), "a polynomial")
-POINT = List(NUMBER, 3, words="a point of three numbers")
-_PARTITION_DATA = {"legs": List(POINT, 3), "lower": POINT, "upper": POINT, "vertices": List(POINT)}
-PARTITION = OpenTable(
-    {"kind": TEXT, "center": Maybe(POINT)},
-    {**_PARTITION_DATA, "cells": List(List(WHOLE, 4)), "pieces": List(List(WHOLE))},
+POLYNOMIAL = list_of(row(WHOLE, WHOLE, WHOLE, NUMBER), words="a list of terms")
+EQUATION = choice("a polynomial", TEXT, POLYNOMIAL)
+POINT = list_of(NUMBER, 3, words="a point of three numbers")
+_PARTITION_DATA = {"legs": list_of(POINT, 3), "lower": POINT, "upper": POINT, "vertices": list_of(POINT)}
+PARTITION = Table(
+    {"kind": TEXT, "center": maybe(POINT)},
+    {**_PARTITION_DATA, "cells": list_of(list_of(WHOLE, 4)), "pieces": list_of(list_of(WHOLE))},
+    open=True,
 )
 SURFACE = Table(
     {
         "partition": PARTITION,
-        "contacts": List(Table({"surface": EQUATION, "clip": EQUATION})),
+        "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION})),
         "order": WHOLE,
         "degree": WHOLE,
-        "patches": List(POLYNOMIAL),
+        "patches": list_of(POLYNOMIAL),
     }
 )
 LONGEST_EQUATION = 1000

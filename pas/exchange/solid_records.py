@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
-from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
+from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Table, Value, choice, later, list_of
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.partition.kinds import read_partition
 from pas.solid.distance import Distance, Moved
@@ -27,34 +27,30 @@ from pas.solid.shell import Near
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
-TREE: Choice = Choice(
-    (
-        Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
-        Table({"union": List(Later(lambda: TREE))}),
-        Table({"intersection": List(Later(lambda: TREE))}),
-    ),
+TREE: Value = choice(
     "a tree: a table with a function, a union or an intersection",
+    Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
+    Table({"union": list_of(later(lambda: TREE))}),
+    Table({"intersection": list_of(later(lambda: TREE))}),
 )
-FUNCTION: Choice = Choice(
-    (
-        Table({"polynomial": POLYNOMIAL}),
-        Table({"moved": Later(lambda: FUNCTION), "matrix": List(POINT, 3), "shift": POINT}),
-        Table({"pieces": List(POLYNOMIAL), "partition": PARTITION}),
-        Table({"near": Later(lambda: RECORD), "faces": List(TEXT), "thickness": REAL, "tolerance": REAL}),
-        Table({"class": TEXT, "data": ANYTHING}),
-    ),
+FUNCTION: Value = choice(
     "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
+    Table({"polynomial": POLYNOMIAL}),
+    Table({"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT}),
+    Table({"pieces": list_of(POLYNOMIAL), "partition": PARTITION}),
+    Table({"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL}),
+    Table({"class": TEXT, "data": ANYTHING}),
 )
 RECORD: Table = Table(
     {
-        "functions": List(FUNCTION),
+        "functions": list_of(FUNCTION),
         "tree": TREE,
-        "joints": List(Table({"first": TEXT, "second": TEXT, "along": List(POLYNOMIAL, 2), "order": WHOLE})),
-        "special_points": List(List(REAL, 3)),
+        "joints": list_of(Table({"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE})),
+        "special_points": list_of(list_of(REAL, 3)),
     }
 )
 
-_TUBE = Table({"curve": List(TEXT, 3), "interval": List(NUMBER, 2), "radius": NUMBER})
+_TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER})
 _DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
 """The data of functions by class, where it is known."""
 
@@ -176,7 +172,7 @@ def read_function(record: dict[str, Any]) -> Function:
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")
-    check(record["data"], _DATA.get(record["class"], ANYTHING), "data")
+    _DATA.get(record["class"], ANYTHING).check(record["data"], "data")
     return kind.from_record(record["data"])
 
 

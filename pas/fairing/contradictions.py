@@ -20,7 +20,8 @@ from pas.contacts.joins import Join
 from pas.errors import InfeasibleError
 from pas.fairing.functionals import b_coefficient, value_at
 from pas.fairing.wishes import ValueAt, Wishes
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 

@@ -62,7 +62,8 @@ def signatures() -> dict[str, Signature]:
     found = {}
     for result, name, arguments in re.findall(r"^(\w+) (pas_\w+)\(([^)]*)\);", text, re.MULTILINE):
         parsed = [_argument(part.split()) for part in arguments.split(",")]
-        found[name] = Signature(*zip(*parsed, strict=True), SCALARS[result])
+        arrays, types = zip(*parsed, strict=True)
+        found[name] = Signature(arrays, types, SCALARS[result])
     return found
 
 
@@ -133,6 +134,12 @@ class Functions:
     def _declare(self, name: str) -> tuple[Callable[..., int], tuple[Array | None, ...]]:
         self._declared[name] = declared(name), signatures()[name].arrays
         return self._declared[name]
+
+
+@cache
+def compiled() -> Functions:
+    """The functions of the compiled library."""
+    return Functions()
 
 
 def _held(value: Any, array: Array, name: str) -> NDArray[Any]:

@@ -145,11 +145,11 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
              const double *directions, whole room, whole *rays, double *parameters, whole *sides, whole *exact,
              whole *number);
 
-/* rests.c */
-int pas_parted(whole count, whole m, whole d, whole lower, const whole *up, double bound, double roundings, whole cut,
-               whole edges, const whole *pairs, whole means, const whole *halves, const whole *taken,
-               const double *forms, const double *corners, double *open_forms, double *open_corners, double *sure_forms,
-               double *sure_corners, whole *sizes);
+/* simplices.c */
+int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
+               double bound, double roundings, whole *states);
+int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
+               const whole *taken, const double *forms, const double *corners, double *new_forms, double *new_corners);
 
 /* splits.c */
 int pas_longest(whole count, const whole *triangles, whole size, whole edges, const whole *ends, const double *ratio,

@@ -24,7 +24,7 @@ from pas.errors import GeometryError
 from pas.layouts.ring import between, clip_polygon
 from pas.layouts.seen import Seen, power_of_two
 from pas.partition.layout import primitive
-from pas.partition.open_region import OpenRegion
+from pas.partition.regions import OpenRegion
 
 CORNERS, LARGER = 12, 1.05
 """Of the polygon round the opening, and how much larger than the smallest one it is."""

@@ -25,7 +25,7 @@ from pas.layouts.arms import is_free
 from pas.layouts.nodes import check_outlook, rim_of_contact, seen
 from pas.layouts.open_cone import open_cone
 from pas.layouts.seen import power_of_two
-from pas.partition.open_region import OpenRegion
+from pas.partition.regions import OpenRegion
 
 DEPTH = 0.5
 """How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27

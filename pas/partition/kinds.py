@@ -14,13 +14,13 @@ PARTITIONS: Registry[type[Partition]] = Registry(
     "partition",
     {
         "six tetrahedra": "pas.partition.six_tetrahedra:SixTetrahedra",
-        "single cell": "pas.partition.single_cell:SingleCell",
+        "single cell": "pas.partition.boxes:SingleCell",
         "tetrahedra": Partition,
-        "region": "pas.partition.region:Region",
-        "open region": "pas.partition.open_region:OpenRegion",
-        "alfeld split": "pas.partition.alfeld_split:AlfeldSplit",
-        "worsey-farin split": "pas.partition.worsey_farin_split:WorseyFarinSplit",
-        "kuhn cube": "pas.partition.kuhn_cube:KuhnCube",
+        "region": "pas.partition.regions:Region",
+        "open region": "pas.partition.regions:OpenRegion",
+        "alfeld split": "pas.partition.splits:AlfeldSplit",
+        "worsey-farin split": "pas.partition.splits:WorseyFarinSplit",
+        "kuhn cube": "pas.partition.boxes:KuhnCube",
     },
 )
 """The first is that of a table that does not say its kind."""

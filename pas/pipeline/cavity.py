@@ -31,7 +31,7 @@ from pas.layouts.nodes import Node
 from pas.layouts.seen import power_of_two
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.partition.region import Region
+from pas.partition.regions import Region
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend

@@ -38,7 +38,7 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
-from pas.partition.kuhn_cube import KUHN_CELLS
+from pas.partition.boxes import KUHN_CELLS
 from pas.verdicts import Status
 
 if TYPE_CHECKING:

@@ -18,9 +18,8 @@ from pas.layouts.seen import Seen, angle_between
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
 from pas.partition.layout import Layout
-from pas.render.layers import CURVE_COLOR, TINTS, Layer
 from pas.render.picture import draw_scene
-from pas.render.scene import Picture, PictureOptions, Scene
+from pas.render.scene import CURVE_COLOR, TINTS, Layer, Picture, PictureOptions, Scene
 from pas.render.window import show_scene
 
 VIEW = (0.62, -0.62, 0.48)

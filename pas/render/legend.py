@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from pas.render.coloring import Legend
 from pas.render.combs import CONCAVE, CONVEX
-from pas.render.layers import CURVE_COLOR, Layer
-from pas.render.scene import SIZE, Picture
+from pas.render.scene import CURVE_COLOR, SIZE, Layer, Legend, Picture
 
 SIDE, FOOT = 0.2, 0.075
 """What legends take of a picture: of its width for a bar, of its height for the line below about combs."""

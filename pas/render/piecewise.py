@@ -7,9 +7,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.piecewise import PiecewiseSurface
-from pas.render.layers import BLEND_COLOR, PIPE_COLOR, Layer
 from pas.render.neighbours import neighbours
-from pas.render.scene import Scene
+from pas.render.scene import BLEND_COLOR, PIPE_COLOR, Layer, Scene
 from pas.render.sections import combs, geometry_at
 from pas.surface.fairness_limits import neighbour
 

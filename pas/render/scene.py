@@ -1,11 +1,16 @@
-"""What a picture is made of: its settings, and the layers that the shapes add to it."""
+"""What a picture is made of: its settings, the layers that shapes add to its scene, and what a style does with them.
+
+A style of one's own is a `Coloring` with a name, registered by `pas.exchange.picture_options.STYLES.register(...)`;
+then `pas.draw(..., style=NAME)`, `pas render --style NAME` and problem files know it.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from typing import Any, TypedDict
+from typing import Any, ClassVar, TypedDict
 
 import numpy as np
 
@@ -14,9 +19,91 @@ from pas.algebra.monomials import Floats
 from pas.errors import meant
 from pas.exchange.picture_options import STYLES, check_style, check_view
 from pas.mesh.mesh import Mesh
-from pas.render.coloring import Coloring
-from pas.render.layers import Layer
 from pas.shape import Kind, Shape, kind_of
+
+BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
+
+COLORS = ("#5b8db8", "#7fae7a", "#b07aa1", "#9c755f", "#76b7b2", "#c95d63")
+"""Of the surfaces that a blend meets, in their order, and of several surfaces."""
+
+BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5e4e1", "#efbcbf")
+"""Of their bright stripes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comb:
+    """A curve on a surface: its `points` (n, 3), unit `normals` (n, 3) of the surface and its normal `curvatures` (n,).
+
+    The curvatures, over the model's length, are those of the surface along the curve, positive where it bends like a
+    ball whose normals point outwards.
+    """
+
+    points: Floats
+    normals: Floats
+    curvatures: Floats
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A mesh in a colour; `tint` is that of the bright stripes.
+
+    `principal` gives the principal curvatures (N, 2) at the mesh's points, the larger first, positive where the
+    surface bends like a ball whose normals point outwards; None where they are not known.  `unit` is a curvature to
+    compare them with, `combs` are drawn on the layer.  `outlined` draws its boundary and the edges between its faces,
+    `opacity` is 1 for what is not seen through.  `aside`: what stands around the surface that matters, and is drawn
+    faintly where curvature is shown.
+    """
+
+    mesh: Mesh
+    color: str
+    tint: str = "white"
+    principal: Callable[[], Floats] | None = None
+    unit: float | None = None
+    combs: tuple[Comb, ...] = ()
+    outlined: bool = False
+    opacity: float = 1.0
+    aside: bool = False
+
+
+@dataclass(frozen=True)
+class Paint:
+    """The colours of one layer: `values`, or None for the layer's own colour.
+
+    Values are (M,) at the points of `mesh.shading`, or (T, 3) at the corners of its triangles, where a point may have
+    another one in each.  `options` are further keywords of pyvista's `add_mesh`.
+    """
+
+    values: Floats | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Legend:
+    """What numbers the colours stand for: a bar over `limits` in the colours `cmap` between lines of text."""
+
+    title: str
+    lines: tuple[str, ...]
+    limits: tuple[float, float]
+    cmap: Any
+
+
+class Coloring(ABC):
+    """What the colours of a picture show.
+
+    `fine`: meshes are made finer, since it shows facets that shading hides.  `curved`: it needs curvatures, which not
+    every kind of shape has.  `backdrop`: the colours of the background, low and high.
+    """
+
+    name: str
+    shows: str
+    fine: bool = False
+    curved: bool = False
+    backdrop: ClassVar[tuple[str, str]] = ("white", "#dfe8f0")
+
+    @abstractmethod
+    def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
+        """The colours of each of the scene's layers, and what they stand for."""
+
 
 SIZE = (1200, 900)
 

@@ -18,8 +18,8 @@ from pas.algebra.rational import to_float
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.piecewise import PiecewiseSurface
-from pas.render.layers import Comb
 from pas.render.neighbours import contact_rim
+from pas.render.scene import Comb
 from pas.surface.geometry import FIRST, Geometry
 
 SPACING = 1 / 200

@@ -8,7 +8,6 @@ until they are small; between the values that a linear form has in those left th
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
 
 import numpy as np
 from flint import arb, ctx, fmpq
@@ -18,11 +17,12 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.roots import FIRST_BITS, RealRoot, bounds, rational_root
 from pas.algebra.zeros import RealZero, value_at
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.solid.reading import Leaf
-from pas.solid.tree import Field
+from pas.solid.tree import Bools, Field
 
-LEVELS, MOST_BOXES = 7, 2000
-"""Halvings of the solid's box, and boxes left open at which they end early."""
+LIMITS = Limits(depth=7, cells=2000)
+"""How often the solid's box is cut, and boxes left open at which that ends early."""
 
 SMALL = 1e-12
 """Half of a box about a point, over the extent."""
@@ -74,15 +74,12 @@ class Nearby:
 
     def _intervals(self, field: Field, curve: SpaceCurve) -> list[Interval]:
         """Disjoint intervals of the form's values in boxes where a function is not decided."""
-        centers = self._box.mean(axis=0)[None]
-        half = np.ptp(self._box, axis=0) / 2
-        for _ in range(LEVELS):
-            centers = _open(field, curve, centers, half)
-            if len(centers) > MOST_BOXES:
-                break
-            half = half / 2
-            centers = np.concatenate([centers + half * np.array(side) for side in product((-1, 1), repeat=3)])
-        values = sorted(bounds(_over(curve.form, c, half)) for c in _open(field, curve, centers, half))
+
+        def judge(boxes: Boxes, _: int) -> Fates:
+            return np.where(_may_change(field, curve, boxes), Fate.SPLIT, Fate.SETTLED)
+
+        found = search(Boxes.of(self._box), judge, Boxes.eighths, LIMITS, "following a curve past a face").open
+        values = sorted(bounds(_over(curve.form, *box)) for box in zip(found.centers, found.halves, strict=True))
         merged: list[tuple[fmpq, fmpq]] = []
         for low, high in values:
             if merged and low <= merged[-1][1]:
@@ -92,13 +89,14 @@ class Nearby:
         return [(rational_root(low), rational_root(high)) for low, high in merged]
 
 
-def _open(field: Field, curve: SpaceCurve, centers: Floats, half: Floats) -> Floats:
-    """The boxes that may meet the curve and of which a function does not say on which side they are."""
-    reach = half * (1 + OVERLAP)
-    inside, outside = field.decided(centers, np.broadcast_to(reach, centers.shape))
-    left = centers[~(np.asarray(inside) | np.asarray(outside))]
-    meets = [all(_over(p, c, reach).contains(0) for p in curve.pair) for c in left]
-    return left[np.array(meets, dtype=bool)]
+def _may_change(field: Field, curve: SpaceCurve, boxes: Boxes) -> Bools:
+    """Which boxes may meet the curve, without that a function says on which side they are."""
+    reach = boxes.halves * (1 + OVERLAP)
+    inside, outside = field.decided(boxes.centers, reach)
+    result = ~(np.asarray(inside) | np.asarray(outside))
+    for row in np.flatnonzero(result):
+        result[row] = all(_over(p, boxes.centers[row], reach[row]).contains(0) for p in curve.pair)
+    return result
 
 
 def _over(polynomial: Polynomial, center: Floats, half: Floats) -> arb:

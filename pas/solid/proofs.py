@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pas.algebra.components import Components, LostError
-from pas.algebra.curve import Part, SpaceCurve, SplitError
+from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.solid.arcs import Arc, Around, arcs
@@ -98,7 +98,7 @@ class _Proof:
             except SplitError as splits:
                 parts += part.split(splits.polynomial)
 
-    def _look(self, part: Part) -> None:
+    def _look(self, part: CurvePart) -> None:
         if part.ideal.is_whole_ring:
             return
         if part.turns is None:

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
-from pas.limits import checkpoint
 from pas.solid.bank import Bank
 from pas.solid.bounds import bounding_box
 from pas.solid.distance import Distance
 from pas.solid.program import Program
 from pas.solid.tree import Atom, Node, Tree, combined, complement
 
-LEVELS, MOST = 14, 20_000
-"""How often cubes are halved, and how many may be left on the way."""
+LIMITS = Limits(depth=13, cells=20_000)
+"""How often cubes are cut, and how many may be left on the way."""
 
 MOST_CONTACTS, NEAR = 100, 40.0
 """Points in which boundaries may touch; how far around each cubes are left, over their half edge."""
@@ -91,15 +91,12 @@ def apart(first: Program, second: Program, box: Floats) -> bool:
 
 def close(first: Program, second: Program, box: Floats) -> tuple[Floats, float]:
     """The centres (N, 3) of the cubes in which two boundaries may meet, and their half edge: small, or many."""
-    centers, half = box.mean(axis=0)[None], np.ptp(box, axis=0) / 2 * (1 + 1e-9)
-    for level in range(LEVELS):
-        checkpoint(f"telling surfaces apart ({len(centers)} cubes)")
-        centers = centers[_may_meet(first, second, centers, half[None])]
-        if not len(centers) or len(centers) > MOST or level == LEVELS - 1:
-            break
-        half = half / 2
-        centers = np.concatenate([centers + half * np.array(side) for side in product((-1, 1), repeat=3)])
-    return centers, float(half.max())
+
+    def judge(cubes: Boxes, _: int) -> Fates:
+        return np.where(_may_meet(first, second, cubes.centers, cubes.halves[:1]), Fate.SPLIT, Fate.SETTLED)
+
+    found = search(Boxes.of(box, larger=1e-9), judge, Boxes.eighths, LIMITS, "telling surfaces apart")
+    return found.open.centers, float(found.open.halves.max(initial=0.0))
 
 
 def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
@@ -112,7 +109,8 @@ def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
     centers, half = close(first, second, box)
     result: list[Floats] = []
     while len(centers):
-        point = None if len(result) == MOST_CONTACTS or len(centers) > MOST else _contact(first, second, centers[0])
+        too_many = len(result) == MOST_CONTACTS or len(centers) > LIMITS.cells
+        point = None if too_many else _contact(first, second, centers[0])
         if point is None:
             return None
         around = np.abs(centers - point).max(axis=1) <= NEAR * half

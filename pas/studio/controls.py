@@ -3,7 +3,7 @@
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
 its name; the value None leaves the key out; what is at the paths `frees` goes with another choice), "text" (a formula),
-or "points"; those of `pas.studio.freedoms` come to them.  `usual` is what holds where the document
+or "points"; those of `pas.studio.handles` come to them.  `usual` is what holds where the document
 says nothing; of `safe` ones the largest safe value can be asked for, and is marked.
 """
 

@@ -22,13 +22,11 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.partition.location import BLOCK, Group
-from pas.partition.single_cell import SingleCell
 from pas.surface.crossings import Crossings, crossings, first_crossings
-from pas.surface.kernels import Scene
-from pas.surface.ray_cells import Walls
-from pas.surface.ray_forms import scene_of
+from pas.surface.rays import RayTarget
 
 HIGHEST_ORDER = 3
 """Of the derivatives that are evaluated."""
@@ -119,13 +117,13 @@ class Evaluator:
         doubles is infinite, and its point is right where it is not so far away itself.  Raises `ValueError` for
         directions of length zero.
         """
-        return crossings(self, *rays_of(origins, directions))
+        return crossings(self.target, *rays_of(origins, directions))
 
     def first(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
         """The parameters t >= 0 of the first crossings of rays, shape (...), NaN for those that miss; see `rays`."""
         starts, ways = rays_of(origins, directions)
         shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))[:-1]
-        return first_crossings(self, starts, ways).reshape(shape)
+        return first_crossings(self.target, starts, ways).reshape(shape)
 
     def derivatives(self, points: Floats, orders: Sequence[int], outside: float = np.nan) -> Floats:
         """The partial derivatives of some orders at points (..., 3), one of each kind: shape (..., entries).
@@ -207,22 +205,12 @@ class Evaluator:
 
         Far from the origin, points on the boundary are off it by the spacing of doubles there.
         """
-        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.reach
+        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.target.reach
 
     @cached_property
-    def reach(self) -> float:
-        """The largest coordinate of the region in the user's coordinates, in local units."""
-        return float(np.abs(self.partition.points).max(initial=0.0)) / self.scale
-
-    @cached_property
-    def walls(self) -> Walls:
-        """The cells that rays go through, of which there must be some."""
-        return Walls.of(self)
-
-    @cached_property
-    def scene(self) -> Scene | None:
-        """What compiled code shoots rays at, None where it does not (see `pas.surface.crossings.in_doubles`)."""
-        return scene_of(self)
+    def target(self) -> RayTarget:
+        """What rays are shot at."""
+        return RayTarget(self.partition, self.scaled.polynomials)
 
     @cached_property
     def tables(self) -> _Tables:

@@ -17,7 +17,8 @@ from pas.algebra.rational import to_fraction, vector
 from pas.algebra.scaling import Scaled
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.contacts.joins import Join
-from pas.partition.cells import OuterFace, Partition
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.surface.evaluator import Evaluator, symmetric
 from pas.surface.placed import InPlace, PlacedContacts
 

@@ -1,12 +1,11 @@
-"""The compiled functions of surfaces: forms on triangles, fields and their rims, windings, and rays.
+"""The compiled functions of surfaces: forms on triangles, fields and their rims, and windings.
 
-What each is for is said in `pas.certify.triangle_forms`, `rests`, `windings`, `patch_field`, `local_field`, `rings`,
-`radial_field` and `ray_cells`.
+What each is for is said in `pas.certify.triangle_forms`, `windings`, `patch_field`, `local_field`, `rings` and
+`radial_field`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -16,13 +15,6 @@ from pas.algebra.monomials import Floats
 from pas.algebra.tables import Rows
 from pas.kernels.library import Functions
 from pas.mesh.field import Integers
-
-ROOM = 4
-"""Crossings of a ray on average, for which there is room at first."""
-
-HIGHEST = 15
-"""Degree up to which rays are shot by compiled code at a surface in a region."""
-
 
 Faces = tuple[int, Floats, Integers]
 """How many faces rays leave a region through, their weights (F, 3, 3), and pieces (F,); 0 where there is one piece."""
@@ -100,29 +92,6 @@ class CompiledForms:
         once = np.empty(1, dtype=np.intp)
         self._call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
         return bool(once[0])
-
-    def parted(
-        self,
-        simplices: tuple[Floats, Floats],
-        up: Integers,
-        bounds: tuple[float, float],
-        cut: bool,
-        cuts: tuple[Integers, Integers, Integers],
-    ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        """See `pas.certify.rests`; `up` (k, d + 1) says where coefficients stand that derivatives are made of.
-
-        `cuts` are edges (E, 2), and for each (E, M, 2) says the means, and (E, 2, m) the coefficients, to be taken.
-        """
-        forms, corners = simplices
-        (count, size), vertices = forms.shape, corners.shape[1]
-        most = 2 * count if cut else count
-        left, sure = ((np.empty((most, size)), np.empty((most, vertices, 3))) for _ in range(2))
-        pairs, halves, taken = cuts
-        tables, sizes = (len(pairs), pairs, halves.shape[1], halves, taken), np.empty(2, dtype=np.intp)
-        given = (count, size, vertices - 1, len(up), up, *bounds, cut, *tables)
-        self._call("pas_parted", *given, forms, corners, *left, *sure, sizes)
-        first, second = sizes.tolist()
-        return (left[0][:first], left[1][:first]), (sure[0][:second], sure[1][:second])
 
     def crossed(
         self,
@@ -209,55 +178,6 @@ class CompiledForms:
         given = (*faces, len(rows.starts), *tables, len(walls[0]), *walls, numbers)
         self._call("pas_slid", *given, *limits, len(result), result)
         return result
-
-    def rays(
-        self, scene: Scene, origins: Floats, ways: Floats, first: bool, room: int = 0
-    ) -> tuple[Integers, Floats, Integers, np.ndarray]:
-        """Rays, parameters and sides (M,) of crossings, ray by ray in order, and which rays (N,) are to be worked out
-        exactly.
-
-        `origins` and `ways` (N, 3) are those of `pas.surface.ray_cells.LocalRays`.  There is `room` for so many
-        crossings, or for `ROOM` a ray; where there are more, the call is repeated with room for all.
-        """
-        room = room or ROOM * len(origins) + ROOM
-        rays, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, len(origins)))
-        parameters, number = np.empty(room), np.zeros(1, dtype=np.intp)
-        numbers = np.array([len(scene.piece_of), scene.degree, first], dtype=np.intp)
-        bounds = np.array([scene.growth, scene.reach, scene.farthest])
-        tables = (scene.tables, scene.sizes, scene.jets)
-        cells = (scene.maps, scene.widths, scene.clear, scene.piece_of)
-        known = (*cells, *tables, scene.nodes, scene.to_bernstein, scene.largest)
-        shot = (len(origins), origins, ways, room, rays, parameters, sides, exact, number)
-        self._call("pas_rays", numbers, bounds, *known, *shot)
-        found = int(number[0])
-        if found > room:
-            return self.rays(scene, origins, ways, first, found)
-        return rays[:found], parameters[:found], sides[:found], exact > 0
-
-
-@dataclass(frozen=True)
-class Scene:
-    """What rays are shot at: cells, of pieces `piece_of` (C,), and polynomials.
-
-    Of each piece `tables` and `sizes` (P, C(n+3, 3)) are the coefficients and their sizes, `jets` (P, C(n+3, 3), 4)
-    those of the function and its gradient, all in the order of the rule; `largest` (P,) are the sizes at coordinates of
-    the size `farthest`.  For the rest see `pas.surface.ray_cells.Walls` and `pas.surface.ray_forms`.
-    """
-
-    degree: int
-    maps: Floats
-    widths: Floats
-    clear: Floats
-    piece_of: Integers
-    tables: Floats
-    sizes: Floats
-    jets: Floats
-    nodes: Floats
-    to_bernstein: Floats
-    largest: Floats
-    farthest: float
-    growth: float
-    reach: float
 
 
 @cache

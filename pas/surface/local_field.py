@@ -14,7 +14,7 @@ from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
-from pas.partition.cells import OuterFace
+from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.kernels import compiled
 from pas.surface.patch_field import INSIDE, PatchField

@@ -14,7 +14,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.star import require_once, rim_numbers, star
 from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
-from pas.partition.cells import OuterFace
+from pas.partition.complex import OuterFace
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.local_field import LocalField
