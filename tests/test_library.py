@@ -61,10 +61,10 @@ def test_the_header_has_the_functions_of_the_sources():
 
 
 def test_arguments_are_declared_as_in_the_header():
-    run = declared("pas_horner")
-    assert run.restype is None and run.argtypes[:3] == (ctypes.c_int, ctypes.c_ssize_t, ctypes.c_void_p)
-    assert signatures()["pas_horner"].arrays[2:4] == (Array("d", False), Array("d", False))
-    assert signatures()["pas_horner"].arrays[-1] == Array("d", True)
+    run = declared("pas_upright")
+    assert run.restype is ctypes.c_double and run.argtypes == (ctypes.c_void_p,) * 3
+    assert declared("pas_sines").argtypes[:2] == (ctypes.c_ssize_t, ctypes.c_void_p)
+    assert signatures()["pas_sines"].arrays == (None, Array(np.dtype(np.intp).char, False), Array("d", False), Array("d", True))
 
 
 def test_arrays_of_another_type_are_copied_or_refused():

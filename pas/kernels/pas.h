@@ -22,25 +22,24 @@ int pas_oriented(whole count, whole *triangles, const double *points, const whol
                  const char *negative);
 
 /* drawn.c */
-int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
-             const whole *starts, const double *tables, whole count, const double *points, double *values,
-             double *gradients, double *bends);
-int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
-              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
-              const double *all_tables, whole count, const double *points, const char *still, double left, double close,
-              double *moved, double *gradients, double *bends, char *lost);
-int pas_distances(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_pieces_of(const whole *sizes, const double *maps, const whole *piece_of, whole count, const double *points,
+                  whole *pieces);
+int pas_bent(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+             const double *tables, whole count, const double *points, double *values, double *gradients, double *bends);
+int pas_drawn(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+              const double *tables, const whole *all_degrees, const whole *all_starts, const double *all_tables,
+              whole count, const double *points, const char *still, double left, double close, double *moved,
+              double *gradients, double *bends, char *lost);
+int pas_distances(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
                   const whole *starts, const double *tables, whole count, const double *points, double *distances);
-int pas_closed(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
-               const whole *starts, const double *tables, whole count, whole steps, double close, double *points,
-               double *gradients);
+int pas_closed(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+               const double *tables, whole count, whole steps, double close, double *points, double *gradients);
 int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const double *tables, const double *middles,
                  const double *normals, whole count, const double *points, const whole *numbers, whole steps,
                  double settled, double *result);
-int pas_slid(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
-             const whole *starts, const double *tables, whole walls, const double *planes, const double *across,
-             const double *back, const whole *numbers, whole steps, double settled, double farthest, whole count,
-             double *points);
+int pas_slid(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+             const double *tables, whole walls, const double *planes, const double *across, const double *back,
+             const whole *numbers, whole steps, double settled, double farthest, whole count, double *points);
 
 /* fans.c */
 int pas_fans(whole count, const whole *triangles, whole size, const char *among, whole some, char *kinds);
@@ -59,12 +58,13 @@ int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, w
 int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, const double *coefficients, whole count,
                const double *corners, const double *normals, double *least, double *sizes);
 int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
+void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
 
 /* horner.c */
-void pas_horner(int n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
-                double *values);
+int pas_horner(whole n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
+               double *values);
 int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, const whole *piece_of, double *values);
+              const double *places, whole stride, whole step, const whole *piece_of, double *values);
 
 /* keys.c */
 int pas_numbered(whole count, const whole *keys, whole wanted, whole *distinct, whole *inverse, whole *number);
@@ -124,14 +124,13 @@ int pas_better_places(whole count, const whole *vertices, const whole *starts, c
 int pas_sines(whole count, const whole *triangles, const double *points, double *found);
 
 /* radial.c */
-int pas_met(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
+int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
             const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
             double *result);
-int pas_around(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
-               const whole *starts, const double *tables, whole rings, const double *middles, const double *squares,
-               whole count, const double *points, whole steps, double settled, double most, double away,
-               double *result);
-int pas_near(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
+int pas_around(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+               const double *tables, whole rings, const double *middles, const double *squares, whole count,
+               const double *points, whole steps, double settled, double most, double away, double *result);
+int pas_near(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
              const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
              double off, double *result, char *grazed);
