@@ -64,7 +64,12 @@ def test_arguments_are_declared_as_in_the_header():
     run = declared("pas_upright")
     assert run.restype is ctypes.c_double and run.argtypes == (ctypes.c_void_p,) * 3
     assert declared("pas_sines").argtypes[:2] == (ctypes.c_ssize_t, ctypes.c_void_p)
-    assert signatures()["pas_sines"].arrays == (None, Array(np.dtype(np.intp).char, False), Array("d", False), Array("d", True))
+    assert signatures()["pas_sines"].arrays == (
+        None,
+        Array(np.dtype(np.intp).char, False),
+        Array("d", False),
+        Array("d", True),
+    )
 
 
 def test_arrays_of_another_type_are_copied_or_refused():
