@@ -55,16 +55,16 @@ from pas.algebra.inputs import check_order, check_tolerance, shown
 from pas.algebra.polynomial import Polynomial
 from pas.blending.place import PartitionLike
 from pas.contacts.contact import CONTACTS, Contact, HasContact
-from pas.described import constructor_keys, keys_of
 from pas.errors import LimitError, PasError
 from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
 from pas.exchange.problem import Problem, ProblemKind
 from pas.exchange.records import NORMALIZATIONS, read_normalization
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import Normalization, Wishes, tensed
-from pas.layouts.reading import partition_keys, read_partition_like
+from pas.layouts.kinds import partition_keys, read_partition_like
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
+from pas.registry import constructor_keys, keys_of
 from pas.surface.fairness_limits import FairnessLimits
 
 KEYS = {
