@@ -152,7 +152,7 @@ class CellComplex:
 
     def barycentric(self, points: Floats, cells: Sequence[int] | None = None) -> Floats:
         """Barycentric coordinates of `points` (N, 3) in every cell, or in given ones: (cells, 4, N)."""
-        maps = self._barycentric_maps if cells is None else self._barycentric_maps[list(cells)]
+        maps = self.barycentric_maps if cells is None else self.barycentric_maps[list(cells)]
         product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
         return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 
@@ -166,7 +166,8 @@ class CellComplex:
         return np.where(depth.max(axis=0) >= -tolerance, best, -1)
 
     @cached_property
-    def _barycentric_maps(self) -> Floats:
+    def barycentric_maps(self) -> Floats:
+        """From points and 1 to their barycentric coordinates in each cell, (cells, 4, 4)."""
         corners = np.concatenate([self.points, np.ones((len(self.points), 1))], axis=1)
         return np.linalg.inv(np.swapaxes(corners[np.array(self.cells)], 1, 2))
 

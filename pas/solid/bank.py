@@ -14,7 +14,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import CHUNK_ENTRIES, evaluate
+from pas.algebra.evaluation import CHUNK_ENTRIES, evaluate
 from pas.algebra.monomials import Floats, count, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.solid.tree import Bools

@@ -14,14 +14,15 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
 from pas.solid.bank import Bank
 from pas.solid.gates import Branch, Code, Gates, Leaf
-from pas.solid.jets import Jets
 from pas.solid.tree import Atom, Bools, Field, Function, Tree
+from pas.surface.geometry import derivative_batch
 
 Integers = NDArray[np.intp]
 
@@ -249,10 +250,11 @@ class Program:
         return result
 
     @cached_property
-    def _jets(self) -> Jets:
-        """The polynomials of all columns, extra ones after those of the tree."""
+    def _jets(self) -> PolynomialBatch:
+        """Values and gradients of the polynomials of all columns, extra ones after those of the tree."""
         extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
-        return Jets([p for found in (*self._scaled, *extra) for p in found.polynomials])
+        every = [p for found in (*self._scaled, *extra) for p in found.polynomials]
+        return derivative_batch([p.dense(max(p.degree, 0)) for p in every], (0, 1))
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""
