@@ -60,6 +60,8 @@ def program(problem: Mapping[str, Any]) -> str:
     named = layout is None or (set(layout) == {"kind"} and layout["kind"] in LAYOUTS)
     if not tables or not named or not set(problem) - tables - {"partition"} <= VERBATIM:
         return _program_of_file(problem)
+    if not all(CONTACTS[table].__module__.startswith("pas.") for table in tables):  # classes of a user's own
+        return _program_of_file(problem)
     contacts = [f"    {_made(table, entry)}," for table in CONTACTS for entry in problem.get(table, [])]
     options = [f"order={problem['order']}"]
     options += [f"{name}={literal(problem[name])}" for name in ("degree", "tension") if name in problem]
