@@ -343,16 +343,17 @@ static void collapse(Mesh *m, whole h)
 
 /* Collapse half edges, or else their twins, one after the other, none next to another one of this pass; `done` says how
    many.  The mesh is to be packed then; vertices whose triangles changed are fresh. */
-int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const Limits *limits, whole *done)
+int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *limits, whole *done)
 {
+    const Limits l = {limits[0], limits[1], limits[2], limits[3], {limits[4], limits[5], limits[6]}};
     char *blocked = calloc(m->vertices + 1, 1);
     if (!blocked) return -1;
     *done = 0;
     for (whole i = 0; i < count; i++) {
         const whole h = halves[i], a = m->corners[h], b = a < 0 ? -1 : end_of(m, h), g = m->twins[h];
         if (a < 0 || blocked[a] || blocked[b]) continue;
-        whole chosen = may_collapse(m, h, limits) ? h : -1;
-        if (chosen < 0 && g >= 0 && may_collapse(m, g, limits)) chosen = g;
+        whole chosen = may_collapse(m, h, &l) ? h : -1;
+        if (chosen < 0 && g >= 0 && may_collapse(m, g, &l)) chosen = g;
         if (chosen < 0) continue;
         const whole k = end_of(m, chosen);
         blocked[m->corners[chosen]] = 1;

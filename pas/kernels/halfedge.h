@@ -15,7 +15,7 @@
 enum { INSIDE, ON_CURVE, CORNER };      /* kinds of vertices: a corner stays */
 enum { BENT, RULED, PLANE };            /* kinds of faces, by label: ruled ones have straight lines with one normal */
 
-typedef struct {
+struct Mesh {
     whole vertices, triangles, wedges, stamp;
     double fine, coarse;                /* sags allowed: beside ruled faces, and of curves of others, which are cut later */
     whole plain;                        /* whether lengths are compared with `sizes` alone, whatever the faces */
@@ -27,7 +27,7 @@ typedef struct {
     whole *outgoing, *marks;            /* of vertices: the first half edge around each, on the boundary if there is one */
     char *kinds, *fresh;                /* of vertices; those about which something changed are fresh */
     char *faces;                        /* kinds of labels */
-} Mesh;
+};
 
 static inline whole next(whole h) { return h % 3 == 2 ? h - 2 : h + 1; }
 

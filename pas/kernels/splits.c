@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 static whole place_of(const whole *keys, whole count, whole key)
 {

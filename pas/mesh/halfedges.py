@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import ctypes
 from enum import IntEnum
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.kernels.library import Functions, address_of
+from pas.kernels.library import address_of, compiled
 from pas.mesh.field import Floats, Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import norms
@@ -137,7 +136,7 @@ class HalfEdges:
         self._struct.faces = address_of(self.faces)
 
     def _call(self, name: str, *arguments: NDArray[Any] | float) -> None:
-        _functions().call(name, ctypes.addressof(self._struct), *arguments)
+        compiled().call(name, ctypes.addressof(self._struct), *arguments)
 
     @property
     def triangles(self) -> Integers:
@@ -329,8 +328,3 @@ class _Struct(ctypes.Structure):
         ("plain", ctypes.c_ssize_t),
         *((name, ctypes.c_void_p) for name in (*_ARRAYS, "faces")),
     ]
-
-
-@cache
-def _functions() -> Functions:
-    return Functions()

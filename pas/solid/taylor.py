@@ -31,7 +31,7 @@ NOISE = 1e-13
 """Over what a polynomial may change in a box: what rounding leaves unknown of its B-coefficients."""
 
 
-class Bank:
+class TaylorForms:
     """M polynomials as doubles."""
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
