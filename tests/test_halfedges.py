@@ -112,8 +112,8 @@ def test_collapses_keep_topology_and_curves(make):
     size, euler, corners = len(mesh.points), euler_characteristic(mesh.triangles), (mesh.kinds == Kind.CORNER).sum()
     labels, boundary = set(mesh.labels.tolist()), set((-1 - mesh.twins[mesh.twins < 0]).tolist())
     for seed in range(6):
-        mesh.sizes[:] = 10.0
-        mesh.collapse(edges_of(mesh, 200, seed), longer=1.3, kept=0.5, off=1e9)
+        mesh.sizes[:], mesh.plain = 10.0, True
+        mesh.collapse(edges_of(mesh, 200, seed), longer=1.3, kept=0.5, off=1e9, flat=(0, 0, 0))
         check(mesh)
     assert len(mesh.points) < 0.8 * size
     assert euler_characteristic(mesh.triangles) == euler
@@ -131,9 +131,9 @@ def test_a_closed_mesh_does_not_collapse_to_nothing(faces):
         points = np.concatenate([np.eye(3), -np.eye(3)])
         triangles = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
     mesh = HalfEdges(Labelled.of(points, triangles, np.zeros(faces, dtype=np.intp)), BENT)
-    mesh.normals[:], mesh.sizes[:] = points, 10.0
+    mesh.normals[:], mesh.sizes[:], mesh.plain = points, 10.0, True
     for _ in range(5):
-        mesh.collapse(edges_of(mesh, 20), longer=0.0, kept=-2.0, off=1e9)
+        mesh.collapse(edges_of(mesh, 20), longer=0.0, kept=-2.0, off=1e9, flat=(0, 0, 0))
         check(mesh)
     assert len(mesh.labels) == 4
 

@@ -297,7 +297,7 @@ static int may_collapse(Mesh *m, whole h, const Limits *l)
     const whole gone = m->corners[h], g = m->twins[h];
     if (m->kinds[gone] == CORNER || (m->kinds[gone] == ON_CURVE && !on_curve(m, h))) return 0;
     if (!may_close(m, h) || (g >= 0 && !may_close(m, g)) || !keeps_topology(m, h)) return 0;
-    if (m->kinds[gone] == ON_CURVE && !keeps_curve(m, h, l->off)) return 0;
+    if (m->kinds[gone] == ON_CURVE && !m->plain && !keeps_curve(m, h, l->off)) return 0;
     return keeps_triangles(m, gone, end_of(m, h), l);
 }
 

@@ -19,6 +19,9 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.refine import LARGEST
 from pas.mesh.rows import dots
 
+KEPT = 0.35
+"""Cosine with the normals below which triangles about folded ones are not made."""
+
 NOWHERE = np.empty(0, dtype=np.intp)
 
 
@@ -50,6 +53,10 @@ class Settings:
 
     good: float = 0.5
     """Sine of the angle below which a triangle away from curves is mended."""
+
+    flat: tuple[float, float, float] = (0.025, 0.025, 0.1)
+    """The least height over the longest side of long triangles: where a vertex on a curve goes, one inside, and one inside
+    a plane."""
 
     most: int = LARGEST
     """Triangles at most."""
@@ -117,7 +124,7 @@ class Grading:
         order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
         order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
         rows = rows[np.argsort(order, kind="stable")]
-        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0)
+        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0, self.settings.flat)
 
     def _grow(self, mesh: HalfEdges, tolerance: float) -> None:
         """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
@@ -210,7 +217,7 @@ class Grading:
             if gone < 0.005 * size:
                 return
 
-    def untangle(self, mesh: HalfEdges, folded: float = 0.2) -> bool:
+    def untangle(self, mesh: HalfEdges, folded: float) -> bool:
         """Collapse edges of folded triangles and smooth about them, as far as that goes; whether there were some."""
         for number in range(self.UNTANGLINGS):
             bad = np.flatnonzero(mesh.cosines < folded)
@@ -222,8 +229,8 @@ class Grading:
                 (marked[mesh.corners] | marked[mesh.ends]) & (mesh.twins < np.arange(len(mesh.corners)))
             )
             rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
-            mesh.plain = True
-            mesh.collapse(rows, 0.0, 0.35, 1e9)
+            mesh.size_plainly()
+            mesh.collapse(rows, 0.0, KEPT, 1.0, self.settings.flat)
             self._relax_about(mesh, np.flatnonzero(mesh.cosines < folded))
             mesh.plain = False
             mesh.flip(self.fine)

@@ -29,10 +29,6 @@ TURNED = 0.5
 PASSES = 12
 """Flips at most, over the number of triangles."""
 
-FLAT = (0.025, 0.025, 0.1)
-"""The least height over the longest side of long triangles: see `pas.mesh.quality`."""
-
-
 class Kind(IntEnum):
     """Where a vertex is: inside a face, on a curve, or in a corner, where it stays."""
 
@@ -238,13 +234,15 @@ class HalfEdges:
         """Flip edges, of all or at fresh vertices, towards Delaunay's criterion, on ruled faces towards the face."""
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
-    def collapse(self, halves: Integers, longer: float, kept: float, off: float, held: float = 0.8) -> int:
+    def collapse(
+        self, halves: Integers, longer: float, kept: float, off: float, flat: tuple[float, float, float], held: float = 0.8
+    ) -> int:
         """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
 
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *FLAT]), done)
+        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
         return int(done[0])

@@ -62,6 +62,10 @@ class Remesher(Grading):
         while True:
             cut = mesh.cut(parts) if parts > 1 else mesh
             cut.points[:], cut.normals[:] = self.ground.projected(cut)
+            if self.ruled:
+                cut.flip(self.fine)
+            if not self.ground.knows_bends:
+                self.untangle(cut, self.settings.folded)
             if parts == 1 or cut.cosines.min() >= self.settings.folded:
                 break
             parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold
@@ -108,7 +112,7 @@ class Remesher(Grading):
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
             checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
-            if not self.ground.knows_bends and self.untangle(mesh):
+            if not self.ground.knows_bends and self.untangle(mesh, self.settings.folded):
                 before = None
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))
@@ -152,8 +156,7 @@ class Remesher(Grading):
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
-        least = 0.2 if not self.ground.knows_bends else self.settings.folded
-        if not cosines.min() >= least:
+        if not cosines.min() >= self.settings.folded:
             return Failure("some triangles are folded", self._middle(mesh, int(np.argmin(cosines))))
         return Remeshed(mesh.value, worst)
 
