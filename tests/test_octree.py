@@ -11,7 +11,7 @@ from pas.errors import MeshError
 from pas.mesh.collapse import _independent, collapse
 from pas.mesh.faces import Crossings
 from pas.mesh.octree import BASE, QUIET, Octree
-from pas.mesh.remesh import cosines, pair_normals
+from pas.mesh.projection import cosines, pair_normals
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.functions import Pieces
 from pas.solid.taylor import TaylorForms

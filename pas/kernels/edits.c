@@ -227,8 +227,14 @@ static int keeps_topology(Mesh *m, whole h)
     return g < 0 || !(has_triangle(m, gone, c, d) && has_triangle(m, k, c, d));
 }
 
-/* Whether the sides of the triangle of half edge e, other than e, are not both on curves. */
-static int may_close(const Mesh *m, whole e) { return !(on_curve(m, next(e)) && on_curve(m, previous(e))); }
+/* Whether the sides of the triangle of half edge e, other than e, may become one: not both on the boundary, and where a
+   lattice's mesh is not cleaned of islands of one triangle, not both on curves. */
+static int may_close(const Mesh *m, whole e)
+{
+    const whole sides[2] = {next(e), previous(e)};
+    if (m->plain) return m->twins[sides[0]] >= 0 || m->twins[sides[1]] >= 0;
+    return !(on_curve(m, sides[0]) && on_curve(m, sides[1]));
+}
 
 /* Whether a vertex on a curve is near enough to the chord that is left when it goes along half edge h. */
 static int keeps_curve(const Mesh *m, whole h, double off)
@@ -295,7 +301,7 @@ static int keeps_triangles(const Mesh *m, whole gone, whole k, const Limits *l)
 static int may_collapse(Mesh *m, whole h, const Limits *l)
 {
     const whole gone = m->corners[h], g = m->twins[h];
-    if (m->kinds[gone] == CORNER || (m->kinds[gone] == ON_CURVE && !on_curve(m, h))) return 0;
+    if (m->kinds[gone] >= CORNER || (m->kinds[gone] == ON_CURVE && !on_curve(m, h))) return 0;
     if (!may_close(m, h) || (g >= 0 && !may_close(m, g)) || !keeps_topology(m, h)) return 0;
     if (m->kinds[gone] == ON_CURVE && !m->plain && !keeps_curve(m, h, l->off)) return 0;
     return keeps_triangles(m, gone, end_of(m, h), l);
@@ -339,6 +345,9 @@ static void collapse(Mesh *m, whole h)
     turn_back(m, k);
     turn_back(m, c);
     if (d >= 0) turn_back(m, d);
+    m->kinds[k] = kind_of(m, k);
+    m->kinds[c] = kind_of(m, c);
+    if (d >= 0) m->kinds[d] = kind_of(m, d);
 }
 
 /* Collapse half edges, or else their twins, one after the other, none next to another one of this pass; `done` says how

@@ -6,8 +6,9 @@ import numpy as np
 
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.labelled import Labelled
+from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refine import farthest_inside, inner_points
-from pas.mesh.remesh import least_norm, newton, placing
 from pas.mesh.rows import norms
 from pas.mesh.shading import unit_rows
 
@@ -57,7 +58,7 @@ class FaceGround:
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices but corners projected onto faces and curves, and the normals there."""
-        rows, points = np.flatnonzero(mesh.kinds != Kind.CORNER), mesh.points.copy()
+        rows, points = np.flatnonzero(mesh.kinds < Kind.CORNER), mesh.points.copy()
         reach = np.full(len(rows), NEAR * self.reach)
         points[rows] = self.placed(mesh.points[rows], mesh.labels_about(rows), rows, reach)
         return points, self.looked(points[mesh.vertex_of], mesh.face_of)[0]
@@ -87,3 +88,11 @@ class FaceGround:
         middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
         sides = norms(least_norm(self.field, np.repeat(labels, 3)[:, None], middles)).reshape(-1, 3)
         return np.maximum(self._inside(corners, labels), sides.max(axis=1))
+
+
+def deviation(mesh: Labelled, field: FaceField) -> float:
+    """The largest distance of edges and points inside triangles of a mesh from their faces and curves, as measured."""
+    ground = FaceGround(field, int(mesh.labels.max()) + 1)
+    halves = HalfEdges(mesh, ground.faces)
+    rows = np.flatnonzero(halves.twins < np.arange(len(halves.twins)))
+    return max(float(found.max()) for found in ground.measured(halves, np.arange(len(mesh.labels)), rows))

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.ground import Ground
-from pas.mesh.halfedges import TURNED, HalfEdges, following
+from pas.mesh.halfedges import TURNED, HalfEdges, Kind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import LARGEST
-from pas.mesh.rows import dots
+from pas.mesh.rows import dots, norms
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""
@@ -145,10 +145,10 @@ class Grading:
         """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
         for _ in range(self.SPLITTINGS):
             self._sizes(mesh, tolerance)
-            long = self._long_curves(mesh)
-            if not len(long):
+            long, size = self._long_curves(mesh), len(mesh.points)
+            self._split(mesh, long, careful=True)
+            if len(mesh.points) == size:
                 return
-            self._split(mesh, long)
             mesh.flip(self.fine)
 
     @staticmethod
@@ -172,19 +172,20 @@ class Grading:
         """Split half edges, the new vertices on the surface.
 
         If `careful`, not those whose middles are nearer to another side of it, as around a thin arm, so that the normal
-        there is turned away from one at an end.
+        there is turned away from one at an end, or to another part of a curve, at more than half their length.
         """
         size, twins = len(mesh.points), mesh.twins[halves]
         own = mesh.labels[halves // 3]
         other = np.where(twins < 0, -1, mesh.labels[twins // 3])
         labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
         labels[other == own, 1] = labels[other < 0, 1] = -1
-        middles = mesh.middles(NOWHERE, halves)[1]
-        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), mesh.lengths(halves))
+        middles, lengths = mesh.middles(NOWHERE, halves)[1], mesh.lengths(halves)
+        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), lengths)
         if careful:
             normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
+            good &= 2 * norms(places - middles) < lengths
             halves, places = halves[good], places[good]
         mesh.split(halves)
         mesh.points[size:] = places
@@ -195,13 +196,10 @@ class Grading:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 
-    def _relax(self, mesh: HalfEdges, turned: float = TURNED, about: NDArray[np.bool_] | None = None) -> None:
-        """Flip edges and smooth once, all vertices or those `about` (V,)."""
+    def _relax(self, mesh: HalfEdges) -> None:
+        """Flip edges and smooth once."""
         mesh.flip(self.fine)
-        to = mesh.targets
-        if about is not None:
-            to[~about] = mesh.points[~about]
-        mesh.settle(*self.ground.drawn(mesh, to), turned)
+        mesh.settle(*self.ground.drawn(mesh, mesh.targets))
 
     def _straighten(self, mesh: HalfEdges, tolerance: float) -> None:
         """Leave out vertices on the lines of ruled faces."""
@@ -237,9 +235,20 @@ class Grading:
         return True
 
     def _relax_about(self, mesh: HalfEdges, rows: Integers) -> None:
-        """Smooth vertices of triangles in given rows, and those next to them."""
-        if len(rows):
-            about = np.zeros(len(mesh.points), dtype=bool)
-            about[mesh.triangles[rows]] = True
-            about[mesh.triangles[about[mesh.triangles].any(axis=1)]] = True
-            self._relax(mesh, -2.0, about)
+        """Smooth vertices of triangles in given rows, and those next to them, and project them."""
+        if not len(rows):
+            return
+        about = np.zeros(len(mesh.points), dtype=bool)
+        about[mesh.triangles[rows]] = True
+        about[mesh.triangles[about[mesh.triangles].any(axis=1)]] = True
+        mesh.flip(self.fine)
+        self._smooth(mesh, about)
+
+    def _smooth(self, mesh: HalfEdges, about: NDArray[np.bool_]) -> None:
+        """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
+        to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < Kind.CORNER))
+        labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4
+        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rim_of[rows], reach)
+        moved = np.zeros(len(mesh.points), dtype=bool)
+        moved[rows] = True
+        self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))

@@ -34,6 +34,8 @@ class Failure:
     reached: float = np.inf
     triangles: int = 0
     crowded: bool = False
+    size: float = 0.0
+    """The length of the longest edge."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,8 @@ class Remesher(Grading):
                 return Failure("too many triangles", mesh.points[0], worst, len(mesh.labels), True)
             before = self._halved(mesh, halves, step, inside, along)
         far = int(np.argmax(np.maximum(inside, along.reshape(-1, 3).max(axis=1))))
-        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels))
+        size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels), size=size)
 
     def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
         """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
@@ -157,7 +160,9 @@ class Remesher(Grading):
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
         if not cosines.min() >= self.settings.folded:
-            return Failure("some triangles are folded", self._middle(mesh, int(np.argmin(cosines))))
+            size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+            place = self._middle(mesh, int(np.argmin(cosines)))
+            return Failure("some triangles are folded", place, worst, len(mesh.labels), size=size)
         return Remeshed(mesh.value, worst)
 
     @staticmethod
