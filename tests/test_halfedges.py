@@ -177,14 +177,14 @@ def test_edges_are_as_long_as_the_curvature_lets_them_be():
     field, mesh = surface.mesher.radial_field, opened()
     remesher = Remesher(SurfaceGround(field), 1e-3, settings)
     mesh = remesher.begun(mesh.value)
-    remesher._sizes(mesh, 1e-3)
+    remesher._sizes(mesh, 1)
     edges, curves = Edges(mesh.triangles, len(mesh.points)), np.zeros(len(mesh.points))
     before, after = ({int(e[i]): int(e[1 - i]) for e in edges.rim} for i in (1, 0))
     for v in after:
         ways = np.array([mesh.points[v] - mesh.points[before[v]], mesh.points[after[v]] - mesh.points[v]])
         spans = np.linalg.norm(ways, axis=1)
         curves[v] = 2 * np.linalg.norm(ways[1] / spans[1] - ways[0] / spans[0]) / spans.sum()
-    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, field.reach, 1e-3, settings)
+    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, field.reach, 0.72e-3, settings)
     assert mesh.sizes == pytest.approx(found, rel=1e-9)
     lengths = np.linalg.norm(mesh.points[mesh.corners] - mesh.points[mesh.ends], axis=1)
     means = (mesh.sizes[mesh.corners] + mesh.sizes[mesh.ends]) / 2

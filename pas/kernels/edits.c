@@ -56,6 +56,7 @@ static void split(Mesh *m, whole h)
     const int curve = on_curve(m, h);
     for (int x = 0; x < 3; x++) m->points[3 * v + x] = (m->points[3 * a + x] + m->points[3 * b + x]) / 2;
     m->sizes[v] = (m->sizes[a] + m->sizes[b]) / 2;
+    m->caps[v] = fmin(m->caps[a], m->caps[b]);
     m->kinds[v] = curve ? ON_CURVE : INSIDE;
     m->marks[v] = 0;
     m->fresh[v] = 1;
@@ -350,22 +351,42 @@ static void collapse(Mesh *m, whole h)
     if (d >= 0) m->kinds[d] = kind_of(m, d);
 }
 
+/* Whether each label has triangles left without those beside half edge h, of `left` by label. */
+static int keeps_labels(const Mesh *m, whole h, const whole *left)
+{
+    const whole own = m->label_of[h / 3], other = m->twins[h] < 0 ? -1 : m->label_of[m->twins[h] / 3];
+    return left[own] > 1 + (other == own) && (other < 0 || left[other] > 1 + (other == own));
+}
+
+/* The numbers of triangles by labels, to be freed; NULL without memory. */
+static whole *triangles_left(const Mesh *m)
+{
+    whole most = 0;
+    for (whole t = 0; t < m->triangles; t++)
+        if (m->label_of[t] > most) most = m->label_of[t];
+    whole *left = calloc(most + 1, sizeof(whole));
+    for (whole t = 0; left && t < m->triangles; t++) left[m->label_of[t]]++;
+    return left;
+}
+
 /* Collapse half edges, or else their twins, one after the other, none next to another one of this pass; `done` says how
    many.  The mesh is to be packed then; vertices whose triangles changed are fresh. */
 int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *limits, whole *done)
 {
     const Limits l = {limits[0], limits[1], limits[2], limits[3], {limits[4], limits[5], limits[6]}};
     char *blocked = calloc(m->vertices + 1, 1);
-    if (!blocked) return -1;
+    whole *left = triangles_left(m);
     *done = 0;
-    for (whole i = 0; i < count; i++) {
+    for (whole i = 0; blocked && left && i < count; i++) {
         const whole h = halves[i], a = m->corners[h], b = a < 0 ? -1 : end_of(m, h), g = m->twins[h];
-        if (a < 0 || blocked[a] || blocked[b]) continue;
+        if (a < 0 || blocked[a] || blocked[b] || !keeps_labels(m, h, left)) continue;
         whole chosen = may_collapse(m, h, &l) ? h : -1;
         if (chosen < 0 && g >= 0 && may_collapse(m, g, &l)) chosen = g;
         if (chosen < 0) continue;
         const whole k = end_of(m, chosen);
         blocked[m->corners[chosen]] = 1;
+        left[m->label_of[h / 3]]--;
+        if (g >= 0) left[m->label_of[g / 3]]--;
         collapse(m, chosen);
         ++*done;
         blocked[k] = m->fresh[k] = 1;
@@ -375,6 +396,8 @@ int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *l
             for (int x = 0; x < 2; x++) blocked[ends[x]] = m->fresh[ends[x]] = 1;
         }
     }
+    const int state = blocked && left ? 0 : -1;
     free(blocked);
-    return 0;
+    free(left);
+    return state;
 }

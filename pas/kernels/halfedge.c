@@ -131,6 +131,7 @@ static void pack_vertices(Mesh *m, const whole *vertex, const whole *wedge, cons
         if (to < 0) continue;
         memmove(m->points + 3 * to, m->points + 3 * v, 3 * sizeof(double));
         m->sizes[to] = m->sizes[v];
+        m->caps[to] = m->caps[v];
         m->kinds[to] = m->kinds[v];
         m->fresh[to] = m->fresh[v];
         m->outgoing[to] = 3 * triangle[out / 3] + out % 3;

@@ -19,7 +19,7 @@ struct Mesh {
     whole vertices, triangles, wedges, stamp;
     double fine, coarse;                /* sags allowed: beside ruled faces, and of curves of others, which are cut later */
     whole plain;                        /* whether lengths are compared with `sizes` alone, whatever the faces */
-    double *points, *sizes;             /* of vertices: places (3), and how long edges should be */
+    double *points, *sizes, *caps;      /* of vertices: places (3), how long edges should be, and may be at most */
     double *normals, *bends;            /* of wedges: unit normals (3), and the larger curvatures */
     whole *corners, *twins, *wedge_of;  /* of half edges: the vertex and the wedge where each begins */
     whole *label_of;                    /* of triangles */

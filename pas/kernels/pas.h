@@ -83,7 +83,7 @@ int pas_risings(whole count, whole m, whole lower, const whole *up, const double
 
 /* lengths.c */
 int pas_mesh_bends(Mesh *m);
-int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, double bent, double grade);
+int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double bent, double grade);
 int pas_mesh_mean_sizes(Mesh *m);
 int pas_mesh_ratios(const Mesh *m, double *ratios);
 

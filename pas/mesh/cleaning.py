@@ -1,8 +1,8 @@
 """The mesh that a lattice gives of a boundary made good enough to be remeshed.
 
-Vertices are projected onto their faces, curves and corners; what is far finer than the tolerance needs, and what is short
-beside its neighbours, is collapsed; edges are flipped, vertices averaged and projected again.  Folded triangles go as far
-as that goes.
+Vertices are projected onto their faces, curves and corners; what is far finer than the tolerance needs, and what is
+short beside its neighbours, is collapsed; edges are flipped, vertices averaged and projected again.  Islands of one
+triangle, curves that turn back, and folded triangles go as far as collapses remove them.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ SMOOTHINGS, PASSES = 3, 12
 """How often vertices are averaged, and how often edges are collapsed before each time."""
 
 MORE_THAN_ENOUGH, FEW = 0.25, 0.005
-"""Share of the length that the tolerance allows below which edges go; share of the vertices that must have gone for going
-on."""
+"""Share of the length that the tolerance allows below which edges go; share of the vertices that must have gone for
+going on."""
 
 FOLD = 0.2
 """Cosine of a triangle's normal and its face's below which it counts as folded."""
@@ -96,7 +96,7 @@ def _turns(mesh: HalfEdges) -> tuple[Floats, Floats]:
     curves, size = np.flatnonzero(mesh.on_curves), len(mesh.points)
     starts, ends, lengths = mesh.corners[curves], mesh.ends[curves], mesh.lengths(curves)
     units = (mesh.points[ends] - mesh.points[starts]) / np.maximum(lengths, 1e-300)[:, None]
-    turns = np.stack([np.bincount(starts, u, minlength=size) for u in units.T], axis=1)
+    turns: Floats = np.stack([np.bincount(starts, u, minlength=size) for u in units.T], axis=1)
     return turns, np.bincount(starts, lengths, minlength=size)
 
 

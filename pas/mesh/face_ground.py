@@ -1,4 +1,4 @@
-"""The faces of a solid as the ground of a closed mesh: vertices inside faces, on curves and in corners by Newton's method."""
+"""The faces of a solid as the ground of a closed mesh: vertices are projected by Newton's method."""
 
 from __future__ import annotations
 

@@ -55,8 +55,8 @@ class Settings:
     """Sine of the angle below which a triangle away from curves is mended."""
 
     flat: tuple[float, float, float] = (0.025, 0.025, 0.1)
-    """The least height over the longest side of long triangles: where a vertex on a curve goes, one inside, and one inside
-    a plane."""
+    """The least height over the longest side of long triangles: where a vertex on a curve goes, one inside, and one
+    inside a plane."""
 
     most: int = LARGEST
     """Triangles at most."""
@@ -86,27 +86,26 @@ class Grading:
         return max(1, int(np.sqrt(self.settings.coarse * self.ground.reach / self.tolerance) + self.settings.more))
 
     def graded(self, mesh: HalfEdges, parts: int, thin: bool = True) -> None:
-        """Give the edges the lengths for a tolerance of `parts` squared times the one aimed at."""
-        tolerance = self.fine * parts**2
+        """Give the edges the lengths for the tolerance after a cut into so many parts."""
         if thin:
-            self._thin(mesh, tolerance)
+            self._thin(mesh, parts)
         if self.ruled:
-            self._grow_curves(mesh, tolerance)
-        self._grow(mesh, tolerance)
+            self._grow_curves(mesh, parts)
+        self._grow(mesh, parts)
         if self.ruled:
-            self._straighten(mesh, tolerance)
+            self._straighten(mesh, parts)
 
-    def _sizes(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _sizes(self, mesh: HalfEdges, parts: float) -> None:
         if not self.ground.knows_bends:
             mesh.bend()
         s = self.settings
-        mesh.size(tolerance, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
+        mesh.size(parts, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
 
-    def _thin(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _thin(self, mesh: HalfEdges, parts: float) -> None:
         """Collapse edges that are shorter than they may be, smoothing now and then, until few vertices go."""
         for step in range(self.THINNINGS):
             checkpoint(f"coarsening the first triangles ({len(mesh.labels)})")
-            self._sizes(mesh, tolerance)
+            self._sizes(mesh, parts)
             few = self._collapse(mesh) <= 0.02 * len(mesh.points)
             if few or step % 6 == 5:
                 self._relax(mesh)
@@ -126,12 +125,12 @@ class Grading:
         rows = rows[np.argsort(order, kind="stable")]
         return mesh.collapse(rows, self.settings.longer, TURNED, 1.0, self.settings.flat)
 
-    def _grow(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _grow(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
         smoothed = 0
         for _ in range(self.SPLITTINGS):
             checkpoint(f"making the first triangles ({len(mesh.labels)})")
-            self._sizes(mesh, tolerance)
+            self._sizes(mesh, parts)
             long, size = self._longest(mesh), len(mesh.points)
             if len(long):
                 self._split(mesh, long, careful=True)
@@ -141,10 +140,10 @@ class Grading:
                     return
             self._relax(mesh)
 
-    def _grow_curves(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _grow_curves(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
         for _ in range(self.SPLITTINGS):
-            self._sizes(mesh, tolerance)
+            self._sizes(mesh, parts)
             long, size = self._long_curves(mesh), len(mesh.points)
             self._split(mesh, long, careful=True)
             if len(mesh.points) == size:
@@ -201,9 +200,9 @@ class Grading:
         mesh.flip(self.fine)
         mesh.settle(*self.ground.drawn(mesh, mesh.targets))
 
-    def _straighten(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _straighten(self, mesh: HalfEdges, parts: float) -> None:
         """Leave out vertices on the lines of ruled faces."""
-        self._sizes(mesh, tolerance)
+        self._sizes(mesh, parts)
         mesh.fresh[:] = True
         only_fresh = False
         while True:

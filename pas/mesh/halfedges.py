@@ -27,6 +27,9 @@ from pas.mesh.topology import numbered, twins_of
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
 
+HELD = 0.8
+"""Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes none."""
+
 PASSES = 12
 """Flips at most, over the number of triangles."""
 
@@ -63,6 +66,7 @@ class HalfEdges:
 
     points = _Array(np.float64, "vertices", 3)
     sizes = _Array(np.float64, "vertices")
+    caps = _Array(np.float64, "vertices")
     normals = _Array(np.float64, "wedges", 3)
     bends = _Array(np.float64, "wedges")
     corners = _Array(np.intp, "triangles", times=3)
@@ -95,7 +99,7 @@ class HalfEdges:
         self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
         rims = np.zeros(len(twins), dtype=np.intp) if first.rims is None else first.rims.ravel()
         self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
-        self.marks[:], self.fresh[:], self.normals[:] = 0, True, 0.0
+        self.marks[:], self.fresh[:], self.normals[:], self.caps[:] = 0, True, 0.0, np.inf
         self.outgoing[:] = -1
         self.outgoing[self.corners] = np.arange(len(twins))
         open_ = np.flatnonzero(twins < 0)
@@ -199,9 +203,9 @@ class HalfEdges:
         """Find the curvatures of wedges from the turn of normals along edges."""
         self._call("pas_mesh_bends")
 
-    def size(self, tolerance: float, fine: float, longest: float, bent: float, grade: float) -> None:
-        """Find how long edges should be for a tolerance, a `fine` one on ruled faces, and other limits."""
-        self._call("pas_mesh_sizes", tolerance, fine, longest, bent, grade)
+    def size(self, parts: float, fine: float, longest: float, bent: float, grade: float) -> None:
+        """Find how long edges should be for a tolerance that is `fine` after a cut into parts, and other limits."""
+        self._call("pas_mesh_sizes", parts, fine, longest, bent, grade)
 
     def size_plainly(self) -> None:
         """Take the mean lengths of edges at vertices for what these should be, on all faces."""
@@ -240,7 +244,7 @@ class HalfEdges:
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *flat]), done)
+        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, HELD, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
         return int(done[0])
