@@ -11,14 +11,15 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
 from pas.certify.triangle_forms import TriangleForms, on_corners
-from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.rows import any_of, cross, dots
 
-CUTS, MANY = 6, 4096
-"""How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
+CUTS, MANY, MOST = 6, 4096, 1 << 22
+"""How often triangles are cut into four where bounds on them do not do, how many are cut for their distance, and how
+many at all, for bounds that some 100 bytes each are needed for."""
 
 CLEAR = 1e-9
 """In local units: how far what is apart from a triangle is from a plane of it."""
@@ -27,20 +28,42 @@ TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
 the share `USUAL` of them."""
 
+TASK = "bounding the function on triangles"
+
 USUAL, ENOUGH, HARDEST = 0.98, 1.2, 64
 """That share; how many times as far triangles in several pieces are moved, before they are cut; and how many triangles,
 on which |f| by the least slope is largest, are moved first."""
 
 
 @dataclass(frozen=True)
-class Bounds:
+class TriangleBounds:
     """Of each triangle: an upper bound of |f| and a lower one of the derivative of f along its normal, (T,)."""
 
     most: Floats
     least: Floats
 
 
-class Boxes:
+@dataclass(frozen=True)
+class Parts(Cells):
+    """Parts (P, 3, 3) of triangles, their numbers (P,), and which corners (P, 3) are marked, such as those on walls."""
+
+    corners: Floats
+    owner: Integers
+    marks: np.ndarray
+
+    @classmethod
+    def of(cls, corners: Floats) -> Parts:
+        """Whole triangles (T, 3, 3), all corners of which are marked."""
+        return cls(corners, np.arange(len(corners)), np.ones((len(corners), 3), dtype=bool))
+
+    def quarters(self) -> Parts:
+        """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
+        marks = quarters(self.marks.astype(float)) == 1
+        parts = Parts(quarters(self.corners), np.repeat(self.owner, 4), marks)
+        return parts if marks.all() else parts.select(marks.any(axis=1))
+
+
+class BoxTable:
     """Many boxes from `low` (N, 3) to `high` (N, 3)."""
 
     def __init__(self, low: Floats, high: Floats) -> None:
@@ -74,7 +97,7 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     return found
 
 
-def bounds(sheet: Sheet) -> Bounds:
+def bounds(sheet: Sheet) -> TriangleBounds:
     """The bounds on all triangles, each for all pieces that it may touch.
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
@@ -82,29 +105,31 @@ def bounds(sheet: Sheet) -> Bounds:
     normals, loose = sheet.normals, sheet.loose
     if len(sheet.stage.makers) == 1:
         return _bounded_by_one(sheet.stage.makers[0], sheet.corners, normals, loose)
-    most, least = np.zeros(len(normals)), np.full(len(normals), np.inf)
-    owner, corners, usual = np.arange(len(normals)), sheet.corners, np.inf
-    for depth in range(CUTS + 1):
-        large, small, several = _bounded(sheet.stage, corners, normals[owner], loose[owner])
+    most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        nonlocal usual
+        large, small, several = _bounded(sheet.stage, parts.corners, normals[parts.owner], loose[parts.owner])
         if depth == 0 and not several.all():
             usual = large[~several].max()
         again = several & ((small <= 0) | (large > usual)) & (depth < CUTS)
-        np.maximum.at(most, owner[~again], large[~again])
-        np.minimum.at(least, owner[~again], small[~again])
-        if not again.any():
-            break
-        owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
-    return Bounds(most, least)
+        np.maximum.at(most, parts.owner[~again], large[~again])
+        np.minimum.at(least, parts.owner[~again], small[~again])
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts.of(sheet.corners), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open.owner
+    most[left], least[left] = np.inf, -np.inf
+    return TriangleBounds(most, least)
 
 
-def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> Bounds:
+def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> TriangleBounds:
     """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
     by `loose`, (T,)."""
     most = _largest(maker.ranges(corners)) + maker.value_error
     along, size = maker.slopes(corners, normals)
     large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
     most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
-    return Bounds(most, along - _slack(size, maker.gradient_error, loose))
+    return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
 
 
 def _bounded(stage: Stage, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
@@ -157,41 +182,38 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     marks = np.concatenate([vertices[sheet.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
     normals = [sheet.normals[own] for own in rows]
     ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, rims, strict=True)]
-    along, loose, corners, part = np.concatenate(ways), sheet.loose[owner], sheet.corners[owner], np.arange(len(owner))
+    along, loose, corners = np.concatenate(ways), sheet.loose[owner], sheet.corners[owner]
     found: list[tuple[Floats, Integers]] = []
-    for depth in range(CUTS + 1):
-        least, several = _on_sides(sheet.stage, corners, marks, along[part], loose[part])
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        least, several = _on_sides(sheet.stage, parts, along[parts.owner], loose[parts.owner])
         again = several & (least <= 0) & (depth < CUTS)
-        found.append((least[~again], part[~again]))
-        if not again.any():
-            break
-        part, corners = np.repeat(part[again], 4), quarters(corners[again])
-        marks = quarters(marks[again].astype(float)) == 1  # the middle of a side is on the wall if both ends are
-        kept = marks.any(axis=1)
-        part, corners, marks = part[kept], corners[kept], marks[kept]
+        found.append((least[~again], parts.owner[~again]))
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts(corners, np.arange(len(owner)), marks), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open
+    found.append((np.full(len(left), -np.inf), left.owner))
     least, part = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(rim[part], kind="stable")
     return least[order], owner[part[order]]
 
 
-def _on_sides(
-    stage: Stage, corners: Floats, marks: np.ndarray, along: Floats, loose: Floats
-) -> tuple[Floats, np.ndarray]:
+def _on_sides(stage: Stage, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
     """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
-    (T, 3, 3) that have marks (T, 3); and which triangles may touch several pieces."""
-    least, touched = np.full(len(corners), np.inf), stage.touched(corners)
-    code = marks @ np.array([1, 2, 4])
+    that are marked; and which triangles may touch several pieces."""
+    least, touched = np.full(len(parts), np.inf), stage.touched(parts.corners)
+    code = parts.marks @ np.array([1, 2, 4])
     for maker, near in zip(stage.makers, touched, strict=True):
-        gradients = maker.gradients(corners[near])
+        gradients = maker.gradients(parts.corners[near])
         slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
         way = along[near].T
         slopes = way[0] * gradients[0] + way[1] * gradients[1] + way[2] * gradients[2]
         slopes[~on_corners(stage.degree - 1)[code[near]].T] = np.inf
         least[near] = np.minimum(least[near], slopes.min(axis=0) - slack)
-    return least, _times(touched, len(corners)) > 1
+    return least, _times(touched, len(parts)) > 1
 
 
-def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
+def farthest(sheet: Sheet, bounds: TriangleBounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
     how far the hardest is.
 
@@ -224,31 +246,29 @@ def _reached(sheet: Sheet, chosen: Integers, enough: Floats, tried: list[float],
 
     Those that touch several pieces are moved no further than `within` before they are cut.
     """
-    stage, normals = sheet.stage, sheet.normals[chosen]
-    way, owner, corners = np.zeros(len(chosen)), np.arange(len(chosen)), sheet.corners[chosen]
-    for depth in range(CUTS + 1):
-        several = _several(stage, corners, within * normals[owner])
+    stage, normals, way = sheet.stage, sheet.normals[chosen], np.zeros(len(chosen))
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        several = _several(stage, parts.corners, within * normals[parts.owner])
+        left, fates = np.arange(len(parts)), np.full(len(parts), Fate.SETTLED.value)
         for away in tried:
-            checkpoint(f"bounding distances ({len(owner)} triangles)")
+            some, owner = parts.select(left), parts.owner[left]
             sure = enough[owner] <= away
-            rows = np.flatnonzero(~sure & (~several | (away <= within) | (depth == CUTS)))
-            done = rows[_signs(stage, corners[rows], -away * normals[owner[rows]], -1)]
-            done = done[_signs(stage, corners[done], away * normals[owner[done]], 1)]
-            done = np.concatenate([done, np.flatnonzero(sure)])
-            np.maximum.at(way, owner[done], away)
-            left = np.ones(len(owner), dtype=bool)
-            left[done] = False
-            owner, corners, several = owner[left], corners[left], several[left]
-            if not len(owner):
-                return way
-        if depth == CUTS or len(owner) > MANY:
-            break
-        owner, corners = np.repeat(owner, 4), quarters(corners)
-    way[owner] = np.inf
+            rows = np.flatnonzero(~sure & (~several[left] | (away <= within) | (depth == CUTS)))
+            done = rows[_signs(stage, some.corners[rows], -away * normals[owner[rows]], -1)]
+            done = done[_signs(stage, some.corners[done], away * normals[owner[done]], 1)]
+            sure[done] = True
+            np.maximum.at(way, owner[sure], away)
+            left = left[~sure]
+        fates[left] = Fate.SPLIT
+        return fates
+
+    cells = Parts.of(sheet.corners[chosen])
+    way[search(cells, judge, Parts.quarters, Limits(CUTS, MANY), "bounding distances").open.owner] = np.inf
     return way
 
 
-def _moves(sheet: Sheet, bounds: Bounds, longest: float) -> Floats:
+def _moves(sheet: Sheet, bounds: TriangleBounds, longest: float) -> Floats:
     """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
 
     Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with

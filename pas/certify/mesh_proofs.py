@@ -31,7 +31,7 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import certify_graph
-from pas.certify.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
+from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
 from pas.certify.mesh_stage import ON_WALL, SCALED, Sheet, Stage
 from pas.certify.windings import crossed
 from pas.mesh.field import Integers
@@ -155,7 +155,7 @@ def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
     return [*result, *((way, both) for way, (_, _, both) in zip(across, pairs, strict=True))]
 
 
-def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
+def _topology(sheet: Sheet, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
     stage = sheet.stage
 
     def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
@@ -197,7 +197,7 @@ def _critical(sheet: Sheet, most: Floats) -> list[CriticalParts]:
     """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = sheet.stage.size, most.max()
     a, b, c = (sheet.corners[:, i] for i in range(3))
-    boxes = Boxes(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
+    boxes = BoxTable(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
@@ -279,7 +279,7 @@ def _counted(sheet: Sheet, parts: list[CriticalParts]) -> tuple[Verdict, tuple[P
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(sheet: Sheet, found: Bounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(sheet: Sheet, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
     stage, way = sheet.stage, farthest(sheet, found)
     if way is None or not np.isfinite(way).all():
