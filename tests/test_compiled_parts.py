@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import EQUAL, solved
+from halving import halving
 
 import pas
 from pas.algebra.monomials import homogeneous_exponents
-from pas.bernstein.polar import bisection, means
 from pas.bernstein.search import Fate
 from pas.bernstein.simplices import Simplices
-from pas.bernstein.subdivision import edges, halving, raised
+from pas.bernstein.subdivision import bisection, edges, means, raised
 from pas.certify.critical_points import isolated
 from pas.certify.mesh_bounds import _moves, bounds
 from pas.certify.mesh_stage import Sheet

@@ -1,13 +1,13 @@
-"""Exact B-forms of polynomials on segments, triangles and tetrahedra, and their rounding."""
+"""Exact B-forms of polynomials on segments, triangles and tetrahedra, their rounding, and integrals of products."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from math import factorial, lcm, prod
+from math import comb, factorial, lcm, prod
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
+from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
@@ -206,3 +206,19 @@ def _steps(degree: int) -> NDArray[np.intp]:
     """Where monomials of degree <= `degree`, times 1, x, y and z, stand: (C(n+3, 3), 4)."""
     where, units = positions(degree + 1), ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
     return np.array([[where[a + i, b + j, c + k] for i, j, k in units] for a, b, c in exponents(degree)])
+
+
+@cache
+def gram(degree: int, dimension: int) -> fmpq_mat:
+    """Integrals of B_a B_b over a simplex of volume 1 (Lai and Schumaker 2007, section 2.11).
+
+    `int B_a B_b = C(a+b, a) / (C(2n, n) C(2n+d, d))`, with the product of the entries'
+    binomials in the numerator.
+    """
+    indices = homogeneous_exponents(degree, dimension + 1)
+    scale = comb(2 * degree, degree) * comb(2 * degree + dimension, dimension)
+    return fmpq_mat(
+        len(indices),
+        len(indices),
+        [fmpq(prod(comb(i + j, i) for i, j in zip(a, b, strict=True)), scale) for a in indices for b in indices],
+    )

@@ -29,7 +29,7 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, degree_of
-from pas.bernstein.subdivision import halving
+from pas.bernstein.subdivision import halves
 from pas.verdicts import Status
 
 BISECTIONS = 53
@@ -189,14 +189,11 @@ def _witness(batch: _Claim) -> Floats:
     # the B-form on the edge from low to high: of all other vertices the index is 0
     pairs = zip(homogeneous_exponents(degree, vertices), batch.zeros[0][0], strict=True)
     edge = np.array([c for _, c in sorted((a[high], c) for a, c in pairs if a[low] + a[high] == degree)])
-    near, far = halving(degree, 2, 0)
     share = 0.0
     for step in range(1, BISECTIONS + 1):
-        first = near @ edge
-        if first[-1] < 0:
-            edge, share = far @ edge, share + 2.0**-step
-        else:
-            edge = first
+        first, second = halves(edge, 0)
+        edge = second if first[-1] < 0 else first
+        share += 2.0**-step * (first[-1] < 0)
     return corners[low] * (1 - share) + corners[high] * share
 
 

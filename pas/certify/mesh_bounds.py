@@ -58,8 +58,8 @@ class Parts(Cells):
 
     def quarters(self) -> Parts:
         """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
-        marks = quarters(self.marks.astype(float)) == 1
-        parts = Parts(quarters(self.corners), np.repeat(self.owner, 4), marks)
+        marks = _quarters(self.marks.astype(float)) == 1
+        parts = Parts(_quarters(self.corners), np.repeat(self.owner, 4), marks)
         return parts if marks.all() else parts.select(marks.any(axis=1))
 
 
@@ -150,7 +150,7 @@ def _bounded(stage: Stage, corners: Floats, normals: Floats, loose: Floats) -> t
     return np.where(large, closer, most), least, several
 
 
-def quarters(corners: Floats) -> Floats:
+def _quarters(corners: Floats) -> Floats:
     """The four parts (4 T, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2

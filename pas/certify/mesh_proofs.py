@@ -155,7 +155,9 @@ def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
     return [*result, *((way, both) for way, (_, _, both) in zip(across, pairs, strict=True))]
 
 
-def _topology(sheet: Sheet, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
+def _topology(
+    sheet: Sheet, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]
+) -> tuple[Verdict, tuple[Point, ...]]:
     stage = sheet.stage
 
     def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
