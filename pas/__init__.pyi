@@ -19,9 +19,9 @@ from .blending.shaping import LeastSquares as LeastSquares
 from .blending.shaping import Optimum as Optimum
 from .blending.solving import register_method as register_method
 from .blending.trivial import TrivialPart as TrivialPart
-from .certify.certificate import Certificate as Certificate
 from .certify.curvature import CurvatureContact as CurvatureContact
 from .certify.curvature import curvature_contact as curvature_contact
+from .certify.proofs import Certificate as Certificate
 from .contacts.cone import Cone as Cone
 from .contacts.contact import Contact as Contact
 from .contacts.contact import contact_ideal as contact_ideal

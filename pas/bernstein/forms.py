@@ -125,6 +125,12 @@ def _rounded(whole: Sequence[int]) -> Floats:
     return np.array([v / largest for v in whole])
 
 
+def corner_points(simplices: Sequence[Sequence[Vector]]) -> Floats:
+    """The corners (N, d + 1, 3) of simplices of one dimension, of which many may have some in common, as doubles."""
+    known = {id(c): to_floats(c) for c in {id(c): c for s in simplices for c in s}.values()}
+    return np.array([[known[id(c)] for c in s] for s in simplices])
+
+
 def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]], degree: int | None = None) -> Floats:
     """The rounded B-coefficients of one polynomial on simplices of one dimension, (N, m).
 
@@ -156,8 +162,8 @@ def nearby_forms(
         return np.empty((0, 0)), UNIT_ROUNDOFF
     tables = {id(p): _polar_table(p, degree) for p in {id(p): p for p in polynomials}.values()}  # most are many times
     table = np.stack([tables[id(p)] for p in polynomials], axis=1)
-    corners = {id(c): (1.0, *to_floats(c)) for c in {id(c): c for s in simplices for c in s}.values()}
-    places = np.array([[corners[id(c)] for c in s] for s in simplices]).transpose(1, 2, 0)
+    points = corner_points(simplices)
+    places = np.concatenate([np.ones((*points.shape[:2], 1)), points], axis=2).transpose(1, 2, 0)
     with np.errstate(all="ignore"):  # what is not finite is rounded
         both = np.concatenate([table, np.abs(table)], axis=1), np.concatenate([places, np.abs(places)], axis=2)
         forms, sizes = np.split(np.stack(list(_blossom(both[0], degree, both[1])), axis=1), 2)

@@ -21,12 +21,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
+from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.algebra.rational import Vector
+from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, degree_of
 from pas.bernstein.subdivision import halves
@@ -122,6 +125,48 @@ def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None 
     """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
     nowhere = np.full((len(corners), 1), -1.0)
     return prove_positive(nowhere, corners, zeros, limits)
+
+
+Exact: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"
+"""Polynomials, one on each of some simplices, and the degree as of which they are taken."""
+
+
+def alike(polynomial: fmpq_mpoly, simplices: Sequence[object], degree: int | None = None) -> Exact:
+    """One polynomial on all simplices, as of its own degree or another."""
+    return [polynomial] * len(simplices), max(int(polynomial.total_degree()), 0) if degree is None else degree
+
+
+def positive_on(
+    simplices: Sequence[Sequence[Vector]],
+    values: Exact,
+    others: Sequence[Exact] = (),
+    *,
+    inside: bool = False,
+    near: bool = False,
+    limits: Limits | None = None,
+) -> SignResult:
+    """Prove that polynomials are positive on exact simplices, where all `others` vanish, or with `inside` where none of
+    these is positive.
+
+    B-coefficients are exact ones, rounded; or with `near` worked out in doubles, which is faster where they are many.
+    """
+    found = [_forms(raws, simplices, degree, near) for raws, degree in (values, *others)]
+    (value, *rest), error = [form for form, _ in found], max(off for _, off in found)
+    return _searched((value, *rest), corner_points(simplices), limits, error, below=inside)
+
+
+def apart_on(simplices: Sequence[Sequence[Vector]], polynomials: Sequence[fmpq_mpoly]) -> SignResult:
+    """Prove that some polynomials have no common zero on exact simplices."""
+    return prove_apart([rounded_forms(p, simplices) for p in polynomials], corner_points(simplices))
+
+
+def _forms(
+    raws: Sequence[fmpq_mpoly], simplices: Sequence[Sequence[Vector]], degree: int, near: bool
+) -> tuple[Floats, float]:
+    if near:
+        return nearby_forms(raws, simplices, degree)
+    forms = [rounded_forms(raw, [simplex], degree)[0] for raw, simplex in zip(raws, simplices, strict=True)]
+    return np.array(forms), UNIT_ROUNDOFF
 
 
 def _judged(batch: _Claim, _: int) -> Fates:
