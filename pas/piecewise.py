@@ -13,10 +13,11 @@ from pas.algebra.inputs import check_limit, check_surface_degree, check_toleranc
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_fraction
+from pas.certify.certificate import Certificate
 from pas.certify.curvature import curvature_below
 from pas.certify.local_mesh import LocalSurface
 from pas.certify.mesh_proofs import MeshCertificate, certify_mesh
-from pas.certify.proofs import Certificate, certify
+from pas.certify.proofs import certify
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited

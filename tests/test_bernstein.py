@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial, Status
-from pas.algebra.kernels import evaluate
+from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import (

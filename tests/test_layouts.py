@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pas
-from pas.algebra.rational import rational
+from pas.algebra.rational import cross, determinant, rational
 from pas.blending.net import Net
 from pas.blending.place import places
 from pas.blending.spherical import splines
@@ -17,7 +17,7 @@ from pas.exchange.problem import read_problem
 from pas.layouts.nodes import KINDS, LADDERS, Node
 from pas.layouts.planes import arrangement
 from pas.layouts.region import region
-from pas.partition.layout import Layout, normal_of, turns
+from pas.partition.layout import Layout
 from pas.render.layout import colors
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -368,7 +368,7 @@ def test_arrangements_of_planes_cover_the_sphere():
 
 def test_determinants_of_rays():
     for a, b in combinations([X, (1, 2, 3), (-4, 1, 0)], 2):
-        assert turns(a, b, normal_of(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
+        assert determinant(a, b, cross(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
 
 
 def test_struts_have_clips_where_a_blend_has_room():

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, TypeAlias
 
+from pas.algebra.curve import count_real_points, has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
-from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.certify.contact_proofs import check_join, clip_sided
 from pas.contacts.circular import Circular

@@ -23,10 +23,10 @@ A unit at the points of the curve changes no ideal there, so with these `<f, h^(
 from __future__ import annotations
 
 from pas.bernstein.signs import SignResult, alike, positive_on
-from pas.certify.claims import Claim
 from pas.certify.free_curves import free_verdict, transversality
 from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
 from pas.certify.openings import opening_verdict
+from pas.certify.propositions import Proposition
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.surface.function import PiecewisePolynomial
@@ -35,7 +35,7 @@ from pas.verdicts import Status, Verdict
 
 def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     """Exact GC^k with one contact, alpha > 0 on its curve, the curve closed, regular and in its place."""
-    claim, join = Claim(surface, f"contact {number + 1} GC^{surface.order}"), surface.joins[number]
+    claim, join = Proposition(surface, f"contact {number + 1} GC^{surface.order}"), surface.joins[number]
     if join.opening:
         return opening_verdict(claim, join)
     if not join.faces:
@@ -54,7 +54,7 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     return claim.proved(reason, positive.examined)
 
 
-def _met(claim: Claim, join: Join) -> Verdict | None:
+def _met(claim: Proposition, join: Join) -> Verdict | None:
     """The patch is a member of the contact's ideal at every point of the curve in the clip faces."""
     k = claim.surface.order
     for met in incidences(claim.surface, join, k):
@@ -71,7 +71,7 @@ def _met(claim: Claim, join: Join) -> Verdict | None:
     return None
 
 
-def _closed(claim: Claim, join: Join) -> Verdict | None:
+def _closed(claim: Proposition, join: Join) -> Verdict | None:
     """The curve is closed inside the clip faces, around a point where the surface is negative."""
     failed = claim.failed(curve_in_face(join), "the contact's surface is not positive on its clip face's edges")
     if failed is None and join.inside_point() is None:
@@ -79,19 +79,19 @@ def _closed(claim: Claim, join: Join) -> Verdict | None:
     return failed
 
 
-def _simple(claim: Claim, join: Join) -> Verdict | None:
+def _simple(claim: Proposition, join: Join) -> Verdict | None:
     """No clip plane is a multiple factor of the clip."""
     if all(plane.simple for plane in join.planes):
         return None
     return claim.undecided("the clip's gradient vanishes on its face, which is a multiple factor of it")
 
 
-def _sided(claim: Claim, join: Join) -> Verdict | None:
+def _sided(claim: Proposition, join: Join) -> Verdict | None:
     """The clip is negative on the region's side of its faces, all along the curve."""
     return claim.failed(clip_sided(join), "the clip is positive on the region's side of its face")
 
 
-def _regular(claim: Claim, join: Join) -> Verdict | None:
+def _regular(claim: Proposition, join: Join) -> Verdict | None:
     """The clip cuts the surface transversally along the curve."""
     return claim.failed(curve_regular(join), "the clip is tangent to the surface on the curve")
 

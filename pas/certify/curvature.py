@@ -31,7 +31,7 @@ from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, plain
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import prove_positive
-from pas.certify.claims import Claim
+from pas.certify.propositions import Proposition
 from pas.contacts.contact import ContactLike, as_contact, contact_ideal
 from pas.errors import GeometryError
 from pas.limits import checkpoint
@@ -177,7 +177,7 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
     f is written as of that degree, so that multiples of it count: near the surface the polynomial changes by what one
     of these does, and slowly along it.  A pipe, one of whose curvatures is 0, has its own curvature for the root.
     """
-    claim = Claim(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
+    claim = Proposition(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
     local = surface.local
     square = (bound * surface.partition.frame.scale) ** 2
     zero, value, degree = [], [], 6 * max(surface.degree - 1, 0)

@@ -36,7 +36,7 @@ from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.algebra.scaling import scaled
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
-from pas.certify.claims import Claim
+from pas.certify.propositions import Proposition
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.verdicts import Status, Verdict
@@ -61,7 +61,7 @@ MOST_TRIED = 12
 """Points that are tried for one proof, those that promise most first."""
 
 
-def free_verdict(claim: Claim, join: Join) -> Verdict:
+def free_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets a contact along the part of its curve that is in no clip face."""
     surface = claim.surface
     f, d, k = join.contact.surface, join.rest, surface.order
@@ -93,7 +93,7 @@ def free_verdict(claim: Claim, join: Join) -> Verdict:
     return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
 
 
-def _unmet(claim: Claim, curve: Curve, achieved: int, obstacle: Polynomial) -> Verdict:
+def _unmet(claim: Proposition, curve: Curve, achieved: int, obstacle: Polynomial) -> Verdict:
     power = claim.surface.order + 1
     met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
     found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)

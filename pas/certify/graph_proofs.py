@@ -20,8 +20,8 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import LocalMesh
-from pas.certify.proofs import Certificate
 from pas.certify.windings import crossed, volumes
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges

@@ -28,11 +28,11 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import certify_graph
 from pas.certify.local_mesh import ON_WALL, SCALED, LocalMesh, LocalSurface
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
-from pas.certify.proofs import Certificate
 from pas.certify.windings import crossed
 from pas.mesh.field import Integers
 from pas.mesh.radial import Edges

@@ -31,7 +31,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import Exact, SignResult, alike, positive_on
-from pas.certify.claims import Claim
+from pas.certify.propositions import Proposition
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
@@ -76,7 +76,7 @@ def nesting(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Ver
 
 def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     """Where the inner surface's function is not positive, the outer one's is negative, all over the inner region."""
-    claim = Claim(outer, INSIDE)
+    claim = Proposition(outer, INSIDE)
     if not inner.partition.cells or not outer.partition.cells:
         return claim.undecided("one of the surfaces has no region")
     if inner.partition.center is None or outer.partition.center is None:
@@ -113,7 +113,7 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
 
 def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
     """The wall ends at a contact between two nested curves in one plane."""
-    claim = Claim(outer, f"end {number + 1}")
+    claim = Proposition(outer, f"end {number + 1}")
     if number >= min(len(inner.contacts), len(outer.contacts)):
         return claim.refuted("only one of the two surfaces ends there")
     ours, theirs = inner.joins[number], outer.joins[number]
@@ -130,7 +130,7 @@ def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) ->
     return _nested(claim, inner, number, corners, (), "one plane, the inner section in the interior of the outer one")
 
 
-def _open_end(claim: Claim, inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
+def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
     """The wall ends at an opening between two nested curves on one cone."""
     if not _one_nappe(inner, outer, number):
         return claim.refuted("the two surfaces do not end in one nappe of one cone")
@@ -141,7 +141,7 @@ def _open_end(claim: Claim, inner: PiecewisePolynomial, outer: PiecewisePolynomi
 
 
 def _nested(
-    claim: Claim,
+    claim: Proposition,
     inner: PiecewisePolynomial,
     number: int,
     corners: Sequence[Sequence[Vector]],

@@ -27,8 +27,8 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from pas.algebra.monomials import exponents
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.bernstein.signs import SignResult, alike, positive_on
-from pas.certify.claims import Claim
 from pas.certify.incidence import on_faces
+from pas.certify.propositions import Proposition
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.surface.function import PiecewisePolynomial
@@ -103,7 +103,7 @@ def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
     return positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
 
 
-def opening_verdict(claim: Claim, join: Join) -> Verdict:
+def opening_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets the contact through which its region is open."""
     surface = claim.surface
     k = surface.order

@@ -29,79 +29,38 @@ All inequalities are proved by Bernstein branch and bound with rounding accounte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from flint import fmpq_mpoly
 
-from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import on_simplex
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import SignResult, positive_on
-from pas.certify.claims import Claim
+from pas.certify.certificate import Certificate
 from pas.certify.contact_proofs import contact_verdict
 from pas.certify.incidence import alpha_signs, incidences
 from pas.certify.openings import opening_verdict
+from pas.certify.propositions import Proposition
+from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Status, Verdict, Verdicts
+from pas.verdicts import Status, Verdict
 
 
 @dataclass(frozen=True)
-class Certificate(Verdicts):
-    """All verdicts about one surface.
+class Claim:
+    """One more thing that is promised of surfaces: `prove` gives its verdicts, with claims in words of their own."""
 
-    `contacts`: one for each contact: exact GC^k, alpha > 0 on its curve, the curve closed and
-    regular inside its clip face (or inside the region, where the clip is none of its faces).
-    `faces`: one for each interior face: exact C^k.  `one_sheet`: every ray from the centre meets
-    the surface at most once, transversally.  `enclosed`: the surface leaves the region through the
-    contact curves only.
-    """
+    name: str
+    prove: Callable[[PiecewisePolynomial], Sequence[Verdict]]
 
-    contacts: tuple[Verdict, ...]
-    faces: tuple[Verdict, ...]
-    one_sheet: Verdict
-    enclosed: Verdict
 
-    __repr__ = brief
-
-    @property
-    def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in the order of proof."""
-        return (*self.contacts, *self.faces, self.one_sheet, self.enclosed)
-
-    def __str__(self) -> str:
-        width = max(len(verdict.claim) for verdict in self.verdicts)
-        lines = []
-        for verdict in self.verdicts:
-            at = ""
-            if verdict.witness is not None:
-                at = " at ({:.5g}, {:.5g}, {:.5g})".format(*verdict.witness)
-            lines.append(f"{verdict.claim:<{width}}  {verdict.status.value:<9} {verdict.reason}{at}")
-        return "\n".join(lines)
-
-    def to_record(self) -> dict[str, Any]:
-        """A JSON-ready form."""
-        return {
-            "contacts": [v.to_record() for v in self.contacts],
-            "faces": [v.to_record() for v in self.faces],
-            "one_sheet": self.one_sheet.to_record(),
-            "enclosed": self.enclosed.to_record(),
-        }
-
-    @classmethod
-    def from_record(cls, record: dict[str, Any]) -> Certificate:
-        """The certificate that `to_record` wrote."""
-        return cls(
-            tuple(Verdict.from_record(v) for v in record["contacts"]),
-            tuple(Verdict.from_record(v) for v in record["faces"]),
-            Verdict.from_record(record["one_sheet"]),
-            Verdict.from_record(record["enclosed"]),
-        )
+CLAIMS: Registry[Claim] = Registry("claim about surfaces", {})
+"""What is proved of every surface beside its contacts, faces, sheets and walls; old files have no verdicts on it."""
 
 
 def certify(surface: PiecewisePolynomial) -> Certificate:
@@ -111,13 +70,14 @@ def certify(surface: PiecewisePolynomial) -> Certificate:
         tuple(face_verdict(surface, i) for i in range(len(surface.partition.interior_faces))),
         sheet_verdict(surface),
         enclosed_verdict(surface),
+        tuple(verdict for claim in CLAIMS.values() for verdict in claim.prove(surface)),
     )
 
 
 def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     """Exact C^k across one interior face."""
     face, k = surface.local.interior_faces[number], surface.order
-    claim = Claim(surface, f"face {face.first + 1}|{face.second + 1} C^{k}")
+    claim = Proposition(surface, f"face {face.first + 1}|{face.second + 1} C^{k}")
     difference = surface.patches[face.second].raw - surface.patches[face.first].raw
     plane, power = face.plane.raw, 0
     while power <= k and not difference.is_zero():
@@ -134,7 +94,7 @@ def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
 
 def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
     """Every ray from the centre meets the surface at most once, transversally."""
-    claim = Claim(surface, "one sheet")
+    claim = Proposition(surface, "one sheet")
     if surface.partition.center is None or not surface.partition.cells:
         return claim.undecided("the partition has no centre to look from")
     if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
@@ -149,7 +109,7 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
 
 def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     """The surface leaves the region through its contact curves only."""
-    claim = Claim(surface, "enclosed")
+    claim = Proposition(surface, "enclosed")
     if not surface.partition.cells:
         return claim.undecided("there is no region")
     walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"

@@ -13,9 +13,9 @@
 
 typedef ptrdiff_t whole;
 
-void pas_horner(int n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
-                double *values);
+int pas_horner(whole n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
+               double *values);
 int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, const whole *piece_of, double *values);
+              const double *places, whole stride, whole step, const whole *piece_of, double *values);
 
 #endif

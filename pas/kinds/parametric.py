@@ -22,10 +22,9 @@ from pas.algebra.rational_function import RING, RationalFunction
 from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
 from pas.exchange.schema import ANYTHING, NUMBER, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
 from pas.exchange.shapes import POINT
-from pas.parametric.blends import ParametricBlend
+from pas.parametric.blends import ParametricBlend, blend_by, method_of
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.data import BlendingData
-from pas.parametric.methods import blend_by, method_of
 from pas.parametric.patches import ExactControl, RationalPatch
 from pas.parametric.surface import ParametricSurface
 from pas.render.parametric import blend_layers, surface_layers
@@ -104,7 +103,6 @@ SURFACE = Kind(
     lambda surface, _: {"surface": _surface_record(surface)},
     lambda content: _read_surface(content["surface"]),
     surface_layers,
-    mesh=ParametricSurface.mesh,
     patches=exact_patches,
     curved=True,
 )
@@ -173,7 +171,6 @@ BLEND = Kind(
     _blend_record,
     _read_blend,
     blend_layers,
-    mesh=ParametricBlend.mesh,
     patches=lambda blend, domain: exact_patches(blend.surface, domain),
     curved=True,
 )
@@ -260,7 +257,7 @@ PATCH = Kind(
     _patch_record,
     _read_patch,
     lambda patch, scene: surface_layers(patch.surface(), scene),
-    mesh=lambda patch, tolerance, domain: patch.surface().mesh(tolerance, domain),
+    mesh=lambda patch, settings: patch.surface().meshed(settings),
     patches=lambda patch, domain: (patch,),
     curved=True,
 )

@@ -15,7 +15,7 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
-from pas.certify.proofs import Certificate
+from pas.certify.certificate import Certificate
 from pas.exchange.records import (
     CERTIFICATE,
     CONSTRAINTS,

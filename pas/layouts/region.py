@@ -15,12 +15,12 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, dot
+from pas.algebra.rational import Vector, determinant, dot
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits
 from pas.layouts.ring import between, clip_polygon
 from pas.layouts.seen import Seen, power_of_two
-from pas.partition.layout import Layout, Ray, turns
+from pas.partition.layout import Layout, Ray
 from pas.partition.regions import Region
 
 WALLS = 1.3
@@ -96,7 +96,7 @@ def region(layout: Layout, discs: Sequence[Seen], walls: float = WALLS) -> Regio
             triangles = [tuple(ends[i] for i in t) for t in layout.triangles[number]]  # type: ignore[misc]
         pieces.append([])
         for corners in triangles:
-            if turns(*corners) <= 0:
+            if determinant(*corners) <= 0:
                 raise GeometryError(
                     f"a tetrahedron of the region is flat or turned in piece {number + 1} of {layout.name}"
                 )

@@ -15,11 +15,11 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
 from pas.layouts.fits import check_fits, room
 from pas.layouts.seen import Seen, across, angle_between, whole_ray
-from pas.partition.layout import Layout, Ray, turns
+from pas.partition.layout import Layout, Ray
 from pas.surface.fairness import spiral
 
 FARTHEST = (62, 70, 80, 40)
@@ -206,4 +206,4 @@ def _distance(a: Floats, b: Floats) -> float:
 def _volume(rays: Sequence[Ray]) -> float:
     """The volume of the unit vectors of three rays; 0 where two are one."""
     lengths = [float(np.linalg.norm(ray)) for ray in rays]
-    return float(turns(*rays)) / (lengths[0] * lengths[1] * lengths[2])
+    return float(determinant(*rays)) / (lengths[0] * lengths[1] * lengths[2])

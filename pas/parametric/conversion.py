@@ -22,7 +22,7 @@ from pas.bernstein.subdivision import halves
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
-from pas.parametric.meshing import exact_rectangle
+from pas.parametric.framed import exact_rectangle
 from pas.parametric.nets import ExactNet, exact_net
 from pas.parametric.patches import ExactControl, RationalPatch
 from pas.parametric.surface import ParametricSurface

@@ -25,8 +25,9 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
-from pas.parametric.framed import Framed
-from pas.parametric.meshing import RELATIVE, exact_rectangle
+from pas.parametric.framed import Framed, exact_rectangle
+from pas.parametric.maps import ParametricMap
+from pas.parametric.meshing import RELATIVE
 from pas.parametric.nets import Nets, exact_net
 from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
@@ -135,7 +136,7 @@ def _spline(knots: Floats, values: Floats) -> Floats:
     return np.asarray(make_interp_spline(_sites(knots), values, k=DEGREE, t=knots).c)
 
 
-def _spans(surface: ParametricSurface, axis: int, tolerance: float) -> int:
+def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
     """The power of 2 of spans in one parameter that suffices along some lines."""
     from scipy.interpolate import BSpline
 
@@ -158,14 +159,14 @@ def _spans(surface: ParametricSurface, axis: int, tolerance: float) -> int:
     return spans
 
 
-def _interpolated(surface: ParametricSurface, spans: list[int]) -> tuple[Knots, Floats]:
+def _interpolated(surface: ParametricMap, spans: list[int]) -> tuple[Knots, Floats]:
     first, second = (_knots(interval, s) for interval, s in zip(surface.domain, spans, strict=True))
     values = surface.on_grid(_sites(first), _sites(second))
     rows = _spline(first, values)
     return (first, second), np.swapaxes(_spline(second, np.swapaxes(rows, 0, 1)), 0, 1)
 
 
-def _compared(surface: ParametricSurface, knots: Knots, points: Floats) -> float:
+def _compared(surface: ParametricMap, knots: Knots, points: Floats) -> float:
     """The greatest distance at DENSE points a span."""
     from scipy.interpolate import BSpline
 

@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -28,20 +27,17 @@ from numpy.typing import NDArray
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
-from pas.parametric.domain import Domain, DomainLike
-from pas.parametric.framed import Framed
-from pas.parametric.nets import Nets, Rectangle, exact_net
+from pas.parametric.bounds import Examination, NetPoints, bounded, measured, surface_points
+from pas.parametric.domain import DomainLike
+from pas.parametric.framed import Framed, Rectangle, exact_rectangle
+from pas.parametric.maps import ParametricMap
+from pas.parametric.nets import Nets, exact_net
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
 
 RELATIVE = 1e-3
 """The tolerance over the surface's extent where none is given."""
@@ -94,7 +90,7 @@ FINE = 1 << 13
 
 
 def mesh_surface(
-    surface: ParametricSurface,
+    surface: ParametricMap,
     tolerance: float | None = None,
     domain: DomainLike = None,
     quality: Quality | str = Quality.BALANCED,
@@ -111,17 +107,17 @@ def mesh_surface(
     welding = min(SEAM * framed.size, wanted / 16)
     aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
     nets = _nets(framed, rectangle, WHOLE)
-    look: Looking
+    examine: Examination
     place: Placing
     if nets is None:
-        look, place = measured(framed.surface), surface_points(framed.surface)
+        examine, place = measured(framed.surface), surface_points(framed.surface)
     else:
-        look, place = bounded, NetPoints(framed, nets.table[0], welding)
+        examine, place = bounded, NetPoints(framed, nets.table[0], welding)
     found: list[Mesh] = []
     for parts, even in WAYS[how]:
         starts = [(_nets(framed, rectangle, cell), cell) for cell in _first_cells(parts)]
         try:
-            leaves, worst = _leaves(starts, look, aim, framed, even)
+            leaves, worst = _leaves(starts, examine, aim, framed, even)
             found.append(_assembled(framed, leaves, worst, place, wanted, nets is not None))
         except MeshError:  # too many triangles, or cells too fine for the grid: there is a mesh already
             if not found:
@@ -165,47 +161,8 @@ def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
     return exact.rounded(framed.unit) if size[0] * size[1] <= HIGHEST and max(size) <= LONGEST else None
 
 
-def finite_domain(surface: ParametricSurface, domain: DomainLike = None) -> Domain:
-    """The finite rectangle to mesh: `domain`, completed by the surface's own.
-
-    An interval None, or an end None, is that of the surface.  Raises `ValueError` naming a parameter that has no
-    finite interval or one outside the surface's domain.
-    """
-    given = surface.with_domain(domain).domain
-    result = []
-    for name, own, (low, high) in zip(surface.parameters, surface.domain, given, strict=True):
-        ends = own[0] if math.isinf(low) else low, own[1] if math.isinf(high) else high
-        if not math.isfinite(ends[1] - ends[0]):
-            raise ValueError(
-                f"the domain of {name} is infinite ({ends[0]:g} to {ends[1]:g}); "
-                f"give a finite one, such as domain={_example(surface)}"
-            )
-        if not own[0] <= ends[0] < ends[1] <= own[1]:
-            raise ValueError(
-                f"the interval [{ends[0]:g}, {ends[1]:g}] of {name} is not within the surface's domain "
-                f"[{own[0]:g}, {own[1]:g}]"
-            )
-        result.append(ends)
-    return result[0], result[1]
-
-
-def exact_rectangle(surface: ParametricSurface, domain: DomainLike = None) -> Rectangle:
-    """The same in exact numbers, as they are given."""
-    finite_domain(surface, domain)
-    result = []
-    for own, given in zip(surface.ends, surface.with_domain(domain).ends, strict=True):
-        lows, highs = ([rational(e[side]) for e in (own, given) if e[side] is not None] for side in (0, 1))
-        result.append((max(lows), min(highs)))  # a double given for an end may lie outside by its rounding
-    return result[0], result[1]
-
-
-def _example(surface: ParametricSurface) -> str:
-    sides = ["(-1, 1)" if math.isinf(low) or math.isinf(high) else "None" for low, high in surface.domain]
-    return f"({', '.join(sides)})"
-
-
 def _leaves(
-    starts: Sequence[tuple[Nets | None, Integers]], look: Looking, aim: float, framed: Framed, even: bool
+    starts: Sequence[tuple[Nets | None, Integers]], examine: Examination, aim: float, framed: Framed, even: bool
 ) -> tuple[Integers, float]:
     """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
 
@@ -218,20 +175,20 @@ def _leaves(
         nets, cells, depth = pending.pop()
         checkpoint(f"meshing a surface ({count} cells)")
         with np.errstate(all="ignore"):
-            seen = look(nets, cells)
-            bounds, axes = seen.judged
+            errors = examine(nets, cells)
+            bounds, axes = errors.bounds_and_axes
         if nets is None and depth < 2 * FIRST:
             bounds[:] = math.inf
         axes[~np.isfinite(bounds)] = depth % 2
         good = bounds <= aim
         if even:
-            good &= ~_long(seen.corners, axes, good)
+            good &= ~_long(errors.corners, axes, good)
         leaves.append(cells[good])
         worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
         if good.all():
             continue
         far = bounds > aim
-        if 2 * float(seen.least[far].max(initial=0.0)) > aim:
+        if 2 * float(errors.least[far].max(initial=0.0)) > aim:
             raise MeshError(too_fine(framed.outside(aim)))
         _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
         for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,7 @@ from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.topology import edge_table
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
+from pas.parametric.maps import ParametricMap
 
 Placing = Callable[[Integers], tuple[Floats, Floats]]
 """From places (N, 2) on the grid to points (N, 3) and what they may be off by (N,)."""
@@ -52,7 +49,7 @@ class Tiles:
     away: float
 
 
-def assemble(surface: ParametricSurface, cells: Integers, place: Placing, size: float) -> Tiles:
+def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: float) -> Tiles:
     """Triangles for rectangles (C, 4) that fill the unit square, the domain of `surface`; `size` is its extent.
 
     `place` gives the points at places of the grid.
@@ -71,7 +68,7 @@ def assemble(surface: ParametricSurface, cells: Integers, place: Placing, size: 
     return Tiles(points[first], triangles, normals, shares[first], away)
 
 
-def _closes(surface: ParametricSurface, axis: int, size: float) -> bool:
+def _closes(surface: ParametricMap, axis: int, size: float) -> bool:
     """Whether the sides at both ends of a parameter are one curve."""
     ends, free = (0.0, 1.0), np.linspace(0.0, 1.0, 65)
     values = surface.on_grid(ends, free) if axis == 0 else surface.on_grid(free, ends)
@@ -79,7 +76,7 @@ def _closes(surface: ParametricSurface, axis: int, size: float) -> bool:
     return bool((np.abs(first - last) <= SEAM * size).all())
 
 
-def _triangles(surface: ParametricSurface, cells: Integers, closed: list[bool]) -> tuple[Integers, Integers]:
+def _triangles(surface: ParametricMap, cells: Integers, closed: list[bool]) -> tuple[Integers, Integers]:
     """Vertices (N, 2) on the grid, and triangles."""
     corners = np.concatenate([cells[:, [i, j]] for i in (0, 1) for j in (2, 3)])
     for axis in (0, 1):
@@ -124,7 +121,7 @@ def _side(
     return (owner, end, start) if backwards else (owner, start, end)
 
 
-def _cut(surface: ParametricSurface, places: Integers, quads: Integers) -> Integers:
+def _cut(surface: ParametricMap, places: Integers, quads: Integers) -> Integers:
     if not len(quads):
         return np.empty((0, 3), dtype=np.intp)
     p = surface(places[quads] / GRID)
@@ -158,7 +155,7 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
     return least[labels]
 
 
-def _normals(surface: ParametricSurface, shares: Floats, number: Integers, count: int) -> Floats:
+def _normals(surface: ParametricMap, shares: Floats, number: Integers, count: int) -> Floats:
     """Unit normals of the vertices after merging, as means of those before."""
     tangents = surface.tangents(shares)
     ways, sizes = scaled(tangents), lengths(tangents)

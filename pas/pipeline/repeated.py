@@ -31,7 +31,7 @@ from pas.algebra.inputs import whole
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, rational
 from pas.blending.solving import solve
-from pas.certify.proofs import Certificate
+from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.fairing.energies.curvature_variation import CurvatureVariation

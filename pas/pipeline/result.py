@@ -13,7 +13,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending.space import Member
-from pas.certify.proofs import Certificate
+from pas.certify.certificate import Certificate
 from pas.contacts.contact import ContactLike
 from pas.errors import GeometryError
 from pas.fairing.basis import Change

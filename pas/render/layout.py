@@ -12,6 +12,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.contacts.contact import ContactLike, as_contact
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.layouts.fits import check_fits
 from pas.layouts.nodes import Node
 from pas.layouts.seen import Seen, angle_between
@@ -19,7 +20,7 @@ from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
 from pas.partition.layout import Layout
 from pas.render.picture import draw_scene
-from pas.render.scene import CURVE_COLOR, TINTS, Layer, Picture, PictureOptions, Scene
+from pas.render.scene import CURVE_COLOR, TINTS, Layer, Scene
 from pas.render.window import show_scene
 
 VIEW = (0.62, -0.62, 0.48)

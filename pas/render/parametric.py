@@ -14,10 +14,9 @@ from pas.algebra.rational import to_float
 from pas.errors import LimitError, PasError
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
-from pas.parametric.curvatures import Forms
+from pas.parametric.curves import Forms
 from pas.parametric.domain import Domain
-from pas.parametric.framed import extent
-from pas.parametric.meshing import finite_domain
+from pas.parametric.framed import extent, finite_domain
 from pas.parametric.surface import ParametricSurface
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
