@@ -29,7 +29,7 @@ from pas.bernstein.forms import (
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
 from pas.bernstein.simplices import rounding_bound
-from pas.bernstein.subdivision import bisection, edges, halves
+from pas.bernstein.subdivision import bisection, edges, halved, halves
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
@@ -88,17 +88,19 @@ def test_halving_is_the_form_on_the_halves(degree, edge):
 @pytest.mark.parametrize("shape", [(1, 1), (2, 5), (4, 3), (7, 1)])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_halves_of_boxes_are_those_of_segments(shape, axis):
-    """Exact means, means in doubles and matrices agree along each row."""
+    """Exact means, means in doubles and matrices agree, and with the halves of a segment along each row."""
     draw = np.random.default_rng(sum(shape) + axis)
     numbers = draw.integers(-999, 999, shape)
     exact = np.array([[fmpq(int(v), 7) for v in row] for row in numbers], dtype=object)
     found = halves(exact, axis)
     rounded_too = halves(to_floats_array(exact), axis)
+    by_matrix = halved(to_floats_array(exact)[None, ..., None], axis)
     matrices = halving(shape[axis] - 1, 2, 0)
     for side in (0, 1):
         assert all(type(v) is fmpq for v in found[side].ravel())
         expected = to_floats_array(found[side])
         assert rounded_too[side] == pytest.approx(expected, abs=1e-12)
+        assert by_matrix[side][0, ..., 0] == pytest.approx(expected, abs=1e-12)
         rows = np.moveaxis(to_floats_array(exact), axis, 0)
         assert np.moveaxis(matrices[side] @ rows, 0, axis) == pytest.approx(expected, abs=1e-12)
 

@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import pas
-from pas.bernstein.subdivision import halves
+from pas.bernstein.subdivision import halved
 from pas.mesh.mesh import Mesh
 from pas.parametric.bounds import bounded
 from pas.parametric.framed import exact_rectangle
@@ -150,7 +150,7 @@ def test_nets_are_the_surface():
 
     point = tuple(value(table) / value(net.below) for table in net.tops)
     assert point == surface.at(-1 + 3 * u, Fraction(1, 4) + Fraction(3, 4) * v)
-    left, right = halves(net.rounded().table, 1)
+    left, right = halved(net.rounded().table, 0)
     assert np.array_equal(left[:, -1], right[:, 0])
 
 

@@ -19,7 +19,7 @@ from pas.algebra.rational import to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
 from pas.bernstein.boxes import Table, box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.bernstein.subdivision import halves
+from pas.bernstein.subdivision import halved
 from pas.parametric.framed import Rectangle
 from pas.parametric.maps import ParametricMap
 
@@ -53,8 +53,8 @@ class Nets:
 
     Of surfaces d is 4, weights last.
 
-    Coefficients err by 2^-53 of the greatest of their cell when they are rounded, and halving, by means of two, adds
-    (n+3) times that at most, n the degree (Higham 2002, section 3.1).
+    Coefficients err by 2^-53 of the greatest of their cell when they are rounded, and halving, a product with weights
+    of sum 1, adds (n+3) times that, n the degree (Higham 2002, section 3.1).
     """
 
     table: Floats
@@ -71,7 +71,7 @@ class Nets:
         """The first halves of all cells along a parameter, then the second ones."""
         greatest = np.abs(self.table).max(axis=(1, 2, 3))
         off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * greatest
-        return Nets(np.concatenate(halves(self.table, 1 + axis)), np.concatenate([off, off]))
+        return Nets(np.concatenate(halved(self.table, axis)), np.concatenate([off, off]))
 
 
 def exact_net(surface: ParametricMap, rectangle: Rectangle) -> ExactNet:
