@@ -18,7 +18,7 @@ import pas
 from pas.shape import KINDS
 
 ROOMS = [
-    *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "kernels"),
+    *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),

@@ -53,15 +53,15 @@ from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial
 from pas.blending.place import PartitionLike
 from pas.contacts.contact import CONTACTS, Contact, HasContact
-from pas.described import constructor_keys, keys_of
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
 from pas.exchange.records import read_normalization
 from pas.exchange.tables import TableReader
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
-from pas.layouts.reading import partition_keys, read_partition_like
+from pas.layouts.kinds import partition_keys, read_partition_like
 from pas.pipeline.blend import blend, check_wanted_degree
 from pas.pipeline.result import Blend
+from pas.registry import constructor_keys, keys_of
 from pas.settings import MeshSettings
 from pas.surface.fairness_limits import FairnessLimits
 

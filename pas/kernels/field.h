@@ -8,9 +8,6 @@
 
 #define JETS 4 /* value and gradient */
 
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
-void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
-
 /* Of `sizes` the first says how many pieces there are, the second how many outer faces, through which rays from 0 leave,
    the third how many cells; of these there are faces by their weights (faces, 3, 3), or cells by their barycentric maps
    (cells, 4, 4), each of a piece, or none where there is one piece.  Then come some polynomials of each piece. */

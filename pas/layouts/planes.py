@@ -16,15 +16,14 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.rational import Vector, cross
 from pas.errors import GeometryError
-from pas.layouts.fits import check_fits
-from pas.layouts.seen import Seen, across
+from pas.layouts.discs import Disc, across, check_fits
 from pas.partition.layout import Layout, Ray, primitive, reduced
 
 SQUARE = 1e-9
 """How far directions may be off from those of a cube."""
 
 
-def planes(discs: Sequence[Seen], center: Vector) -> Layout:
+def planes(discs: Sequence[Disc], center: Vector) -> Layout:
     """The four planes between six contacts along the axes of a cube, of whole numbers in the node's coordinates.
 
     Raises `GeometryError` for other nodes.
@@ -45,7 +44,7 @@ def planes(discs: Sequence[Seen], center: Vector) -> Layout:
     return layout
 
 
-def symmetric(discs: Sequence[Seen]) -> bool:
+def symmetric(discs: Sequence[Disc]) -> bool:
     """Whether they are six along the axes of a cube."""
     units = np.array([disc.direction for disc in discs])
     dots = np.abs(units @ units.T)

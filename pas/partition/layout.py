@@ -7,19 +7,18 @@ by a region (see `pas.partition.cells` and `pas.layouts.region`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import gcd, hypot, lcm
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, cross, determinant, plain, vector
-from pas.described import constructor_keys
 from pas.errors import GeometryError
-from pas.registry import loaded
+from pas.registry import Serialisable, loaded
 from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
@@ -43,7 +42,7 @@ class GreatArc:
     normal: Ray
 
 
-class Layout(Shape):
+class Layout(Shape, Serialisable):
     """The directions around `center`, cut into pieces.
 
     `rays` are directions (three exact numbers each, of any length); `pieces` go round each piece by the numbers of its
@@ -226,16 +225,6 @@ class Layout(Shape):
             "pieces": [list(piece) for piece in self.pieces],
             "name": self.name,
         }
-
-    @classmethod
-    def keys(cls) -> Mapping[str, bool]:
-        """The keys of its tables, and whether they must have them."""
-        return constructor_keys(cls)
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """The layout of a table; raises as the constructor does."""
-        return cls(**record)
 
 
 def primitive(direction: Vector, number: int | None = None) -> Ray:
