@@ -50,6 +50,8 @@ from .errors import PasError as PasError
 from .errors import ProblemFileError as ProblemFileError
 from .errors import ProjectFileError as ProjectFileError
 from .exchange.boundaries import boundary_from as boundary_from
+from .exchange.picture_options import Picture as Picture
+from .exchange.picture_options import Style as Style
 from .exchange.problem import read_parametric_problem as read_parametric_problem
 from .exchange.problem import read_problem as read_problem
 from .exchange.rational import ball_patches as ball_patches
@@ -157,8 +159,6 @@ from .pipeline.space import SolutionSpace as SolutionSpace
 from .pipeline.space import solutions as solutions
 from .render.animate import animate as animate
 from .render.picture import draw as draw
-from .render.scene import Picture as Picture
-from .render.scene import Style as Style
 from .render.window import show as show
 from .shape import Kind as Kind
 from .shape import Shape as Shape

@@ -10,10 +10,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 from pas.registry import Registry, loaded
+from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
 
 VERBS = {
@@ -44,6 +46,15 @@ class Shape(ABC):
 
         The `quality` "angles" prefers triangles that are not long, "count" few (see `pas.mesh.quality`).
         """
+
+    def meshed(self, settings: MeshSettings) -> Any:
+        """Its `pas.Mesh` by settings; raises `ValueError` for one that means nothing to this kind of shape."""
+        takes, wanted = signature(self.mesh).parameters, given(settings)
+        for name in wanted:
+            if name not in takes:
+                owner = "a parametric surface" if name == "domain" else "a shape of another kind"
+                raise ValueError(f"{name} is that of {owner}, which {self!r} is not")
+        return self.mesh(**wanted)
 
     @abstractmethod
     def __str__(self) -> str:
@@ -106,11 +117,9 @@ def refuse_mixed(first: Shape, second: object) -> None:
 S = TypeVar("S")
 
 
-def _own_mesh(shape: Any, tolerance: Any, domain: Any) -> Any:
-    """The shape's own mesh; raises `ValueError` for a domain."""
-    if domain is not None:
-        raise ValueError(f"domain is that of a parametric surface, which {shape!r} is not")
-    return shape.mesh(tolerance)
+def _own_mesh(shape: Any, settings: MeshSettings) -> Any:
+    """The shape's own mesh."""
+    return shape.meshed(settings)
 
 
 def _nothing(shape: Any) -> dict[str, Any]:
@@ -127,11 +136,11 @@ class Kind(Generic[S]):
     scene of a picture (see `pas.render.scene`) what is to be seen.
 
     What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files,
-    `mesh(shape, tolerance, domain)`, its triangles, over a `domain` where it has parameters; `parts` by name, each with
-    a colour; `patches(shape, domain)`, which are exact; `piecewise`, the piecewise surface that it is, at which rays
-    can be cast instead of meshing it; `body(shape, length)`, the solid with it in its boundary.  `meshed` says that it
-    is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so that it bounds no
-    body; `curved` that its layers know the curvature of the surface, for colours and combs.
+    `mesh(shape, settings)`, its triangles; `parts` by name, each with a colour; `patches(shape, domain)`, which are
+    exact; `piecewise`, the piecewise surface that it is, at which rays can be cast instead of meshing it;
+    `body(shape, length)`, the solid with it in its boundary.  `meshed` says that it is a mesh already, for which
+    tolerances mean nothing; `open` that it always ends at edges, so that it bounds no body; `curved` that its layers
+    know the curvature of the surface, for colours and combs.
     """
 
     name: str
@@ -141,7 +150,7 @@ class Kind(Generic[S]):
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
     facts: Callable[[S], dict[str, Any]] = _nothing
-    mesh: Callable[[S, Any, Any], Any] = _own_mesh
+    mesh: Callable[[S, MeshSettings], Any] = _own_mesh
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     piecewise: Callable[[S], Any] | None = None

@@ -18,8 +18,8 @@ import pas
 from pas.shape import KINDS
 
 ROOMS = [
-    *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "shape", "kernels"),
-    *("algebra", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
+    *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
+    *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
     *("studio", "bench", "cli"),

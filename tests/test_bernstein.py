@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial, Status
-from pas.algebra.kernels import evaluate
+from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import LARGEST_ERROR, UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex, rounded, rounded_forms

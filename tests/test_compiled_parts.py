@@ -342,7 +342,6 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
 def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     surface = solved(EQUAL, 2).surface
     fields = surface.mesher.radial_field, LocalField(surface)
-    assert fields[1].outer is None
     local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
     still = np.arange(len(points)) % 5 == 0
     looked = [
@@ -353,19 +352,17 @@ def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
         assert one == pytest.approx(other, rel=1e-7, abs=1e-9)
 
 
-def test_a_surface_of_one_piece_is_the_same_field_where_points_are_located(monkeypatch):
-    surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    field = surface.mesher.cell_field
-    local, points = noisy(field, surface.mesh(2e-2))
-    still, rim = np.arange(len(points)) % 5 == 0, np.arange(len(points)) % len(field.rims)
-
-    def looked():
-        found = [*field.drawn(points, still), *field.closed(local + 1e-4), field.distances(points)]
-        return [*found, *field.bending(points), field.on_rims(points, rim), field.near(points)]
-
-    found = looked()
-    monkeypatch.setattr(field, "outer", None)
-    assert same([found, looked()])
+def test_points_belong_to_the_cell_in_which_they_are_deepest():
+    surface = solved(EQUAL, 2).surface
+    field, local = LocalField(surface), surface.local
+    points = np.random.default_rng(8).uniform(-1.5, 1.5, (500, 3))
+    assert field.pieces(points).tolist() == local.piece_of[local.locate(points, tolerance=np.inf)].tolist()
+    jets = surface.evaluator.local_derivatives(points, field.pieces(points), (0, 1))
+    assert np.array_equal(field.jets(points), jets)
+    rims = np.arange(len(points)) % len(field.rims)
+    for rim, point in zip(rims.tolist(), field.on_rims(points, rims), strict=True):
+        planes = field.rims[rim].planes
+        assert np.abs(planes[:, :3] @ point - planes[:, 3]).max() < 1e-12
 
 
 def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():

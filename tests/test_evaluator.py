@@ -15,7 +15,7 @@ from conftest import EQUAL, UNEQUAL, solved
 from flint import fmpq
 
 import pas
-from pas.algebra.kernels import evaluate
+from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
 from pas.surface.exact_crossings import exact_crossings

@@ -14,13 +14,13 @@ from conftest import EQUAL, solved
 
 import pas
 from pas import solid
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import count
-from pas.algebra.tables import PieceTables
 from pas.mesh.coarsen import collapsed
 from pas.mesh.octree import Octree
 from pas.mesh.radial import Edges, flipped, slender
 from pas.mesh.topology import distinct, euler_characteristic, is_closed_manifold, numbered, pinched
-from pas.solid.jets import Jets
+from pas.surface.geometry import derivative_batch
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
 
@@ -93,11 +93,13 @@ def test_tables_of_pieces(number):
     coefficients = rng.normal(size=(number, 2, count(2)))
     coefficients[:, 1, count(1) :] = 0
     points, pieces = rng.uniform(-1, 1, (200, 3)), rng.integers(number, size=200)
-    values = PieceTables(coefficients, (2, 1))(points, pieces)
+    batch = PolynomialBatch.of([[value, slope[: count(1)]] for value, slope in coefficients], 2)
+    values = batch(points, pieces).T
     x, y, z = points.T
     monomials = np.stack([np.ones(200), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z])
     assert values == pytest.approx(np.einsum("nkc,cn->kn", coefficients[pieces], monomials), abs=1e-14)
-    assert PieceTables(coefficients[:, 1:], (1,))(points[:0], pieces[:0]).shape == (1, 0)
+    assert batch(points[:0], pieces[:0]).shape == (0, 2)
+    assert np.isnan(batch(points[:1], np.array([-1]))).all()
 
 
 @pytest.mark.parametrize("number", [4, 60])
@@ -105,12 +107,12 @@ def test_jets_of_many_polynomials_are_values_and_slopes(number):
     rng = np.random.default_rng(number)
     texts = ["x - {}", "x^2 + {}*y*z - 1", "7", "x^5 - {}*x*y^2*z + z^3", "y^5 - {}*x^4"]
     polynomials = [pas.Polynomial(texts[k % 5].format(k + 1)) for k in range(number)]
-    jets = Jets(polynomials)
+    jets = derivative_batch([p.dense(max(p.degree, 0)) for p in polynomials], (0, 1))
     points, numbers = rng.uniform(-1, 1, (300, 3)), rng.integers(number, size=300)
     found = jets(points, numbers)
     wanted = [float(polynomials[k].at([Fraction(c) for c in p.tolist()])) for k, p in zip(numbers, points, strict=True)]
     assert found[:, 0] == pytest.approx(wanted, rel=1e-13, abs=1e-13)
-    assert jets(points[:0], numbers[:0]).shape == Jets([])(points[:0], numbers[:0]).shape == (0, 4)
+    assert jets(points[:0], numbers[:0]).shape == derivative_batch([], (0, 1))(points[:0], numbers[:0]).shape == (0, 4)
     step = 1e-6 * np.eye(3)[:, None]
     slopes = [jets(points + s, numbers)[:, 0] for s in step]
     assert pytest.approx((np.array(slopes) - found[:, 0]) / 1e-6, rel=1e-3, abs=1e-3) == found[:, 1:].T

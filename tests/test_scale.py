@@ -20,7 +20,7 @@ from pas import solid
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import nappe
 from pas.independent.checker import check_independently
-from pas.solid.pieces import Pieces, region
+from pas.solid.functions import Pieces, region
 from pas.solid.tree import Atom, combined
 
 Made = tuple[Any, Any, bytes]

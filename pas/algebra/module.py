@@ -13,7 +13,7 @@ from typing import Any
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
 from pas.algebra.brief import whole_or_brief
-from pas.algebra.buchberger import RINGS, Layout, Vector, graded_basis, graded_syzygies, lead, vector_degree
+from pas.algebra.buchberger import RINGS, TupleEncoding, Vector, graded_basis, graded_syzygies, lead, vector_degree
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
@@ -94,14 +94,14 @@ class Submodule:
         """The remainder of a tuple modulo the Groebner basis: zero iff it is a member."""
         vector = self._element(element)
         # flint's remainder is one up to a constant factor: a 1 at a last position tells it
-        tagged = self._layout.write((*vector, RING.constant(1)))
-        *remainder, tag = self._layout.read(_remainder(tagged, self._basis))
+        tagged = self._encoding.write((*vector, RING.constant(1)))
+        *remainder, tag = self._encoding.read(_remainder(tagged, self._basis))
         return tuple(Polynomial.from_raw(p * (1 / tag.leading_coefficient())) for p in remainder)
 
     def contains(self, element: Sequence[PolynomialLike]) -> bool:
         """Whether a tuple is a member."""
         vector = self._element(element)
-        return bool(_remainder(self._layout.write((*vector, RING.constant(0))), self._basis).is_zero())
+        return bool(_remainder(self._encoding.write((*vector, RING.constant(0))), self._basis).is_zero())
 
     __contains__ = contains
 
@@ -131,13 +131,13 @@ class Submodule:
         return whole_or_brief("Submodule", rows, "generators")
 
     @cached_property
-    def _layout(self) -> Layout:
-        return Layout((0,) * (self.width + 1))
+    def _encoding(self) -> TupleEncoding:
+        return TupleEncoding((0,) * (self.width + 1))
 
     @cached_property
     def _basis(self) -> tuple[fmpz_mpoly, ...]:
         zero = RING.constant(0)
-        basis = graded_basis([self._layout.write((*(p.raw for p in g), zero)) for g in self.generators])
+        basis = graded_basis([self._encoding.write((*(p.raw for p in g), zero)) for g in self.generators])
         reduced = fmpz_mpoly_vec(basis.elements, RINGS).autoreduction() if basis.elements else ()
         return tuple(sorted(reduced, key=_descending, reverse=True))
 
@@ -149,7 +149,7 @@ class Submodule:
 
     def _monic(self, element: fmpz_mpoly) -> Syzygy:
         scale = fmpq(1, element.leading_coefficient())
-        return tuple(Polynomial.from_raw(p * scale) for p in self._layout.read(element)[:-1])
+        return tuple(Polynomial.from_raw(p * scale) for p in self._encoding.read(element)[:-1])
 
 
 def combination(coefficients: Sequence[Any], vectors: Sequence[Vector]) -> Vector:

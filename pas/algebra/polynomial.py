@@ -18,9 +18,9 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import formula_repr, latex
+from pas.algebra.evaluation import evaluate
 from pas.algebra.expressions import read_polynomial
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
-from pas.algebra.kernels import evaluate
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 from pas.registry import loaded

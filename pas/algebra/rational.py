@@ -16,7 +16,7 @@ import re
 import sys
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias, TypeVar, cast
 
 from flint import fmpq, fmpz
 
@@ -31,6 +31,7 @@ NUMBER = re.compile(
 )
 """A quotient of integers or a decimal."""
 
+R = TypeVar("R")
 Vector = tuple[fmpq, fmpq, fmpq]
 
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
@@ -161,24 +162,28 @@ def binary_exponent(value: fmpq) -> int:
     return e if value >= fmpq(2) ** e else e - 1
 
 
-def dot(left: Sequence[fmpq], right: Sequence[fmpq]) -> fmpq:
-    """Exact scalar product."""
-    total = fmpq(0)
-    for a, b in zip(left, right, strict=True):
-        total += a * b
+def dot(left: Sequence[R], right: Sequence[R]) -> R:
+    """The scalar product, exact for exact entries: numbers or polynomials."""
+    first, second = cast(Sequence[Any], left), cast(Sequence[Any], right)
+    total: R = sum((a * b for a, b in zip(first[1:], second[1:], strict=True)), first[0] * second[0])
     return total
 
 
-def minus(left: Vector, right: Vector) -> Vector:
-    """The exact difference of two vectors in space."""
-    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
+def minus(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
+    """The difference of two vectors in space, exact for exact entries."""
+    (a, b, c), (d, e, f) = cast(Sequence[Any], left), cast(Sequence[Any], right)
+    return a - d, b - e, c - f
 
 
-def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
-    """Exact vector product of two vectors in space."""
-    a, b, c = left
-    d, e, f = right
+def cross(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
+    """The vector product of two vectors in space, exact for exact entries: numbers or polynomials."""
+    (a, b, c), (d, e, f) = cast(Sequence[Any], left), cast(Sequence[Any], right)
     return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
+    """The determinant of three vectors: positive where they go round counterclockwise, seen from their tips."""
+    return dot(a, cross(b, c))
 
 
 def plain(value: fmpq) -> str:

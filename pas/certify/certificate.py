@@ -17,20 +17,21 @@ class Certificate(Verdicts):
     regular inside its clip face (or inside the region, where the clip is none of its faces).
     `faces`: one for each interior face: exact C^k.  `one_sheet`: every ray from the centre meets
     the surface at most once, transversally.  `enclosed`: the surface leaves the region through the
-    contact curves only.
+    contact curves only.  `further`: what the claims of `pas.certify.proofs.CLAIMS` came to.
     """
 
     contacts: tuple[Verdict, ...]
     faces: tuple[Verdict, ...]
     one_sheet: Verdict
     enclosed: Verdict
+    further: tuple[Verdict, ...] = ()
 
     __repr__ = brief
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
         """All verdicts in the order of proof."""
-        return (*self.contacts, *self.faces, self.one_sheet, self.enclosed)
+        return (*self.contacts, *self.faces, self.one_sheet, self.enclosed, *self.further)
 
     def __str__(self) -> str:
         width = max(len(verdict.claim) for verdict in self.verdicts)
@@ -43,13 +44,14 @@ class Certificate(Verdicts):
         return "\n".join(lines)
 
     def to_record(self) -> dict[str, Any]:
-        """A JSON-ready form."""
-        return {
+        """A JSON-ready form; `further` only where there is something."""
+        record = {
             "contacts": [v.to_record() for v in self.contacts],
             "faces": [v.to_record() for v in self.faces],
             "one_sheet": self.one_sheet.to_record(),
             "enclosed": self.enclosed.to_record(),
         }
+        return record | ({"further": [v.to_record() for v in self.further]} if self.further else {})
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Certificate:
@@ -59,4 +61,5 @@ class Certificate(Verdicts):
             tuple(Verdict.from_record(v) for v in record["faces"]),
             Verdict.from_record(record["one_sheet"]),
             Verdict.from_record(record["enclosed"]),
+            tuple(Verdict.from_record(v) for v in record.get("further", ())),
         )

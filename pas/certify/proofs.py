@@ -29,8 +29,8 @@ All inequalities are proved by Bernstein branch and bound with rounding accounte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from flint import fmpq_mpoly
@@ -45,10 +45,13 @@ from pas.certify.certificate import Certificate
 from pas.certify.contact_proofs import check_join, contact_verdict, from_signs, global_point
 from pas.certify.meetings import alpha_signs, meetings
 from pas.certify.openings import opening_verdict
+from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
 __all__ = [
+    "CLAIMS",
+    "Claim",
     "certify",
     "check_join",
     "contact_verdict",
@@ -60,6 +63,18 @@ __all__ = [
 ]
 
 
+@dataclass(frozen=True)
+class Claim:
+    """One more thing that is promised of surfaces: `prove` gives its verdicts, with claims in words of their own."""
+
+    name: str
+    prove: Callable[[PiecewisePolynomial], Sequence[Verdict]]
+
+
+CLAIMS: Registry[Claim] = Registry("claim about surfaces", {})
+"""What is proved of every surface beside its contacts, faces, sheets and walls; old files have no verdicts on it."""
+
+
 def certify(surface: PiecewisePolynomial) -> Certificate:
     """Prove everything that is promised of the surface."""
     return Certificate(
@@ -67,6 +82,7 @@ def certify(surface: PiecewisePolynomial) -> Certificate:
         tuple(face_verdict(surface, i) for i in range(len(surface.partition.interior_faces))),
         sheet_verdict(surface),
         enclosed_verdict(surface),
+        tuple(verdict for claim in CLAIMS.values() for verdict in claim.prove(surface)),
     )
 
 

@@ -3,8 +3,8 @@
 Values at the lattice points of each triangle, times the inverse of the Bernstein polynomials' values there, which is
 exact before it is rounded.  With |x| <= r in each coordinate, the points err by 4 u r, and by 2 u r for each time that
 a triangle was cut at middles of its sides, in all by at most 16 u r, values by Horner's rule by
-2 (n + 3) u sum |c| r^|a| (see `pas.algebra.kernels`), the product with m columns by (m + 2) u times the sizes, and so
-does the one that raises the degree.
+2 (n + 3) u sum |c| r^|a| (see `pas.algebra.evaluation`), the product with m columns by (m + 2) u times the sizes, and
+so does the one that raises the degree.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import horner, order_of_rule
+from pas.algebra.evaluation import horner, order_of_rule
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.surface.kernels import compiled
 
 BLOCK = 4096
 """Triangles worked on at once: what is needed of them stays in the caches."""
@@ -57,20 +57,23 @@ class TriangleForms:
         """The least and the largest B-coefficient (T,) of f on triangles (T, 3, 3), `closer` those of a higher degree,
         which are nearer to its values."""
         raising = elevation(self.degree, ELEVATED * self.degree) if closer else None
-        table, places = self._value[0, order_of_rule(self.degree)], lattice(self.degree)[:2]
+        table, (places, inverse, _) = self._value[0, order_of_rule(self.degree)], lattice(self.degree)
+        higher = (0, places) if raising is None else (len(raising), raising)
         low, high = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            low[here], high[here] = compiled().ranges(self.degree, places, raising, table, corners[here])
+            given = (self.degree, len(places), places, inverse, *higher, table, len(corners[here]), corners[here])
+            compiled().call("pas_ranges", *given, low[here], high[here])
         return low, high
 
     def slopes(self, corners: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """On triangles (T, 3, 3) the least B-coefficient (T,) of the derivative along normals (T, 3), and the largest
         size (T,) of those of the gradient."""
         degree = self.degree - 1
-        table, places = self._gradient[:, order_of_rule(degree)], lattice(degree)[:2]
+        table, (places, inverse, _) = self._gradient[:, order_of_rule(degree)], lattice(degree)
         least, sizes = np.empty((2, len(corners)))
         for here in _blocks(len(corners)):
-            least[here], sizes[here] = compiled().slopes(degree, places, table, corners[here], normals[here])
+            given = (degree, len(places), places, inverse, table, len(corners[here]), corners[here], normals[here])
+            compiled().call("pas_slopes", *given, least[here], sizes[here])
         return least, np.sqrt(sizes)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.kernels.library import compiled
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
-from pas.surface.kernels import compiled
 
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
@@ -28,7 +28,10 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     """
     ways = ends - origin
     towards = ways / np.maximum(norms(ways), 1e-300)[:, None]
-    return compiled().crossed(points, triangles, origin, ways, towards, (GRAZING, SURE))
+    times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
+    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, GRAZING, SURE)
+    compiled().call("pas_crossed", *given, times, known)
+    return times, known
 
 
 def volumes(corners: Floats) -> tuple[Floats, Floats]:

@@ -3,50 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import re
-import sys
-from typing import TYPE_CHECKING, Any, NoReturn
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from pas.cli import commands, problems
-from pas.cli.bench import run_bench
+from pas.cli.arguments import Parser, add_settings
 from pas.cli.common import EXIT_CODES
-from pas.errors import meant
+from pas.exchange.formats import Request
+from pas.exchange.picture_options import Picture
+from pas.settings import MeshSettings
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction["Parser"]
-
-
-class Parser(argparse.ArgumentParser):
-    """A reader of arguments that guesses what a misspelt command or option was meant to be."""
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong on stderr and end with exit code 2."""
-        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
-        if wrong:
-            message = f"there is no command {wrong[1]!r}" + (
-                meant(wrong[1], re.findall(r"[\w-]+", wrong[2])) or f"; there are {wrong[2]}"
-            )
-        option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
-        if option:
-            message += meant(option[1], self.options)
-        super().error(message)
-
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As usual, but a project file after --curvature, whose word may be left out, is not its word."""
-        words = list(sys.argv[1:] if args is None else args)
-        for place, word in enumerate(words[:-1]):
-            if word == "--curvature" and words[place + 1].endswith(".json"):
-                words[place] = "--curvature=mean"
-        return super().parse_known_args(words, namespace)
-
-    @property
-    def options(self) -> list[str]:
-        """All long options, those of commands included."""
-        found = list(self._option_string_actions)
-        for action in self._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                found += [o for command in action.choices.values() for o in command._option_string_actions]
-        return [o for o in dict.fromkeys(found) if o.startswith("--")]
 
 
 def parser() -> argparse.ArgumentParser:
@@ -145,7 +113,7 @@ def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
         metavar="T",
         help="of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's",
     )
-    _tolerance(parser, "the file's, or 0.001 of the size")
+    add_settings(parser, MeshSettings, "the file's, or 0.001 of the size")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
     parser.set_defaults(command=command, run=problems.run_problem)
 
@@ -197,9 +165,13 @@ def _mesh_parser(added: Commands) -> None:
     parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
-        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; closed: also .3mf"
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="a file of triangles; its suffix, such as .stl, says the format",
     )
-    _tolerance(parser, "0.001 of the longest side")
+    add_settings(parser, MeshSettings, "0.001 of the longest side")
     parser.set_defaults(command="mesh", run=commands.run_mesh)
 
 
@@ -217,15 +189,9 @@ def _render_parser(added: Commands) -> None:
         "--curvature", nargs="?", const="mean", metavar="WHICH",
         help="colours by curvature: mean (default), gauss, or a principal one, max or min",
     )  # fmt: skip
-    style.add_argument(
-        "--style", metavar="STYLE", help="any style by its name: plain, zebra, highlights, mean, gauss, max, min"
-    )
-    parser.add_argument("--combs", action="store_true", help="curvature combs along sections and contact curves")
-    parser.add_argument("--four-views", action="store_true", help="from four sides")
-    parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")
-    parser.add_argument("--cut", action="store_true", help="without what is in front of the middle plane")
-    _tolerance(parser, "finer than a picture shows")
-    parser.set_defaults(command="render", run=commands.run_render, style="plain")
+    add_settings(style, Picture, leave=[f.name for f in fields(Picture) if f.name != "style"])
+    add_settings(parser, Picture, "finer than a picture shows", ["style"])
+    parser.set_defaults(command="render", run=commands.run_render)
 
 
 def _write_parser(added: Commands) -> None:
@@ -237,8 +203,8 @@ def _write_parser(added: Commands) -> None:
 
 def _output_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
-    parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
-    _tolerance(parser, "0.001 of the size")
+    add_settings(parser, Request)
+    add_settings(parser, MeshSettings, "0.001 of the size")
 
 
 def _convert_parser(added: Commands) -> None:
@@ -263,7 +229,7 @@ def _teapot_parser(added: Commands) -> None:
     parser.add_argument("--lid-height", default="7/5", metavar="Z", help="height of the knob's top")
     parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
     parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
-    _tolerance(parser, "0.001")
+    add_settings(parser, MeshSettings, "0.001")
     parser.set_defaults(command="teapot", run=problems.run_teapot)
 
 
@@ -293,13 +259,4 @@ def _bench_parser(added: Commands) -> None:
     parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
     parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
     parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
-    parser.set_defaults(command="bench", run=run_bench)
-
-
-def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="T",
-        help=f"largest distance of the mesh from the surface (default: {default})",
-    )
+    parser.set_defaults(command="bench", run=commands.run_bench)

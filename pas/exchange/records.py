@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, plain
 from pas.contacts.contact import Contact
 from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Table, list_of, maybe, one_of, row
@@ -44,7 +45,8 @@ VERDICT = Table(
     }
 )
 CERTIFICATE = Table(
-    {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT}
+    {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
+    {"further": list_of(VERDICT)},
 )
 
 
@@ -127,6 +129,8 @@ def normalization_record(normalization: Normalization) -> dict[str, Any]:
 def read_normalization(record: dict[str, Any]) -> Normalization:
     """The normalisation of `normalization_record`."""
     kind = record["kind"]
+    if kind not in NORMALIZATIONS:
+        raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(kind)}")
     if kind == "value-at":
         if "point" not in record:
             raise ValueError("a normalisation by a value needs its point")

@@ -20,10 +20,9 @@ from pas.algebra.rational import plain, vector
 from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Table, Value, choice, later, list_of
 from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
 from pas.partition.kinds import read_partition
-from pas.solid.distance import Distance, Moved
+from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.pieces import Pieces
-from pas.solid.shell import Near
+from pas.solid.shell import FaceDistance, Hollowable
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -72,7 +71,7 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def solid_record(solid: Solid) -> dict[str, Any]:
+def solid_record(solid: Hollowable) -> dict[str, Any]:
     """Everything that defines a solid, exact; each function is written once."""
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
@@ -132,7 +131,7 @@ def function_record(function: Function) -> dict[str, Any]:
     if isinstance(function, Pieces):
         polynomials = [polynomial_record(p) for p in function.polynomials]
         return {"pieces": polynomials, "partition": function.partition.to_record()}
-    if isinstance(function, Near):
+    if isinstance(function, FaceDistance):
         return {
             "near": solid_record(function.solid),
             "faces": list(function.faces),
@@ -168,7 +167,9 @@ def read_function(record: dict[str, Any]) -> Function:
     if "pieces" in record:
         return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
     if "near" in record:
-        return Near(read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"]))
+        return FaceDistance(
+            read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"])
+        )
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 typedef struct {
     whole size, count, number;
@@ -14,8 +14,6 @@ typedef struct {
     whole *first, *around, *edge_first, *next_to;
     char *seen;
 } Mesh;
-
-double pas_upright(const whole *triangle, const double *points, const double *normals);
 
 static double ratio(const Mesh *m, whole a, whole b)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 enum { FINE, OPEN, PINCHED };
 

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 static inline double dot(const double *u, const double *v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 

@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pas.h"
 #include "vectors.h"
-
-typedef ptrdiff_t whole;
 
 /* `corners` are the rows of `normals` for each corner of the triangles; `first` (size + 1) says where the corners of
    each vertex begin in `around`; `seen` (size) are marks of numbers of collapses. */

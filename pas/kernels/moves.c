@@ -5,13 +5,8 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "pas.h"
 #include "vectors.h"
-
-typedef ptrdiff_t whole;
-
-int pas_grown(whole count, const whole *edges, whole size, const double *points, double grade, double *lengths);
-int pas_centred(whole count, const whole *triangles, whole size, const double *points, const double *sizes,
-                double *moves);
 
 /* What rims turn at vertices, over the length of their edges, which are those from `inner` on; 0 where they are fixed.
    Each vertex of a rim begins one edge and ends one. */

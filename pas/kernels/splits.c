@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 /* Into `marks` (edges) which of the edges that are the longest, over what each should be, of some triangle are longer
    than `limit`.  All edges of the triangles are there, once each. */

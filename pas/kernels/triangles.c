@@ -8,9 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pas.h"
 #include "vectors.h"
-
-typedef ptrdiff_t whole;
 
 static inline void across(const double *points, whole a, whole b, whole c, double *normal)
 {

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 static inline double dot(const double *u, const double *v)
 {

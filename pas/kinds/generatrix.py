@@ -38,6 +38,7 @@ from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.meshing import RELATIVE
 from pas.render.generatrix import layers, sphere_layers
+from pas.settings import MeshSettings
 from pas.shape import Kind
 from pas.verdicts import Verdicts
 
@@ -160,11 +161,12 @@ def _middle(shape: GeneratrixShape) -> list[Any] | None:
     return list(middle)
 
 
-def _mesh(blend: GeneratrixBlend, tolerance: Any, domain: Any) -> Mesh:
+def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
     """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
-    if domain is not None:
-        return blend.surface.mesh(tolerance, domain)
-    return blend.mesh(RELATIVE * extent(blend.surface) if tolerance is None else tolerance)
+    if settings.domain is not None:
+        return blend.surface.meshed(settings)
+    usual = RELATIVE * extent(blend.surface)
+    return blend.meshed(replace(settings, tolerance=settings.tolerance or usual))
 
 
 BLEND = Kind(

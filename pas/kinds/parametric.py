@@ -103,7 +103,6 @@ SURFACE = Kind(
     lambda surface, _: {"surface": _surface_record(surface)},
     lambda content: _read_surface(content["surface"]),
     surface_layers,
-    mesh=ParametricSurface.mesh,
     patches=exact_patches,
     curved=True,
 )
@@ -172,7 +171,6 @@ BLEND = Kind(
     _blend_record,
     _read_blend,
     blend_layers,
-    mesh=ParametricBlend.mesh,
     patches=lambda blend, domain: exact_patches(blend.surface, domain),
     curved=True,
 )
@@ -259,7 +257,7 @@ PATCH = Kind(
     _patch_record,
     _read_patch,
     lambda patch, scene: surface_layers(patch.surface(), scene),
-    mesh=lambda patch, tolerance, domain: patch.surface().mesh(tolerance, domain),
+    mesh=lambda patch, settings: patch.surface().meshed(settings),
     patches=lambda patch, domain: (patch,),
     curved=True,
 )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pas.algebra.rational import Vector, minus
+from pas.algebra.rational import Vector, determinant, minus
 from pas.errors import GeometryError
 from pas.partition.complex import CellComplex, OuterFace
-from pas.partition.layout import Layout, Ray, Triangle, primitive, times_covered, turns
+from pas.partition.layout import Layout, Ray, Triangle, primitive, times_covered
 
 
 def check_around_center(cells: CellComplex, center: Vector) -> None:
@@ -18,7 +18,7 @@ def check_around_center(cells: CellComplex, center: Vector) -> None:
     in it.
     """
     triangles = [triangle for triangle, _, _ in cells.inner_triangles]
-    if any(turns(*(minus(p, center) for p in cells.corners(triangle))) != 0 for triangle in triangles):
+    if any(determinant(*(minus(p, center) for p in cells.corners(triangle))) != 0 for triangle in triangles):
         raise GeometryError("an interior face of the partition does not pass through its centre")
     if any(face.plane.at(center) >= 0 for face in cells.outer_faces):
         raise GeometryError("the centre of the partition is not inside the region")
@@ -59,7 +59,7 @@ def _rays(cells: CellComplex, center: Vector) -> dict[int, Ray]:
 def _turned(face: OuterFace, rays: dict[int, Ray]) -> Triangle:
     """A face's vertices, counterclockwise seen from outside."""
     a, b, c = face.vertices
-    return (a, b, c) if turns(rays[a], rays[b], rays[c]) > 0 else (a, c, b)
+    return (a, b, c) if determinant(rays[a], rays[b], rays[c]) > 0 else (a, c, b)
 
 
 def _boundary(faces: Sequence[Triangle]) -> list[int] | None:

@@ -8,24 +8,24 @@ for everything but that proof.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine, Frame
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, plain, texts, to_float, to_floats, vector
-from pas.described import constructor_keys
 from pas.errors import GeometryError
 from pas.partition.around import check_around_center, outline
 from pas.partition.complex import CellComplex
 from pas.partition.layout import Layout
 from pas.partition.location import Location
+from pas.registry import Serialisable
 
 
-class Partition(CellComplex):
+class Partition(CellComplex, Serialisable):
     """A region cut into tetrahedra.
 
     `vertices` are exact points (three numbers each), `cells` quadruples of vertex indices,
@@ -84,16 +84,6 @@ class Partition(CellComplex):
             "cells": [list(cell) for cell in self.cells],
             "pieces": [list(piece) for piece in self.pieces],
         } | ({} if self.title == self.name else {"title": self.title})
-
-    @classmethod
-    def keys(cls) -> Mapping[str, bool]:
-        """The keys of its tables besides the kind, and whether they must have them."""
-        return constructor_keys(cls)
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """The partition of a table, without its kind; raises as the constructor does."""
-        return cls(**record)
 
     def moved(self, map_: Affine) -> Partition:
         """The image under an affine map, exact; cells and pieces keep their numbers."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.rational import Vector, to_floats
+from pas.algebra.rational import Vector, cross, dot, minus, to_floats
 from pas.errors import GeometryError
 
 Indices = tuple[int, ...]
@@ -152,7 +152,7 @@ class CellComplex:
 
     def barycentric(self, points: Floats, cells: Sequence[int] | None = None) -> Floats:
         """Barycentric coordinates of `points` (N, 3) in every cell, or in given ones: (cells, 4, N)."""
-        maps = self._barycentric_maps if cells is None else self._barycentric_maps[list(cells)]
+        maps = self.barycentric_maps if cells is None else self.barycentric_maps[list(cells)]
         product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
         return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 
@@ -166,7 +166,8 @@ class CellComplex:
         return np.where(depth.max(axis=0) >= -tolerance, best, -1)
 
     @cached_property
-    def _barycentric_maps(self) -> Floats:
+    def barycentric_maps(self) -> Floats:
+        """From points and 1 to their barycentric coordinates in each cell, (cells, 4, 4)."""
         corners = np.concatenate([self.points, np.ones((len(self.points), 1))], axis=1)
         return np.linalg.inv(np.swapaxes(corners[np.array(self.cells)], 1, 2))
 
@@ -197,14 +198,12 @@ def _over_one(points: Sequence[Vector]) -> tuple[int, list[Whole]]:
 
 def _normal(a: Whole, b: Whole, c: Whole) -> Whole:
     """The vector product of b - a and c - a."""
-    x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    u, v, w = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    return y * w - z * v, z * u - x * w, x * v - y * u
+    return cross(minus(b, a), minus(c, a))
 
 
 def _height(a: Whole, b: Whole, c: Whole, d: Whole) -> int:
     """Six times the volume of a tetrahedron, positive where d is on the side of the normal of a, b, c."""
-    return sum(n * (y - x) for n, x, y in zip(_normal(a, b, c), a, d, strict=True))
+    return dot(_normal(a, b, c), minus(d, a))
 
 
 def _linear(way: Whole, point: Whole, denominator: int, sign: int) -> Polynomial:

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.described import described
 from pas.partition.cells import Partition
-from pas.registry import Registry
+from pas.registry import Registry, read_record
 
 PARTITIONS: Registry[type[Partition]] = Registry(
     "partition",
@@ -42,4 +41,4 @@ def read_partition(record: Mapping[str, Any]) -> Partition:
 
     Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
     """
-    return described(PARTITIONS, record, next(iter(PARTITIONS)))
+    return read_record(PARTITIONS, record, next(iter(PARTITIONS)))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Sequence
+from itertools import accumulate, chain, pairwise
+from typing import Any, Self
 
 from pas.algebra.affine import Affine
-from pas.algebra.rational import vector
+from pas.algebra.rational import Vector, vector
 from pas.partition.cells import Partition
 from pas.partition.layout import primitive
 
@@ -22,6 +24,18 @@ class Region(Partition):
     """
 
     name = "region"
+
+    @classmethod
+    def of_triangles(cls, pieces: Sequence[Sequence[tuple[Vector, ...]]], center: Vector, title: str) -> Self:
+        """The cells from the centre over triangles, whose corners are given relative to it, piece by piece."""
+        numbers: dict[Vector, int] = {}
+        cells = [
+            [(0, *(numbers.setdefault(corner, 1 + len(numbers)) for corner in triangle)) for triangle in piece]
+            for piece in pieces
+        ]
+        ends = [0, *accumulate(map(len, cells))]
+        vertices = [center, *(tuple(a + b for a, b in zip(center, corner, strict=True)) for corner in numbers)]
+        return cls(vertices, list(chain(*cells)), center, [range(a, b) for a, b in pairwise(ends)], title)
 
     def moved(self, map_: Affine) -> Region:
         """See `Partition.moved`; a direction in the title goes along."""

@@ -27,8 +27,8 @@ from pas.errors import GeometryError
 from pas.fairing.basis import to_doubles
 from pas.fairing.energies.even_wall import EvenWall, Thickness
 from pas.fairing.wishes import Wishes
-from pas.layouts.nodes import Node
-from pas.layouts.seen import power_of_two
+from pas.layouts.discs import power_of_two
+from pas.layouts.nodes import ContactNode
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.partition.regions import Region
@@ -170,7 +170,7 @@ class Cavity:
         center = self._moved(self.evenness, own.center)
         if center is not None:
             with suppress(GeometryError):
-                yield next(Node.of(self.contacts, center).regions(self.outer.surface.order))
+                yield next(ContactNode.of(self.contacts, center).regions(self.outer.surface.order))
 
     def _moved(self, evenness: EvenWall, center: Vector) -> Vector | None:
         """A centre further in; None where there is none towards the contacts, nor one from which all of them are seen.

@@ -7,10 +7,11 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from pas.exchange.picture_options import Style
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import draw
-from pas.render.scene import BLEND_COLOR, Layer, Scene, Style
+from pas.render.scene import BLEND_COLOR, Layer, Scene
 from pas.shape import Shape
 
 VIEW = (0.35, -1.0, 0.45)

@@ -11,12 +11,13 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.render.combs import add_combs, hair_length, tips
 from pas.render.legend import add_comb_legend, add_legend, bar, room
 from pas.render.plotting import FOUR_VIEWS, look_at, offscreen_pyvista, widest_view
-from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Picture, PictureOptions, Scene, scene_of
+from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
 from pas.shape import Shape
 
 GAP = 0.35

@@ -1,4 +1,4 @@
-"""What a picture is made of: its settings, the layers that shapes add to its scene, and what a style does with them.
+"""What a picture is made of: the layers that shapes add to its scene, and what a style does with them.
 
 A style of one's own is a `Coloring` with a name, registered by `pas.exchange.picture_options.STYLES.register(...)`;
 then `pas.draw(..., style=NAME)`, `pas render --style NAME` and problem files know it.
@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from enum import Enum
-from typing import Any, ClassVar, TypedDict
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
-from pas.algebra.inputs import check_flag, check_tolerance, shown, whole
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.errors import meant
-from pas.exchange.picture_options import STYLES, check_style, check_view
+from pas.exchange.picture_options import STYLES, Picture
 from pas.mesh.mesh import Mesh
 from pas.shape import Kind, Shape, kind_of
 
@@ -105,103 +103,6 @@ class Coloring(ABC):
         """The colours of each of the scene's layers, and what they stand for."""
 
 
-SIZE = (1200, 900)
-
-MOST_PIXELS = 16384
-"""Width and height of a picture, as graphics libraries have it."""
-
-
-class Style(Enum):
-    """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
-
-    PLAIN = "plain"
-    ZEBRA = "zebra"
-    HIGHLIGHTS = "highlights"
-    MEAN = "mean"
-    GAUSS = "gauss"
-    MAX = "max"
-    MIN = "min"
-    CURVATURE = "curvature"
-
-
-class PictureOptions(TypedDict, total=False):
-    """The fields of `Picture` as keywords of `pas.draw` and `pas.show`."""
-
-    style: Style | str
-    combs: bool
-    size: tuple[int, int]
-    view: Any
-    domain: Any
-    tolerance: float | None
-    four_views: bool
-    exploded: bool
-    cut: bool
-
-
-@dataclass(frozen=True)
-class Picture:
-    """How shapes are drawn; `pas.draw` and `pas.show` take each of these by name.
-
-    `style`: what the colours show, a `pas.Style` or a name.  `combs`: with curvature combs, hairs whose lengths are the
-    normal curvature along sections and contact curves.  `size` in pixels.  `view`: the direction from where one looks,
-    of blends by patches in the frame of the contact directions, else in the coordinates.  `domain`: that of
-    `ParametricSurface.mesh`, for all parametric shapes.  `tolerance`: of the meshes, in the model's units.
-
-    `four_views`: from four sides.  `exploded`: the parts lifted apart.  `cut`: without what is in front of the middle
-    plane y = const.
-
-    Raises `TypeError` for what is no style or no truth value, `ValueError` for an unknown style and a bad tolerance.
-    """
-
-    style: Style | str = Style.PLAIN
-    combs: bool = False
-    size: tuple[int, int] = SIZE
-    view: Any = None
-    domain: Any = None
-    tolerance: float | None = None
-    four_views: bool = False
-    exploded: bool = False
-    cut: bool = False
-
-    def __post_init__(self) -> None:
-        check_style(self._name)
-        for name in ("combs", "four_views", "exploded", "cut"):
-            check_flag(getattr(self, name), name)
-        if isinstance(self.size, str) or not hasattr(self.size, "__len__") or len(self.size) != 2:
-            raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
-        for i, pixels in enumerate(self.size):
-            whole(pixels, f"size[{i}]", 1, MOST_PIXELS)
-        if self.view is not None:
-            check_view(self.view)
-        if self.tolerance is not None:
-            check_tolerance(self.tolerance)
-
-    @property
-    def _name(self) -> Any:
-        return self.style.value if isinstance(self.style, Style) else self.style
-
-    @property
-    def coloring(self) -> Coloring:
-        """What the style does."""
-        coloring: Coloring = STYLES[self._name]
-        return coloring
-
-    @property
-    def curved(self) -> bool:
-        """Whether curvatures are needed."""
-        return self.combs or self.coloring.curved
-
-    @classmethod
-    def of(cls, options: Mapping[str, Any]) -> Picture:
-        """The settings of options by name; raises `TypeError` with a guess for another name."""
-        known = [f.name for f in fields(cls)]
-        for name in options:
-            if name not in known:
-                guess = meant(name, known) or f"; there are {', '.join(known)}"
-                raise TypeError(f"a picture has no option {name!r}{guess}")
-        return cls(**options)
-
-
 @dataclass
 class Scene:
     """What is to be seen: the kinds' `layers` functions add to it.
@@ -219,7 +120,8 @@ class Scene:
     @property
     def coloring(self) -> Coloring:
         """What the colours show."""
-        return self.picture.coloring
+        coloring: Coloring = self.picture.coloring
+        return coloring
 
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""

@@ -12,9 +12,10 @@ from tempfile import TemporaryDirectory
 from typing import Unpack
 
 from pas.errors import MissingLibraryError, PasError
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.mesh.mesh import Mesh
 from pas.render.picture import draw, plotted
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")

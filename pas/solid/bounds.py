@@ -17,8 +17,8 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
-from pas.solid.distance import followed_by
-from pas.solid.program import Program
+from pas.solid.evaluator import TreeEvaluator
+from pas.solid.functions import followed_by
 from pas.solid.tree import Bools, Node, Tree, is_contradiction
 
 FARTHEST = 2.0**24
@@ -74,17 +74,17 @@ def _branches(tree: Tree) -> list[Tree]:
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
-    program = Program(tree, ORIGIN, fmpq(1))
-    start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
     if start is None:
         return None
     try:
-        return _shrunk(program, start, seen)
+        return _shrunk(evaluator, start, seen)
     except GeometryError:
         within = _within_unions(tree, start)
         if (within == start).all():
             raise
-        return _shrunk(program, within, seen)
+        return _shrunk(evaluator, within, seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
@@ -167,12 +167,12 @@ def _programmed(matrix: Floats, box: Floats) -> Floats | None:
     return np.asarray(ends + np.array([[-1.0], [1.0]]) * SLACK * (1 + np.abs(ends)))
 
 
-def _shrunk(program: Program, start: Floats, seen: Floats) -> tuple[Floats, Floats] | None:
+def _shrunk(evaluator: TreeEvaluator, start: Floats, seen: Floats) -> tuple[Floats, Floats] | None:
     """The hull of the boxes that cannot be ruled out, halved until those at its sides are small beside it.
 
     Also the box of all points seen: of the set, and of others in the box `seen`.
     """
-    hull = _Hull(program, seen)
+    hull = _Hull(evaluator, seen)
     found = search(_first_boxes(start), hull.judge, hull.halved, LIMITS, "bounding a solid")
     if not len(found.open):
         return None
@@ -190,17 +190,17 @@ class _Hull:
     A side is left as it is where such points come that near to it.  Boxes wait that are small, or not at the sides.
     """
 
-    def __init__(self, program: Program, seen: Floats) -> None:
-        self.program, self.seen, self.box, self._waiting = program, seen, NOTHING, 0
+    def __init__(self, evaluator: TreeEvaluator, seen: Floats) -> None:
+        self.evaluator, self.seen, self.box, self._waiting = evaluator, seen, NOTHING, 0
 
     def judge(self, boxes: Boxes, level: int) -> Fates:
         """Boxes that the set may meet are halved or wait; of those that waited, which stand last, it is known."""
         possible, new = np.ones(len(boxes), dtype=bool), slice(len(boxes) - self._waiting)
-        yes, no = self.program.taylor(boxes.centers[new], boxes.halves[new])
-        possible[new] = self.program.holds(~no, ~yes)
+        yes, no = self.evaluator.taylor(boxes.centers[new], boxes.halves[new])
+        possible[new] = self.evaluator.holds(~no, ~yes)
         fates, left = np.full(len(boxes), Fate.SETTLED.value), boxes.select(possible)
         within = boxes.centers[new][possible[new]]
-        within = within[self.program.inside(self.program.signs(within))]
+        within = within[self.evaluator.inside(self.evaluator.signs(within))]
         self.seen = _hull([self.seen, *np.repeat(within[:, None], 2, axis=1)])
         if len(left):
             low, high = left.centers - left.halves, left.centers + left.halves

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from pas.exchange.picture_options import Picture
 from pas.render.combs import hair_length
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import scene_of
 from pas.shape import Shape, kind_of
 from pas.studio.messages import Message
 from pas.surface.fairness_limits import LOOSE, NODE_SHARPNESS

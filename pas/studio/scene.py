@@ -21,10 +21,11 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
 from pas.blending.place import ended, places
 from pas.contacts.joins import Join
+from pas.exchange.picture_options import Picture
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.render.piecewise import sharpest_neighbour
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import scene_of
 from pas.shape import Shape, kind_of
 from pas.studio.controls import SHAPE
 from pas.studio.messages import Message

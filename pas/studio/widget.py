@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 NOTEBOOK = Path(__file__).parent / "notebook"
 
-ORDER = ("algebra", "shaders", "cast", "sheet", "scene", "controls", "handles", "curvature", "view", "studio", "widget")
-"""Modules of the page, each after those that it imports."""
-
 IMPORT = re.compile(r'^import \{(?P<names>[^}]*)\} from "\./(?P<module>\w+)\.js";$', re.M)
 EXPORT = re.compile(r"^export (?=(?:const|class|(?:async )?function) (?P<name>\w+))", re.M)
 
@@ -38,15 +36,25 @@ EXPORT = re.compile(r"^export (?=(?:const|class|(?:async )?function) (?P<name>\w
 @cache
 def module() -> str:
     """All modules of the page in one, as notebooks want it: each in a function that gives what it exports."""
+    texts = {file.stem: file.read_text(encoding="utf-8") for folder in (PAGE, NOTEBOOK) for file in folder.glob("*.js")}
+    imports = {name: [found["module"] for found in IMPORT.finditer(text)] for name, text in texts.items()}
+    needed = ["widget"]  # and what it imports, and what that does
+    for name in needed:
+        needed += [other for other in imports[name] if other not in needed]
     parts = []
-    for name in ORDER:
-        folder = PAGE if (PAGE / f"{name}.js").exists() else NOTEBOOK
-        text = (folder / f"{name}.js").read_text(encoding="utf-8")
-        text = IMPORT.sub(lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", text)
+    for name in TopologicalSorter({name: imports[name] for name in needed}).static_order():
+        text = IMPORT.sub(
+            lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", texts[name]
+        )
         names = ", ".join(found["name"] for found in EXPORT.finditer(text))
         text = EXPORT.sub("", text).replace("export default", "const widget =")
         parts.append(f"const {name}_ = (() => {{\n{text}\nreturn {{ {names or 'widget'} }};\n}})();")
     return "\n".join([*parts, "export default widget_.widget;"])
+
+
+def _taken(found: re.Match[str]) -> str:
+    """An import as a line that takes what is named from the module's function."""
+    return f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;"
 
 
 def document_of(shape: Shape, session: StudioSession) -> Data:

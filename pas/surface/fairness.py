@@ -31,7 +31,7 @@ from pas.surface.fairness_limits import (
     widest,
 )
 from pas.surface.function import PiecewisePolynomial
-from pas.surface.geometry import FIRST, SECOND, Geometry, jets
+from pas.surface.geometry import FIRST, SECOND, Geometry
 from pas.surface.sections import AROUND, circle, planes, runs
 
 RAYS = 4000
@@ -168,7 +168,7 @@ class _Measuring:
             raise GeometryError("fairness is measured on rays from the centre of a region with contacts; there is none")
         self.surface, self.degree = surface, surface.degree
         self.scale = to_float(surface.partition.frame.scale)
-        self.columns = [patch.dense(surface.degree) for patch in surface.scaled.polynomials]
+        self.columns = surface.evaluator.columns
         if any(column[0] >= 0 for column in self.columns):
             raise GeometryError("fairness is measured on rays from the centre, and it is not inside the surface")
         if not self.neighbours:
@@ -183,10 +183,7 @@ class _Measuring:
 
     def fairness(self) -> Fairness:
         local = self.rays.directions * self.rays.distances[:, None]
-        found = np.concatenate(
-            [jets(local[here], self.columns[piece], self.degree) for piece, here in self.rays.slices]
-        )
-        geometry = Geometry(found)
+        geometry = Geometry(self.surface.evaluator.batch(0, 1, 2, 3)(local, self.rays.pieces))
         curvatures = geometry.principal / self.scale
         cosines = np.maximum((geometry.normals * self.rays.directions).sum(axis=1), 1e-6)
         areas = self.rays.solid_angles * self.rays.distances**2 / cosines * self.scale**2
@@ -241,9 +238,7 @@ class _Measuring:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
         rays, numbers = Directions.along(self.surface.placed, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
-        jet = np.empty((len(local), 20))
-        for piece, here in rays.slices:
-            jet[here] = jets(local[here], self.columns[piece], self.degree)
+        jet = self.surface.evaluator.batch(0, 1, 2)(local, rays.pieces)
         normal = np.cross(first, second)
         slope = jet[:, FIRST] - (jet[:, FIRST] @ normal)[:, None] * normal
         length = np.linalg.norm(slope, axis=1)

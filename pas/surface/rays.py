@@ -26,7 +26,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_mat
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import order_of_rule
+from pas.algebra.evaluation import order_of_rule
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import dot, to_float, to_floats

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.exchange.formats.format import Content, Format, Request
+from pas.exchange.formats import Content, Format, Request
 from pas.exchange.volume import is_filled, tetrahedra_of
 from pas.piecewise import PiecewiseSurface
 from pas.shape import Shape, kind_of

@@ -14,7 +14,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.kernels import CHUNK_ENTRIES, evaluate
+from pas.algebra.evaluation import CHUNK_ENTRIES, evaluate
 from pas.algebra.monomials import Floats, count, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.solid.tree import Bools
@@ -31,7 +31,7 @@ NOISE = 1e-13
 """Over what a polynomial may change in a box: what rounding leaves unknown of its B-coefficients."""
 
 
-class Bank:
+class TaylorForms:
     """M polynomials as doubles."""
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:

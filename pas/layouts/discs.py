@@ -1,23 +1,29 @@
-"""Contacts as they are seen from the centre of a node: discs of directions, with the planes that end them."""
+"""Discs: contacts as they are seen from the centre of a node, and the pieces of layouts that hold them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, pi
+from math import atan2, degrees, pi
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, binary_exponent, dot, exact, to_float, to_floats
+from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, to_float, to_floats
+from pas.contacts.movable import Movable
+from pas.contacts.rims import Rim
 from pas.errors import GeometryError
+from pas.partition.layout import Layout, Ray
+
+CURVE_POINTS = 96
+"""Points of a contact's curve by which a layout is fitted to it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Disc:
     """One contact's curve: all relative to the centre, in the user's units.
 
     It lies in the plane `normal . x = height`, both exact, with `normal` pointing outwards and `height` positive;
@@ -31,18 +37,18 @@ class Seen:
     middle: Floats
 
     @classmethod
-    def of(cls, number: int, normal: Vector, point: Vector, points: Floats, middle: Floats, center: Vector) -> Seen:
-        """That of contact `number` (from 1) with a curve through exact places; raises `GeometryError` where the centre
-        lies in its plane."""
-        origin = to_floats(center)
-        height = dot(normal, tuple(p - c for p, c in zip(point, center, strict=True)))
+    def of(cls, number: int, rim: Rim, center: Vector) -> Disc:
+        """That of contact `number` (from 1); raises `GeometryError` where the centre lies in its plane."""
+        height = dot(rim.normal, minus(rim.center, center))
         if height == 0:
             raise GeometryError(
                 f"the clip plane of contact {number} passes through the centre of the node; it must leave room for "
                 "the blend"
             )
-        x, y, z = normal if height > 0 else (-c for c in normal)
-        return cls(number, (x, y, z), abs(height), np.asarray(points) - origin, np.asarray(middle) - origin)
+        x, y, z = rim.normal if height > 0 else (-c for c in rim.normal)
+        origin = to_floats(center)
+        points, middle = np.asarray(rim.points(CURVE_POINTS)), np.array(to_floats(rim.center))
+        return cls(number, (x, y, z), abs(height), points - origin, middle - origin)
 
     @cached_property
     def unit(self) -> Floats:
@@ -85,11 +91,56 @@ class Seen:
         normal = self.normal
         axis = max(range(3), key=lambda i: abs(to_float(normal[i])))
         step = power_of_two(self.radius / 64)
-        point = [fmpq(round(float(c) / to_float(step))) * step for c in place]
+        point = list(rounded(place, step))
         rest = sum((normal[i] * point[i] for i in range(3) if i != axis), fmpq(0))
         point[axis] = (self.height - rest) / normal[axis]
         x, y, z = point
         return x, y, z
+
+
+def rim_of(number: int, contact: Movable) -> Rim:
+    """The curve of contact `number` (from 1); raises `GeometryError` with that number where there is none."""
+    try:
+        return contact.rim
+    except GeometryError as error:
+        raise GeometryError(f"contact {number}: {error}") from None
+
+
+def check_fits(layout: Layout, discs: Sequence[Disc]) -> list[int]:
+    """The piece that holds each disc; raises `GeometryError` for a disc in none, or two in one."""
+    normals = [sides([layout.rays[i] for i in piece]) for piece in layout.pieces]
+    found: list[int] = []
+    for disc in discs:
+        towards = unit(disc.points).T
+        here = [p for p, inwards in enumerate(normals) if (inwards @ towards).min() > 0]
+        if len(here) != 1:
+            direction = ", ".join(f"{c:.3g}" for c in disc.direction)
+            raise GeometryError(
+                f"the curve of contact {disc.number} fits in no piece of the layout ({layout.name}): it is seen "
+                f"{degrees(disc.angle):.3g} degrees wide around ({direction})"
+            )
+        if here[0] in found:
+            raise GeometryError(
+                f"contacts {discs[found.index(here[0])].number} and {disc.number} lie in one piece of the layout "
+                f"({layout.name}); each needs a piece of its own"
+            )
+        found.append(here[0])
+    return found
+
+
+def room(layout: Layout, piece: int, disc: Disc) -> float:
+    """The least angle (radians) between a disc's curve and the planes of a piece's sides, negative where it is outside.
+
+    That is right for convex pieces; of others it is at most the truth.
+    """
+    sines = sides([layout.rays[i] for i in layout.pieces[piece]]) @ unit(disc.points).T
+    return float(np.arcsin(np.clip(sines.min(), -1, 1)))
+
+
+def sides(rays: Sequence[Ray]) -> Floats:
+    """The unit normals (N, 3), inwards, of the planes of a piece's sides."""
+    around = np.array(rays, dtype=float)
+    return unit(np.cross(around, np.roll(around, -1, axis=0)))
 
 
 def across(direction: Floats) -> Floats:
@@ -112,6 +163,12 @@ def turn(start: float, end: float) -> float:
 def power_of_two(size: float) -> fmpq:
     """The largest power of two up to a positive number."""
     return fmpq(2) ** binary_exponent(exact(size))
+
+
+def rounded(place: Sequence[float] | Floats, step: fmpq) -> Vector:
+    """The exact point next to a place (3,), in whole multiples of a step."""
+    x, y, z = (fmpq(round(float(c) / to_float(step))) * step for c in place)
+    return x, y, z
 
 
 def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:

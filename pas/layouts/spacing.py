@@ -1,4 +1,4 @@
-"""Arms: contacts as they leave a node, those with an end and those that may end anywhere along their axis."""
+"""How near the contacts of a node may end, of which some may end anywhere along their axis, so that all are apart."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from pas.contacts.endless import Endless
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.layouts.center import center_of
-from pas.layouts.nodes import rim_of_contact, seen
-from pas.layouts.seen import angle_between
+from pas.layouts.discs import Disc, angle_between, rim_of
 from pas.surface.fairness_limits import WEDGE
 
 SHARE = 0.6
@@ -95,7 +94,7 @@ def _center(items: Sequence[Any]) -> Vector:
     """The centre of the node, which is known before ends are, but for contacts that are all on one line."""
     free = [is_free(item) for item in items]
     rims = [
-        rim_of_contact(number, item.clipped(0) if f else as_contact(item))
+        rim_of(number, item.clipped(0) if f else as_contact(item))
         for number, (item, f) in enumerate(zip(items, free, strict=True), start=1)
     ]
     if _in_line(rims):
@@ -128,7 +127,7 @@ def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[fl
 
 
 def _given(number: int, item: Any, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
-    disc = seen(number, rim_of_contact(number, as_contact(item)), center)
+    disc = Disc.of(number, rim_of(number, as_contact(item)), center)
     wide = disc.distance * tan(min(disc.angle, WEDGE / 2))
     return Arm(disc.direction, lambda _: wide, disc.distance), lambda _: item
 

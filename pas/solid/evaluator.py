@@ -1,29 +1,26 @@
 """A tree of inequalities compiled for arrays of points and boxes.
 
-Polynomials are evaluated together (`pas.solid.bank`), in coordinates local to the solid (all points
+Polynomials are evaluated together (`pas.solid.taylor`), in coordinates local to the solid (all points
 here are), so that far from the origin nothing is lost.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
-from pas.solid.bank import Bank
-from pas.solid.gates import Branch, Code, Gates, Leaf
-from pas.solid.jets import Jets
-from pas.solid.tree import Atom, Bools, Field, Function, Tree
-
-Integers = NDArray[np.intp]
+from pas.solid.taylor import TaylorForms
+from pas.solid.tree import Atom, Bools, CompiledTree, Field, Function, Integers, Tree
+from pas.surface.geometry import derivative_batch
 
 SPLITS = 6
 """Columns read from both sides that are tried together as either: a box that meets more is halved first."""
@@ -47,7 +44,7 @@ def called(names: Iterable[str]) -> str:
     return " + ".join(names)
 
 
-class Program:
+class TreeEvaluator:
     """The columns of a tree and the code that combines their signs.
 
     A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between
@@ -61,13 +58,13 @@ class Program:
         self.columns: list[Column] = []
         self._signs: list[int] = []
         self._tree = tree
-        code = _compiled(tree, self._leaf)
+        self._compiled = CompiledTree(tree, self._column_of)
         self.used = len(self.columns)
-        self._gates = Gates(code, self.used)
         for function in extra:
             self.columns.append(Column(function, ()))
 
-    def _leaf(self, atom: Atom) -> Leaf:
+    def _column_of(self, atom: Atom) -> tuple[int, bool]:
+        """The column of an inequality, and whether that is to be > 0."""
         key, sign = _key(atom.function)
         number = self._numbers.setdefault(key, len(self.columns))
         if number == len(self.columns):
@@ -76,19 +73,18 @@ class Program:
         column = self.columns[number]
         if atom.face and atom.face not in column.names:
             self.columns[number] = Column(column.function, (*column.names, atom.face))
-        return Leaf(number, atom.outside != (sign != self._signs[number]))
+        return (number, atom.outside != (sign != self._signs[number]))
 
     @cached_property
-    def _named(self) -> tuple[dict[tuple[int, str], int], Gates]:
-        """Each column once for each name on it, "" included, and the code that combines these."""
+    def _named(self) -> tuple[dict[tuple[int, str], int], CompiledTree]:
+        """Each column once for each name on it, "" included, and the tree over these."""
         rows: dict[tuple[int, str], int] = {}
 
-        def leaf(atom: Atom) -> Leaf:
-            own = self._leaf(atom)
-            return Leaf(rows.setdefault((own.column, atom.face), len(rows)), own.negated)
+        def row_of(atom: Atom) -> tuple[int, bool]:
+            column, negated = self._column_of(atom)
+            return rows.setdefault((column, atom.face), len(rows)), negated
 
-        code = _compiled(self._tree, leaf)
-        return rows, Gates(code, len(rows))
+        return rows, CompiledTree(self._tree, row_of)
 
     def names_within(self, number: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
         """The names on a column that may be on the boundary in some boxes of given half edges (N, 3).
@@ -99,7 +95,7 @@ class Program:
         names = self.columns[number].names
         if len(names) < 2:
             return names
-        rows, gates = self._named
+        rows, tree = self._named
         columns = np.array([column for column, _ in rows])
         yes, no = (known[columns] for known in self.taylor(centers, halves))
         found = []
@@ -108,18 +104,18 @@ class Program:
             for held in (True, False):
                 yes[columns == number], no[columns == number] = held, not held
                 yes[own], no[own] = False, False
-                if any(side[own].any() for side in gates.relevant(yes, no)):
+                if any(side[own].any() for side in tree.relevant(yes, no)):
                     found.append(name)
                     break
         return tuple(found) or names
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
         """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
-        return self._gates.holds(yes, no)
+        return self._compiled.holds(yes, no)
 
     def inside(self, signs: Bools) -> Bools:
         """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
-        return self._gates.holds(signs, ~signs)
+        return self._compiled.holds(signs, ~signs)
 
     def local(self, points: Floats) -> Floats:
         """Points (..., 3) in local coordinates."""
@@ -155,10 +151,10 @@ class Program:
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
         values = self._true(self.values(points))
-        plain = self._gates.extremes(values)
+        plain = self._compiled.extremes(values)
         selecting = values.copy()
         selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)
-        chosen = self._gates.extremes(selecting)
+        chosen = self._compiled.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
     def _true(self, values: Floats) -> Floats:
@@ -224,8 +220,8 @@ class Program:
         return [self._localised(f) for f in functions if isinstance(f, Polynomial)]
 
     @cached_property
-    def _bank(self) -> Bank:
-        return Bank([p for found in self._scaled for p in found.polynomials])
+    def _bank(self) -> TaylorForms:
+        return TaylorForms([p for found in self._scaled for p in found.polynomials])
 
     def polynomial(self, number: int) -> Polynomial | None:
         """The polynomial of a column in local coordinates, scaled; None where it is none."""
@@ -233,8 +229,8 @@ class Program:
             return None
         return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
 
-    def number(self, other: Program, columns: Integers) -> tuple[Integers, Bools]:
-        """The columns that hold those of another program, and whether with the opposite sign."""
+    def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
+        """The columns that hold those of another evaluator, and whether with the opposite sign."""
         keys = {column: key for key, column in other._numbers.items()}
         found = [self._numbers[keys[int(c)]] for c in columns]
         turned = [self._signs[a] != other._signs[int(b)] for a, b in zip(found, columns, strict=True)]
@@ -249,10 +245,11 @@ class Program:
         return result
 
     @cached_property
-    def _jets(self) -> Jets:
-        """The polynomials of all columns, extra ones after those of the tree."""
+    def _jets(self) -> PolynomialBatch:
+        """Values and gradients of the polynomials of all columns, extra ones after those of the tree."""
         extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
-        return Jets([p for found in (*self._scaled, *extra) for p in found.polynomials])
+        every = [p for found in (*self._scaled, *extra) for p in found.polynomials]
+        return derivative_batch([p.dense(max(p.degree, 0)) for p in every], (0, 1))
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""
@@ -307,14 +304,7 @@ class Program:
 
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
-        return self._gates.relevant(yes, no)
-
-
-def _compiled(tree: Tree, leaf: Callable[[Atom], Leaf]) -> Code:
-    """The code of a tree, each of its inequalities as `leaf` says."""
-    if isinstance(tree, Atom):
-        return leaf(tree)
-    return Branch(tuple(_compiled(part, leaf) for part in tree.parts), tree.union)
+        return self._compiled.relevant(yes, no)
 
 
 def _key(function: Function) -> tuple[object, int]:
