@@ -23,8 +23,8 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.mesh_stage import Sheet
 from pas.certify.windings import crossed, volumes
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
 from pas.mesh.rows import dots
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring

@@ -34,8 +34,8 @@ from pas.certify.graph_proofs import certify_graph
 from pas.certify.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
 from pas.certify.mesh_stage import ON_WALL, SCALED, Sheet, Stage
 from pas.certify.windings import crossed
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
 from pas.mesh.topology import same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 

@@ -22,7 +22,7 @@ from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record,
 from pas.partition.kinds import read_partition
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.shell import FaceDistance
+from pas.solid.shell import FaceDistance, Hollowable
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -71,7 +71,7 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def solid_record(solid: Solid) -> dict[str, Any]:
+def solid_record(solid: Hollowable) -> dict[str, Any]:
     """Everything that defines a solid, exact; each function is written once."""
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
@@ -131,7 +131,7 @@ def function_record(function: Function) -> dict[str, Any]:
     if isinstance(function, Pieces):
         polynomials = [polynomial_record(p) for p in function.polynomials]
         return {"pieces": polynomials, "partition": function.partition.to_record()}
-    if isinstance(function, FaceDistance) and isinstance(function.solid, Solid):
+    if isinstance(function, FaceDistance):
         return {
             "near": solid_record(function.solid),
             "faces": list(function.faces),

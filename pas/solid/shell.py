@@ -32,6 +32,7 @@ from pas.mesh.rows import cross
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
+from pas.solid.joints import Joint
 from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
 
 SHARP = 0.97
@@ -75,6 +76,14 @@ class Hollowable(Protocol):
     @property
     def tree(self) -> Tree:
         """Its inequalities."""
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The claims on its faces."""
+
+    @property
+    def special_points(self) -> tuple[tuple[float, float, float], ...]:
+        """Points of its boundary that meshes are to have, in the user's coordinates."""
 
     @property
     def field(self) -> SolidField:
