@@ -18,7 +18,7 @@ from pas import solid
 from pas.certify.certificate import Certificate
 from pas.certify.proofs import CLAIMS
 from pas.cli import main
-from pas.cli.arguments import add_settings, settings_of
+from pas.cli.common import add_settings, settings_of
 from pas.contacts.contact import CONTACTS
 from pas.exchange.container import checksum
 from pas.exchange.formats import FORMATS

@@ -1,12 +1,12 @@
 """Simplices with the B-coefficients of polynomials on them, many at once, halved with rounding counted.
 
-A simplex is halved at the middle of its longest edge, by means of two coefficients each (see `pas.bernstein.polar`).
+A simplex is halved at the middle of its longest edge, by means of two coefficients each.
 
 Rounding: coefficients are at most 1 in size, and off by at most an error that is given, 2^-53 where exact ones were
 rounded to nearest.  One halving takes at most n means of two one after the other, n the degree: each adds 2^-53 of a
-number of size 1 (Higham 2002, section 3.1) and does not enlarge the errors before it.  Counted are (n+2) 2^-53, which
-also does for halving by products with matrices (`pas.bernstein.subdivision.halving`), and all is doubled for products
-of roundings: after m halvings a coefficient is within `2 (error + m (n+2) 2^-53)` of the true one.
+number of size 1 (Higham 2002, section 3.1) and does not enlarge the errors before it.  Counted are (n+2) 2^-53,
+which does for halving by products with matrices of n+1 weights as well, and all is doubled for products of roundings:
+after m halvings a coefficient is within `2 (error + m (n+2) 2^-53)` of the true one.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.bernstein.polar import bisection
 from pas.bernstein.search import Cells, Fates
-from pas.bernstein.subdivision import edges, raised
+from pas.bernstein.subdivision import bisection, edges, raised
 from pas.kernels.library import Functions
 
 ROUNDINGS = 16

@@ -21,10 +21,10 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
-from pas.certify.mesh_stage import Sheet
+from pas.certify.local_mesh import LocalMesh
 from pas.certify.windings import crossed, volumes
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
 from pas.mesh.rows import dots
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring
@@ -42,11 +42,11 @@ SEPARATE = 1e-6
 """Radians that are left at least between loops."""
 
 
-def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate]) -> tuple[Verdict, Verdict]:
+def certify_graph(mesh: LocalMesh, edges: Edges, promised: Callable[[], Certificate]) -> tuple[Verdict, Verdict]:
     """The verdicts on the boundary of a mesh and on its topology, which rests on the surface's own certificate."""
-    surface = sheet.stage.surface
-    assert sheet.stage.center is not None
-    points = sheet.points - sheet.stage.center
+    surface = mesh.local.function
+    assert mesh.local.center is not None
+    points = mesh.points - mesh.local.center
     try:
         rings = surface.placed.rings
     except ArithmeticError as unseen:
@@ -56,17 +56,17 @@ def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate
     off = np.array([ring.off(points[rim]) for ring in rings])
     far = np.flatnonzero(off.min(axis=0) > OFF)
     if len(far):
-        place = _place(sheet, rim[far[0]])
+        place = mesh.local.point(mesh.points[rim[far[0]]])
         return Verdict(Status.REFUTED, BORDER, "the mesh ends beside the curves", place), _open("it does not end there")
     owner = np.full(len(points), -1)
     owner[rim] = off.argmin(axis=0)
     said = f"every inner edge has two triangles; with {len(rim)} edges in {len(loops)} loops, to rounding"
     chain = Verdict(Status.PROVED, BORDER, said)
-    volume, error = volumes(points[sheet.triangles])
+    volume, error = volumes(points[mesh.triangles])
     turned = np.flatnonzero(volume <= error)
     if len(turned):
         reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
-        return chain, _open(reason, _place(sheet, sheet.triangles[turned[0], 0]))
+        return chain, _open(reason, mesh.local.point(mesh.points[mesh.triangles[turned[0], 0]]))
     certificate = promised()
     if not (certificate.one_sheet.proved and certificate.enclosed.proved):
         return chain, _open("the surface is not proved to be a graph over directions")
@@ -75,25 +75,16 @@ def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate
         return chain, _open(reason)
     ways = np.array([-ring.middle if ring.opening else ring.middle for ring in rings])
     ends = ways * (BEYOND * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
-    times, known = crossed(points, sheet.triangles, np.zeros(3), ends)
+    times, known = crossed(points, mesh.triangles, np.zeros(3), ends)
     for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
         which = "away from the opening" if rings[number].opening else "out through one of the ends"
-        return chain, _open(f"a ray {which} may cross the mesh", _point(sheet, ends[number] + sheet.stage.center))
+        return chain, _open(f"a ray {which} may cross the mesh", mesh.local.point(ends[number] + mesh.local.center))
     reason = f"all {len(volume)} triangles are seen once from the centre, as the surface is; {len(loops)} loops"
     return chain, Verdict(Status.PROVED, CLAIM, reason, measure=len(volume))
 
 
 def _open(reason: str, place: Point | None = None) -> Verdict:
     return Verdict(Status.UNDECIDED, CLAIM, reason, place)
-
-
-def _place(sheet: Sheet, vertex: int) -> Point:
-    return _point(sheet, sheet.points[vertex])
-
-
-def _point(sheet: Sheet, place: Floats) -> Point:
-    x, y, z = sheet.stage.world(place).tolist()
-    return x, y, z
 
 
 def _loops(edges: Edges) -> list[Integers]:

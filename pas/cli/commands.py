@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from pas.cli.arguments import settings_of
-from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file
+from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file, settings_of
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
 

@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pas.cli.arguments import settings_of
 from pas.cli.commands import size_of, size_record
-from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file
+from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file, settings_of
 from pas.errors import MissingLibraryError
 from pas.settings import MeshSettings, given
 

@@ -14,8 +14,8 @@ import pas
 from pas import Polynomial, Status
 from pas.algebra.rational import to_floats
 from pas.blending.place import place
+from pas.certify.free_curves import Curve
 from pas.certify.proofs import contact_verdict, enclosed_verdict
-from pas.certify.space_curve import Curve
 from pas.pipeline.bodies import body
 
 BOX = pas.SingleCell((-1, -1, -1), (1, 1, 1))

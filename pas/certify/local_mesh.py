@@ -14,18 +14,18 @@ import numpy as np
 from pas.algebra.affine import Frame
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
-from pas.algebra.scaling import Scaled
+from pas.algebra.rational import exact_vector, to_float, to_floats
+from pas.algebra.scaling import Scaled, scaled
 from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
 from pas.bernstein.search import Searched
-from pas.bernstein.simplices import Simplices
+from pas.bernstein.simplices import Simplices, at_vertices
 from pas.certify.critical_points import isolated
 from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots
-from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Point
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
@@ -49,20 +49,20 @@ BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
 
 
-class Stage:
-    """The surface's patches and cells in local coordinates."""
+class LocalSurface:
+    """A surface's patches and cells, the `cells` being a partition in local coordinates."""
 
-    def __init__(self, surface: PiecewisePolynomial) -> None:
-        self.surface, self.partition = surface, surface.partition
-        frame = self.partition.frame
+    def __init__(self, function: PiecewisePolynomial) -> None:
+        self.function, frame = function, function.partition.frame
         self.origin = np.array(to_floats(frame.origin))
         self.frame = Frame(exact_vector(self.origin.tolist()), frame.scale)
-        self._same_frame = self.frame.origin == frame.origin
-        scaled = surface.scaled
-        if not self._same_frame:
-            scaled = Scaled.of(self.frame.localise(p) for p in surface.polynomials)
-        self.patches: tuple[Polynomial, ...] = scaled.polynomials
-        self.degree, self.scale = max(surface.degree, 1), to_float(frame.scale)
+        same = self.frame.origin == frame.origin
+        self.cells = function.local if same else function.partition.in_frame(self.frame)
+        patches = function.scaled
+        if not same:
+            patches = Scaled.of(self.frame.localise(p) for p in function.polynomials)
+        self.patches: tuple[Polynomial, ...] = patches.polynomials
+        self.degree, self.scale = max(function.degree, 1), to_float(frame.scale)
 
     @cached_property
     def reach(self) -> float:
@@ -74,52 +74,44 @@ class Stage:
         """What makes the forms of each patch on triangles in the enlarged region."""
         return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
 
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
-        return self.frame.global_points(points)
+    def point(self, place: Floats) -> Point:
+        """The user's coordinates of a place (3,)."""
+        x, y, z = self.frame.global_points(place).tolist()
+        return x, y, z
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of a region of
-        several pieces."""
-        if len(self.patches) == 1:
-            return self.makers[0].jets(points)
-        jets = self.surface.evaluator.scaled_derivatives(self.world(points), (0, 1))
+        """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of the region."""
+        jets = self.function.evaluator.scaled_derivatives(self.frame.global_points(points), (0, 1))
         return jets[:, 0], jets[:, 1:].T * self.scale
-
-    @cached_property
-    def exact(self) -> list[tuple[Vector, ...]]:
-        """The corners of the cells, exact."""
-        points = [self.frame.local_point(v) for v in self.partition.vertices]
-        return [tuple(points[v] for v in cell) for cell in self.partition.cells]
 
     @cached_property
     def corners(self) -> Floats:
         """The corners of the cells (C, 4, 3)."""
-        points = np.array([to_floats(self.frame.local_point(v)) for v in self.partition.vertices])
-        return points[np.array(self.partition.cells)]
+        return self.cells.points[np.array(self.cells.cells)]
 
     @cached_property
     def center(self) -> Floats | None:
         """The centre of the region (3,), from which all of it is seen; None where it has none."""
-        center = self.partition.center
-        return None if center is None else np.array(to_floats(self.frame.local_point(center)))
+        return None if self.cells.center is None else np.array(to_floats(self.cells.center))
 
-    def forms(self, cells: list[tuple[Vector, ...]]) -> tuple[Floats, float]:
-        """The B-coefficients (C, m) of each cell's polynomial on tetrahedra given in the same order.
+    @cached_property
+    def cell_forms(self) -> tuple[Floats, float]:
+        """The B-coefficients (C, m) of each cell's polynomial on it.
 
         Also by how much each may be off over the largest of its tetrahedron, but for a factor that is the same for all
         of these and errs by less than `SCALED`: it is found from an exact value at a corner.
         """
-        patches = [self.patches[piece] for piece in self.partition.piece_of.tolist()]
-        if cells is self.exact and self._same_frame:
-            forms, error = self.surface.cell_forms[0].copy(), self.surface.cell_forms[1]
+        cells = [self.cells.corners(cell) for cell in self.cells.cells]
+        patches = [self.patches[piece] for piece in self.cells.piece_of.tolist()]
+        if self.cells is self.function.local:
+            forms, error = self.function.cell_forms[0].copy(), self.function.cell_forms[1]
         else:
             forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
-        ends = [i for i, a in enumerate(homogeneous_exponents(self.degree, 4)) if max(a) == self.degree]
-        largest = np.abs(forms[:, ends]).argmax(axis=1).tolist()
+        ends = at_vertices(forms, 4)
+        largest = np.abs(ends).argmax(axis=1).tolist()
         known: dict[tuple[int, int], float] = {}  # by the numbers of the objects, of which many are the same
         for row, (patch, cell, corner) in enumerate(zip(patches, cells, largest, strict=True)):
-            value = forms[row, ends[corner]]
+            value = ends[row, corner]
             if abs(value) * SCALED > 2 * error:
                 key = id(patch), id(cell[corner])
                 if key not in known:
@@ -131,58 +123,23 @@ class Stage:
         return forms, error
 
     @cached_property
-    def cell_forms(self) -> tuple[Floats, float]:
-        """Those on the cells themselves."""
-        return self.forms(self.exact)
-
-    @cached_property
-    def _maps(self) -> Floats:
-        whole = np.concatenate([self.corners, np.ones((len(self.corners), 4, 1))], axis=2)
-        return np.asarray(np.linalg.inv(whole.transpose(0, 2, 1)))
-
-    def barycentric(self, points: Floats, cells: Integers) -> Floats:
-        """Coordinates (c, 4, N) of points (N, 3) in some cells."""
-        maps = self._maps[cells]
-        return np.asarray(maps[:, :, :3] @ points.T + maps[:, :, 3:])
-
-    @property
-    def faces(self) -> tuple[OuterFace, ...]:
-        """The outer faces, with planes in the surface's own local coordinates, which are there already."""
-        return self.surface.local.outer_faces
-
-    @cached_property
-    def walls(self) -> Floats:
-        """The planes (W, 4) of the outer faces, unit normals outwards and offsets."""
-        faces, cells = self.faces, self.partition.cells
-        owners = self.corners[[face.cell for face in faces]]
-        places = np.array([[cells[face.cell].index(v) for v in face.vertices] for face in faces]).reshape(-1, 3)
-        a, b, c = (owners[np.arange(len(faces)), column] for column in places.T)
-        normals = cross(b - a, c - a)
-        normals /= np.sqrt(dots(normals, normals))[:, None]
-        normals[dots(normals, a - owners.mean(axis=1)) <= 0] *= -1
-        return np.concatenate([normals, dots(normals, a)[:, None]], axis=1)
-
-    @cached_property
-    def wall_of(self) -> Integers:
-        """The number of each outer face's plane (W,): faces in one plane have one number."""
-        return self.surface.local.wall_of
-
-    @cached_property
     def planes(self) -> Floats:
-        """The planes (P, 4) by their numbers."""
-        return self.walls[np.unique(self.wall_of, return_index=True)[1]]
+        """The planes (P, 4) of the outer faces by their numbers, unit normals outwards and offsets."""
+        faces = (self.cells.outer_faces[i] for i in np.unique(self.cells.wall_of, return_index=True)[1])
+        rows = np.array([scaled(face.plane).dense(1) for face in faces]).reshape(-1, 4)
+        return np.roll(rows * [-1, 1, 1, 1], -1, axis=1) / np.sqrt(dots(rows[:, 1:], rows[:, 1:]))[:, None]
 
     @cached_property
     def convex(self) -> bool:
         """Whether the region is all that is behind its outer faces' planes: none of its vertices is beyond one."""
         heights = self.planes[:, :3] @ self.corners.reshape(-1, 3).T - self.planes[:, 3:]
-        return not self.partition.open and bool((heights <= ON_WALL).all())
+        return not self.cells.open and bool((heights <= ON_WALL).all())
 
     @cached_property
     def room(self) -> float:
         """The radius of a ball around the centre that no plane of an outer face cuts."""
         assert self.center is not None
-        return float((self.walls[:, 3] - self.walls[:, :3] @ self.center).min())
+        return float((self.planes[:, 3] - self.planes[:, :3] @ self.center).min())
 
     @property
     def beyond(self) -> float:
@@ -198,10 +155,11 @@ class Stage:
             return heights.max(axis=0) <= OUTSIDE, near
         inside = np.zeros(len(points), dtype=bool)
         for cell in range(len(self.corners)):
-            inside |= self.barycentric(points, np.array([cell]))[0].min(axis=0) >= -OUTSIDE
+            inside |= self.cells.barycentric(points, [cell])[0].min(axis=0) >= -OUTSIDE
         for number, rows in enumerate(near):
-            cells = np.array([face.cell for face, n in zip(self.faces, self.wall_of, strict=True) if n == number])
-            near[number] = rows[self.barycentric(points[rows], cells).min(axis=1).max(axis=0) >= -BESIDE]
+            walls = zip(self.cells.outer_faces, self.cells.wall_of, strict=True)
+            cells = [face.cell for face, n in walls if n == number]
+            near[number] = rows[self.cells.barycentric(points[rows], cells).min(axis=1).max(axis=0) >= -BESIDE]
         return inside, near
 
     def touched(self, corners: Floats, larger: float = 1.0) -> list[Integers]:
@@ -215,15 +173,11 @@ class Stage:
         found: list[list[Integers]] = [[] for _ in self.patches]
         for start in range(0, len(corners), BLOCK):
             block = corners[start : start + BLOCK]
-            apart = np.logical_and.reduce([self._outside(block[:, i]) for i in range(3)]).any(axis=1)
-            for piece, cells in enumerate(self.partition.pieces):
+            outside = [self.cells.barycentric(block[:, i]) < -BESIDE for i in range(3)]
+            apart = np.logical_and.reduce(outside).any(axis=1)
+            for piece, cells in enumerate(self.cells.pieces):
                 found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
         return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
-
-    def _outside(self, points: Floats) -> np.ndarray:
-        """Of points (N, 3) in which barycentric coordinates they are outside each cell, (c, 4, N)."""
-        depth = self._maps[:, :, :3].reshape(-1, 3) @ points.T + self._maps[:, :, 3].reshape(-1, 1)
-        return (depth < -BESIDE).reshape(len(self.corners), 4, -1)
 
     @cached_property
     def isolated(self) -> list[Searched[Simplices]]:
@@ -240,17 +194,15 @@ class Stage:
         """Whether the pieces are proved to meet with continuous gradients."""
         if len(self.patches) == 1:
             return True
-        faces = range(len(self.partition.interior_faces))
-        return not faces or (self.surface.order > 0 and all(face_verdict(self.surface, i).proved for i in faces))
+        faces = range(len(self.cells.interior_faces))
+        return not faces or (self.function.order > 0 and all(face_verdict(self.function, i).proved for i in faces))
 
     @cached_property
     def strata(self) -> list[tuple[Floats, Floats]]:
         """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
         result = [(self.cell_forms[0], self.corners)]
-        faces = tuple(
-            (wall, face.cell, face.vertices) for wall, face in zip(self.wall_of.tolist(), self.faces, strict=True)
-        )
-        for cells, at in _strata(self.partition.cells, faces):
+        walls = zip(self.cells.wall_of.tolist(), self.cells.outer_faces, strict=True)
+        for cells, at in _strata(self.cells.cells, tuple((wall, face.cell, face.vertices) for wall, face in walls)):
             ons = np.array([_on_corners(self.degree, tuple(corners)) for corners in at.tolist()])
             result.append((self.cell_forms[0][cells[:, None], ons], self.corners[cells[:, None], at]))
         return result
@@ -284,13 +236,13 @@ def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
     return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
 
 
-class Sheet:
-    """A mesh on a stage: its points (N, 3) in local coordinates, triangles (T, 3), their corners (T, 3, 3) and unit
-    normals (T, 3), and by how much these may be turned (T,)."""
+class LocalMesh:
+    """A mesh beside a surface: its points (N, 3) in local coordinates, triangles (T, 3), their corners (T, 3, 3) and
+    unit normals (T, 3), and by how much these may be turned (T,)."""
 
-    def __init__(self, stage: Stage, points: Floats, triangles: Integers) -> None:
-        self.stage, self.triangles = stage, triangles
-        self.points = (points - stage.origin) / stage.scale
+    def __init__(self, local: LocalSurface, points: Floats, triangles: Integers) -> None:
+        self.local, self.triangles = local, triangles
+        self.points = (points - local.origin) / local.scale
         self.corners = np.take(self.points, triangles, axis=0)
         self.normals, self.loose = unit_normals(self.corners)
 
