@@ -21,8 +21,7 @@ from typing import Any
 from flint import Ordering, fmpq, fmpz_mpoly, fmpz_mpoly_ctx
 
 from pas.algebra.brief import whole_or_brief
-from pas.algebra.hilbert import count_standard, numerator
-from pas.algebra.monomials import Exponents, exponents
+from pas.algebra.monomials import Exponents, count_standard, exponents, numerator
 from pas.algebra.normal_form import NormalForm, groebner, integral, leading_exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, VARIABLES, Polynomial, PolynomialLike

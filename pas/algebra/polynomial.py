@@ -161,16 +161,10 @@ class Polynomial:
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
-        if self.is_zero:
-            return self
-        values = self.raw.coeffs()
-        denominator = lcm(*(int(c.q) for c in values))
-        divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
-        sign = 1 if values[0] > 0 else -1
-        return Polynomial.from_raw(self.raw * fmpq(sign * denominator, divisor))
+        return Polynomial.from_raw(primitive(self.raw))
 
     def to_sympy(self) -> sympy.Expr:
-        """The same polynomial as a sympy expression in the symbols x, y, z."""
+        """A sympy expression in the symbols x, y, z that is this polynomial."""
         import sympy
 
         symbols = sympy.symbols(VARIABLES)
@@ -244,6 +238,16 @@ class Polynomial:
             except TypeError:
                 return NotImplemented
         return Polynomial.from_raw(operation(self.raw, other.raw))
+
+
+def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:
+    """The multiple of a polynomial of any ring with coprime integers as coefficients, the leading one positive."""
+    if raw.is_zero():
+        return raw
+    values = raw.coeffs()
+    denominator = lcm(*(int(c.q) for c in values))
+    divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
+    return raw * fmpq(denominator if values[0] > 0 else -denominator, divisor)
 
 
 def _rebuilt(terms: Mapping[tuple[int, int, int], Fraction]) -> Polynomial:

@@ -23,8 +23,8 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import FramedMesh
 from pas.kernels.library import compiled
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
 from pas.mesh.rows import cross, dots, norms
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring

@@ -3,18 +3,51 @@
 from __future__ import annotations
 
 import argparse
+import re
+import sys
+from collections.abc import Callable
 from dataclasses import fields
-from typing import TYPE_CHECKING
+from typing import Any, NoReturn
 
 from pas.cli import commands, problems
-from pas.cli.arguments import Parser, add_settings
-from pas.cli.common import EXIT_CODES
+from pas.cli.common import EXIT_CODES, CommandResult, add_settings
+from pas.errors import meant
 from pas.exchange.formats import Request
 from pas.exchange.picture_options import Picture
 from pas.settings import MeshSettings
 
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction["Parser"]
+
+class Parser(argparse.ArgumentParser):
+    """A reader of arguments that guesses what a misspelt command or option was meant to be."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong on stderr and end with exit code 2."""
+        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if wrong:
+            message = f"there is no command {wrong[1]!r}" + (
+                meant(wrong[1], re.findall(r"[\w-]+", wrong[2])) or f"; there are {wrong[2]}"
+            )
+        option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
+        if option:
+            message += meant(option[1], self.options)
+        super().error(message)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As usual, but a project file after --curvature, whose word may be left out, is not its word."""
+        words = list(sys.argv[1:] if args is None else args)
+        for place, word in enumerate(words[:-1]):
+            if word == "--curvature" and words[place + 1].endswith(".json"):
+                words[place] = "--curvature=mean"
+        return super().parse_known_args(words, namespace)
+
+    @property
+    def options(self) -> list[str]:
+        """All long options, those of commands included."""
+        found = list(self._option_string_actions)
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                found += [o for command in action.choices.values() for o in command._option_string_actions]
+        return [o for o in dict.fromkeys(found) if o.startswith("--")]
 
 
 def parser() -> argparse.ArgumentParser:
@@ -29,25 +62,31 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
     result.set_defaults(command=None, debug=False, json=False, seconds=None)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
-    _blend_parser(added)
-    _parametric_parser(added)
-    _solve_parser(added)
-    _check_parser(added)
-    _mesh_parser(added)
-    _render_parser(added)
-    _write_parser(added)
-    _convert_parser(added)
-    _teapot_parser(added)
-    _studio_parser(added)
-    _bench_parser(added)
+    for add in (
+        _blend_parser,
+        _parametric_parser,
+        _solve_parser,
+        _check_parser,
+        _mesh_parser,
+        _render_parser,
+        _write_parser,
+        _convert_parser,
+        _teapot_parser,
+        _studio_parser,
+        _bench_parser,
+    ):
+        add(added)
     return result
 
 
-def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.ArgumentParser:
-    parser = added.add_parser(
+def _command(
+    added: Any, run: Callable[[argparse.Namespace], CommandResult], name: str, text: str, more: str = ""
+) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = added.add_parser(
         name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
+    parser.set_defaults(command=name, run=run)
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     if name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
         parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
@@ -56,9 +95,10 @@ def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.
     return parser
 
 
-def _blend_parser(added: Commands) -> None:
+def _blend_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_problem,
         "blend",
         "find, prove, mesh and draw the blend of a problem file",
         "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
@@ -69,12 +109,13 @@ def _blend_parser(added: Commands) -> None:
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
         "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
     )
-    _problem_arguments(parser, "blend")
+    _problem_arguments(parser)
 
 
-def _parametric_parser(added: Commands) -> None:
+def _parametric_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_problem,
         "parametric",
         "find, prove, mesh and draw the parametric blend of a problem file",
         "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
@@ -95,10 +136,10 @@ def _parametric_parser(added: Commands) -> None:
         "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
         "Also: align, unit, tolerance, prove, [picture].",
     )
-    _problem_arguments(parser, "parametric")
+    _problem_arguments(parser)
 
 
-def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+def _problem_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file, of whatever kind")
     parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
     parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
@@ -115,7 +156,6 @@ def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
     )
     add_settings(parser, MeshSettings, "the file's, or 0.001 of the size")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
-    parser.set_defaults(command=command, run=problems.run_problem)
 
 
 def _degree(text: str) -> int | str:
@@ -128,9 +168,10 @@ def _degree(text: str) -> int | str:
         raise argparse.ArgumentTypeError(f"must be a whole number or lowest, not {text!r}") from None
 
 
-def _solve_parser(added: Commands) -> None:
+def _solve_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_solve,
         "solve",
         "find all surfaces of a degree that meet the contacts of a problem file",
         "Prints degree, dimension, a basis, the generators of all solutions, and which of them are\n"
@@ -146,11 +187,11 @@ def _solve_parser(added: Commands) -> None:
     form = parser.add_mutually_exclusive_group()
     for name in ("json", "latex", "sympy"):
         form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
-    parser.set_defaults(command="solve", run=commands.run_solve, form="text")
+    parser.set_defaults(form="text")
 
 
-def _check_parser(added: Commands) -> None:
-    parser = _command(added, "check", "prove everything again from a project file alone")
+def _check_parser(added: Any) -> None:
+    parser = _command(added, commands.run_check, "check", "prove everything again from a project file alone")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
         "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
@@ -158,11 +199,10 @@ def _check_parser(added: Commands) -> None:
     parser.add_argument(
         "--independent", action="store_true", help="prove a blend by the second checker, in exact arithmetic alone"
     )
-    parser.set_defaults(command="check", run=commands.run_check)
 
 
-def _mesh_parser(added: Commands) -> None:
-    parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
+def _mesh_parser(added: Any) -> None:
+    parser = _command(added, commands.run_mesh, "mesh", "write the shape of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
         "-o",
@@ -172,11 +212,10 @@ def _mesh_parser(added: Commands) -> None:
         help="a file of triangles; its suffix, such as .stl, says the format",
     )
     add_settings(parser, MeshSettings, "0.001 of the longest side")
-    parser.set_defaults(command="mesh", run=commands.run_mesh)
 
 
-def _render_parser(added: Commands) -> None:
-    parser = _command(added, "render", "draw the surface of a project file")
+def _render_parser(added: Any) -> None:
+    parser = _command(added, commands.run_render, "render", "draw the surface of a project file")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
     style = parser.add_mutually_exclusive_group()
@@ -191,14 +230,12 @@ def _render_parser(added: Commands) -> None:
     )  # fmt: skip
     add_settings(style, Picture, leave=[f.name for f in fields(Picture) if f.name != "style"])
     add_settings(parser, Picture, "finer than a picture shows", ["style"])
-    parser.set_defaults(command="render", run=commands.run_render)
 
 
-def _write_parser(added: Commands) -> None:
-    parser = _command(added, "write", "write the shape of a project file for other programs")
+def _write_parser(added: Any) -> None:
+    parser = _command(added, commands.run_write, "write", "write the shape of a project file for other programs")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file of any kind")
     _output_arguments(parser)
-    parser.set_defaults(command="write", run=commands.run_write)
 
 
 def _output_arguments(parser: argparse.ArgumentParser) -> None:
@@ -207,19 +244,19 @@ def _output_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(parser, MeshSettings, "0.001 of the size")
 
 
-def _convert_parser(added: Commands) -> None:
-    parser = _command(added, "convert", "write the body of a project file for other programs")
+def _convert_parser(added: Any) -> None:
+    parser = _command(added, commands.run_convert, "convert", "write the body of a project file for other programs")
     parser.add_argument(
         "project", metavar="FILE.pas.json", help="a project file; a blend is made solid, with its neighbours"
     )
     parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
     _output_arguments(parser)
-    parser.set_defaults(command="convert", run=commands.run_convert)
 
 
-def _teapot_parser(added: Commands) -> None:
+def _teapot_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_teapot,
         "teapot",
         "build, prove, mesh and draw the teapot",
         "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
@@ -230,12 +267,12 @@ def _teapot_parser(added: Commands) -> None:
     parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
     parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
     add_settings(parser, MeshSettings, "0.001")
-    parser.set_defaults(command="teapot", run=problems.run_teapot)
 
 
-def _studio_parser(added: Commands) -> None:
+def _studio_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_studio,
         "studio",
         "drag a shape in the browser, and see it with its curvature and its proof",
         "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
@@ -244,12 +281,12 @@ def _studio_parser(added: Commands) -> None:
     parser.add_argument("file", metavar="FILE", nargs="?", help="a problem file (.toml) or a project (.pas.json)")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
-    parser.set_defaults(command="studio", run=commands.run_studio)
 
 
-def _bench_parser(added: Commands) -> None:
+def _bench_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_bench,
         "bench",
         "measure speed, beside other programs where these are installed",
         "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
@@ -259,4 +296,3 @@ def _bench_parser(added: Commands) -> None:
     parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
     parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
     parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
-    parser.set_defaults(command="bench", run=commands.run_bench)

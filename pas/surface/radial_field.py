@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
 from pas.mesh.field import Integers
-from pas.mesh.graph import Graph
+from pas.mesh.labelled import Labelled
 from pas.mesh.rows import dots
 from pas.mesh.star import first
 from pas.surface.function import PiecewisePolynomial
@@ -60,7 +60,7 @@ class RadialField(LocalSurface):
         self._skeleton = middles, dots(middles, middles)
 
     @cached_property
-    def first(self) -> Graph | None:
+    def first(self) -> Labelled | None:
         """Few triangles, with which meshes begin, None where rays show that it is no graph."""
         try:
             return first(self)
