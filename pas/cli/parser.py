@@ -10,7 +10,7 @@ from dataclasses import fields
 from typing import Any, NoReturn
 
 from pas.cli import commands, problems
-from pas.cli.common import EXIT_CODES, Outcome, add_settings
+from pas.cli.common import EXIT_CODES, CommandResult, add_settings
 from pas.errors import meant
 from pas.exchange.formats import Request
 from pas.exchange.picture_options import Picture
@@ -80,7 +80,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _command(
-    added: Any, run: Callable[[argparse.Namespace], Outcome], name: str, text: str, more: str = ""
+    added: Any, run: Callable[[argparse.Namespace], CommandResult], name: str, text: str, more: str = ""
 ) -> argparse.ArgumentParser:
     parser: argparse.ArgumentParser = added.add_parser(
         name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
