@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, cross, dot, exact_vector, to_floats
 from pas.algebra.scaling import scaled
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
@@ -122,26 +122,18 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
 
 def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
-    first, second = _cross(_gradient(g), _gradient(d)), _cross(_gradient(f), _gradient(d))
-    return Polynomial.from_raw(_dot(first, second))
+    first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
+    return Polynomial.from_raw(dot(first, second))
 
 
 def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = _cross(_cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(_dot(along, _gradient(g)))
+    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
+    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
     return [polynomial.raw.derivative(i) for i in range(3)]
-
-
-def _cross(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
-    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
-
-
-def _dot(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
-    return sum((x * y for x, y in zip(a, b, strict=True)), RING.constant(0))
 
 
 @dataclass(frozen=True)

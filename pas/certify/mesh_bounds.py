@@ -13,7 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
-from pas.certify.triangle_forms import TriangleForms, on_corners
+from pas.certify.triangle_forms import on_corners
 from pas.mesh.field import Integers
 from pas.mesh.rows import any_of, cross, dots
 
@@ -104,7 +104,7 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
     """
     normals, loose = mesh.normals, mesh.loose
     if len(mesh.local.makers) == 1:
-        return _bounded_by_one(mesh.local.makers[0], mesh.corners, normals, loose)
+        return TriangleBounds(*_bounded(mesh.local, mesh.corners, normals, loose)[:2])
     most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
 
     def judge(parts: Parts, depth: int) -> Fates:
@@ -122,16 +122,6 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
     return TriangleBounds(most, least)
 
 
-def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> TriangleBounds:
-    """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
-    by `loose`, (T,)."""
-    most = _largest(maker.ranges(corners)) + maker.value_error
-    along, size = maker.slopes(corners, normals)
-    large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
-    most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
-    return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
-
-
 def _bounded(
     local: FramedSurface, corners: Floats, normals: Floats, loose: Floats
 ) -> tuple[Floats, Floats, np.ndarray]:
@@ -141,8 +131,9 @@ def _bounded(
     touched = local.touched(corners)
     several = _times(touched, len(corners)) > 1
     for maker, rows in zip(local.makers, touched, strict=True):
-        most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
-        along, size = maker.slopes(corners[rows], normals[rows])
+        some = (corners, normals) if len(rows) == len(corners) else (corners[rows], normals[rows])
+        most[rows] = np.maximum(most[rows], _largest(maker.ranges(some[0])) + maker.value_error)
+        along, size = maker.slopes(*some)
         least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
     large = most > most.max(initial=0.0, where=~several if not several.all() else several) / 2  # bounded more closely
     closer = np.zeros(len(most))
