@@ -41,25 +41,6 @@ from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.verdicts import Status, Verdict
 
-START_LATTICE = 4
-"""Subdivisions of a cell's edge for the points at which Newton's method starts."""
-
-REACHES = (1.0, 8.0, 64.0)
-"""Half sizes of the cubes in which points of the curve are looked for where there is no region."""
-
-NEWTON_STEPS, ARRIVED = 24, 1e-10
-"""Steps of Newton's method, and the last one's length at which it has arrived (local units)."""
-
-HALF_SIDES = (2.0**-20, 2.0**-28, 2.0**-12)
-"""Half sides of the parallelograms, tried in turn: small, since signs must not change on them, and
-large against the 1e-15 that the middle is off the curve."""
-
-PARALLEL = 1e-12
-"""The squared sine of the angle between gradients from which on they count as parallel."""
-
-MOST_TRIED = 12
-"""Points that are tried for one proof, those that promise most first."""
-
 
 def free_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets a contact along the part of its curve that is in no clip face."""
@@ -177,8 +158,9 @@ class RegionCurve:
         if size is not None:
             values = scaled(size)(points)
             points = points[np.argsort(-values)][: np.count_nonzero(values > 0)]
-        for point in points[:MOST_TRIED]:
-            for half in HALF_SIDES:
+        # signs must not change on the parallelograms, which are large against the 1e-15 that their middles are off
+        for point in points[:12]:
+            for half in (2.0**-20, 2.0**-28, 2.0**-12):
                 enclosure = self.enclosure(point, half)
                 if enclosure is not None:
                     yield enclosure
@@ -199,19 +181,20 @@ class RegionCurve:
         f, d = scaled(self.f), scaled(self.d)
         points = self._starts()
         reach = 4 * float(np.abs(points).max())
-        for _ in range(NEWTON_STEPS):
+        for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = _dual(f.gradient(points), d.gradient(points))
             step = f(points)[:, None] * along_f + d(points)[:, None] * along_d
             kept = regular & (np.abs(points - step).max(axis=1) < reach)
             points, step = (points - step)[kept], step[kept]
-        points = points[np.linalg.norm(step, axis=1) < ARRIVED]
+        points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
 
     def _starts(self) -> Floats:
         corners = self.partition.points[np.array(self.partition.cells)] if self.partition.cells else _cubes()
         vertices = corners.shape[1]
-        weights = np.array(homogeneous_exponents(START_LATTICE, vertices)) / START_LATTICE
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, vertices)) / parts
         return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
@@ -243,7 +226,7 @@ def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """
     ff, fd, dd = ((a * b).sum(axis=1, keepdims=True) for a, b in ((f, f), (f, d), (d, d)))
     determinant = ff * dd - fd * fd
-    regular = determinant > PARALLEL * ff * dd
+    regular = determinant > 1e-12 * ff * dd  # the squared sine of the angle between them
     scale = np.where(regular, determinant, 1.0)
     return (dd * f - fd * d) / scale, (ff * d - fd * f) / scale, regular[:, 0]
 
@@ -251,7 +234,7 @@ def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
 def _cubes() -> Floats:
     """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
     corners = np.array(list(product((-1.0, 1.0), repeat=3)))
-    return np.array([reach * corners for reach in REACHES])
+    return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])
 
 
 def _moved(p: Vector, u: Vector, s: int, w: Vector, t: int) -> Vector:

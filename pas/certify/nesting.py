@@ -36,10 +36,7 @@ from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
-INSIDE = "inside"
-"""The claim that the inner surface is inside the outer one."""
-
-HALVINGS = Limits(depth=30)
+LIMITS = Limits(depth=30)
 """Fewer than other proofs have: where the surfaces cross there is a refutation, and where they touch no end."""
 
 TOGETHER = 256
@@ -73,7 +70,7 @@ def nesting(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Ver
 
 def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     """Where the inner surface's function is not positive, the outer one's is negative, all over the inner region."""
-    claim = Proposition(outer, INSIDE)
+    claim = Proposition(outer, "inside")
     if not inner.partition.cells or not outer.partition.cells:
         return claim.undecided("one of the surfaces has no region")
     if inner.partition.center is None or outer.partition.center is None:
@@ -177,7 +174,7 @@ def prove_inside(simplices: Sequence[Sequence[Vector]], values: Exact, inside: S
     for start in range(0, max(1, len(simplices)), TOGETHER):
         some = slice(start, start + TOGETHER)
         value, *others = ((raws[some], degree) for raws, degree in (values, *inside))
-        found = positive_on(simplices[some], value, others, inside=True, near=True, limits=HALVINGS)
+        found = positive_on(simplices[some], value, others, inside=True, near=True, limits=LIMITS)
         examined += found.examined
         if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
             worst = found
