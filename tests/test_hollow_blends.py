@@ -13,8 +13,9 @@ from flint import fmpq
 import pas
 from pas import solid
 from pas.fairing.energies.even_wall import EvenWall, Thickness
-from pas.fairing.fair import coordinates
-from pas.fairing.landscape import check_residuals
+from pas.fairing.objective import check_residuals
+from pas.fairing.sampled import Inequalities
+from pas.fairing.solver import FitSolver, coordinates
 from pas.fairing.surface_points import Sizes
 from pas.pipeline.cavity import Cavity
 from pas.surface.cones import first_met, nappe, nappe_rays
@@ -305,13 +306,18 @@ def test_a_centre_further_in_sees_all_contacts():
     assert hollow.wall.distance > 0.125
 
 
+def seen(inner):
+    """What the fit sees of an inner blend."""
+    solver = FitSolver(inner.space.prepared, pas.Wishes(energy=inner.plate, limits=inner.limits))
+    member = coordinates(inner.space.prepared, inner.surface)
+    return solver.iterate(member, Inequalities.none(len(member))).value
+
+
 def test_an_inner_blend_is_kept_without_what_made_its_wall_even(tmp_path):
     hollow = made("sharp", 1)
     inner = hollow.inner
     assert inner.wishes.energy == hollow.outer.wishes.energy == pas.CurvatureVariation()
-    fairing = inner.space.fairing(inner.plate)
-    seen = fairing.landscape(inner.limits, coordinates(fairing, inner.surface)).first
-    assert inner.energy == pytest.approx(seen.energy, rel=0.02)
+    assert inner.energy == pytest.approx(seen(inner).energy, rel=0.02)
     again = pas.load(hollow.save(tmp_path / "hollow.pas.json"))
     assert again.inner.energy == inner.energy
     assert again.certificate.proved
@@ -360,8 +366,7 @@ def test_an_uneven_wall_has_slopes():
     assert wanted(points + step)[0] - wanted(points - step)[0] == pytest.approx(2 * gradients @ step, abs=1e-11)
     energy = EvenWall(Depth(bend().surface), wanted)
     inner = made("elbow", 1).inner
-    fairing = inner.space.fairing(inner.plate)
-    view = fairing.landscape(inner.limits, coordinates(fairing, inner.surface)).first.view.points
+    view = seen(inner).view.points
     check_residuals(energy, view, Sizes(0.9, 2.0))
     with pytest.raises(ValueError, match="disagree"):
         check_residuals(Upwards(energy.depth, wanted), view, Sizes(0.9, 2.0))

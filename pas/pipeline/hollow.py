@@ -29,8 +29,8 @@ from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
-from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
+from pas.pipeline.search import excess
 from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid
