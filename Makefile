@@ -4,7 +4,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench clean
+.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench wheels clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
@@ -16,6 +16,7 @@ help:
 	@echo "make lint      style and types"
 	@echo "make examples  all examples with their pictures"
 	@echo "make bench     benchmarks"
+	@echo "make wheels    wheels for Linux, macOS and Windows, in dist/"
 
 setup: $(VENV)/.ready opengl
 
@@ -80,6 +81,10 @@ bench: setup
 	$(BIN)/python benchmarks/parametric.py
 	$(BIN)/python benchmarks/generatrix.py
 	$(BIN)/python benchmarks/solids.py
+
+wheels: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check ziglang
+	$(BIN)/python build_wheels.py
 
 clean:
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -19,9 +19,9 @@ from typing import Any
 import pas
 from pas.fairing.objective import SurfaceObjective
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.solver import Search
+from pas.fairing.solver import FitSolver
+from pas.piecewise import PiecewiseSurface
 from pas.surface.directions import Directions
-from pas.surface.piecewise import PiecewiseSurface
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 CASES = {
@@ -40,7 +40,7 @@ PARTS = {
     "looking": ((SurfaceObjective, "look"),),
     "linearising": ((SurfaceObjective, "linearised"),),
     "programme": ((MemberProgramme, "step"),),
-    "start": ((Search, "settled"),),
+    "start": ((FitSolver, "started"),),
     "proof": ((PiecewiseSurface, "certify"),),
 }
 """Methods whose seconds are added up, none of which calls another but `__init__` `of`."""

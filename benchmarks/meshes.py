@@ -21,8 +21,7 @@ import numpy as np
 import pyvista
 
 import pas
-from pas.mesh.radial import smallest_angles
-from pas.surface.mesh_proofs import certify_mesh
+from pas.mesh.quality import smallest_angles
 from pas.surface.radial_field import RadialField
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -129,7 +128,7 @@ class Grid:
 
 def row(name: str, spent: float, points: np.ndarray, triangles: np.ndarray, reached: float, more: str = "") -> None:
     """Print one line."""
-    angles = smallest_angles(points, triangles)
+    angles = np.degrees(smallest_angles(points[triangles]))
     print(
         f"    {name:<16}{spent:>9.0f} ms{len(triangles):>9} triangles  error {reached:.2f}  "
         f"angle {np.percentile(angles, 1):5.1f} {angles.min():5.1f}{more}",
@@ -142,7 +141,7 @@ def compare(surface: pas.PiecewiseSurface, share: float, repeat: int) -> None:
     tolerance = share * float(np.ptp(surface.partition.points, axis=0).max())
     spent, mesh = best(lambda: surface.mesh(tolerance), repeat)
     aim = error(surface, mesh.points, mesh.triangles)
-    proof, certificate = best(lambda: certify_mesh(surface, mesh.points, mesh.triangles), repeat)
+    proof, certificate = best(lambda: surface.certify_mesh(mesh.points, mesh.triangles), repeat)
     said = next((v.status.value for v in certificate.verdicts if "topology" in v.claim), "nothing")
     within = "?" if certificate.distance is None else f"{certificate.distance / tolerance:.2f}"
     more = f"  proof {proof:.0f} ms, {said}, within {within}"

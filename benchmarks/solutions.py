@@ -4,7 +4,7 @@
 
 - intersections of contact ideals: `pas.Ideal` beside sympy's elimination with a Groebner basis;
 - syzygies: `pas.syzygies` beside sympy's modules (agca);
-- nullspaces of C^1 conditions in B-form: `pas.algebra.sparse` beside sympy's sparse DomainMatrix;
+- nullspaces of C^1 conditions in B-form: `pas.algebra.nullspace` beside sympy's sparse DomainMatrix;
 - the corner and the mesh of 162 jittered tetrahedra, ours alone.
 
 sympy always takes part; Singular and Macaulay2 do where they are installed (whole processes, less
@@ -27,7 +27,7 @@ from typing import Any
 import sympy
 
 import pas
-from pas.algebra.sparse import solve_sparse
+from pas.algebra.nullspace import solve_sparse
 from pas.blending.net import Net
 from pas.blending.place import place
 from pas.blending.solving import solve

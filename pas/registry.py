@@ -1,4 +1,4 @@
-"""Registries: things by name, loaded when first asked for, and open to a user's own.
+"""Registries: things by name, loaded when first asked for, and open to a user's own; and things made from tables.
 
 An entry is an object, or the text "module:name" of one, which is imported when it is first asked for.  So a room can
 list what rooms above it hold, without importing them:
@@ -6,17 +6,39 @@ list what rooms above it hold, without importing them:
     SHAPES = Registry("a shape", {"ball": "shapes.ball:BALL"})
     SHAPES["bal"]            # ValueError: there is no shape 'bal'; is 'ball' meant?
     SHAPES.register(mine)    # under mine.name
+
+Project files and problem files hold tables of plain data.  A table's "kind" is the name of a registered class that is
+`Serialisable`; the other keys are that class's own, so a new kind needs no change in any reader.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from importlib import import_module
-from typing import Any, Generic, TypeVar
+from inspect import Parameter, signature
+from typing import Any, Generic, Self, TypeVar
 
 from pas.errors import meant
 
 T = TypeVar("T")
+
+
+class Serialisable:
+    """A class that is made from tables: unless it says otherwise, these hold the arguments of its constructor."""
+
+    @classmethod
+    def keys(cls) -> Mapping[str, bool]:
+        """The keys that its tables may have besides the kind, and whether they must have them."""
+        return constructor_keys(cls)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Self:
+        """The thing that a table (without its kind) describes; raises as the constructor does for wrong values."""
+        return cls(**record)
+
+
+D = TypeVar("D", bound=Serialisable)
 
 
 def loaded(text: str) -> Any:
@@ -68,3 +90,44 @@ class Registry(Mapping[str, T], Generic[T]):
             raise ValueError(f"there is a {self.noun} {name!r} already; choose another {self.key}")
         self._entries[name] = entry
         return entry
+
+
+def read_record(registry: Registry[type[D]], record: Mapping[str, Any], kind: str | None = None) -> D:
+    """The thing that a table describes; `kind` is that of a table that does not say.
+
+    Raises `ValueError`, whose sentence begins with the key at fault, for an unknown kind, and for
+    keys that do not belong to the kind or are missing; what the class raises for wrong values.
+    """
+    name = record.get("kind", kind)
+    if name not in registry:
+        raise ValueError(f"kind: {registry.unknown(name)}")
+    return read_as(registry[name], f"{registry.noun} {name!r}", record)
+
+
+def read_as(made: type[D], called: str, record: Mapping[str, Any]) -> D:
+    """The thing of a known class, called so in sentences, that a table describes; raises as `read_record` does."""
+    data = {key: value for key, value in record.items() if key != "kind"}
+    known = made.keys()
+    for key in data:
+        if key not in known:
+            raise ValueError(f"{key!r} does not belong to the {called}{meant(key, known)}")
+    for key, needed in known.items():
+        if needed and key not in data:
+            raise ValueError(f"the {called} needs {key!r}")
+    return made.from_record(data)
+
+
+def constructor_keys(made: type[Any]) -> dict[str, bool]:
+    """The arguments of a class's constructor: needed are those without a default."""
+    return dict(_arguments(made.__init__))
+
+
+@cache
+def _arguments(constructor: Callable[..., None]) -> dict[str, bool]:
+    arguments = list(signature(constructor).parameters.values())[1:]
+    return {a.name: a.default is Parameter.empty for a in arguments if a.kind is not Parameter.VAR_KEYWORD}
+
+
+def keys_of(registry: Registry[type[D]]) -> set[str]:
+    """All keys that a table of any registered kind may have."""
+    return {"kind"}.union(*(made.keys() for made in registry.values()))

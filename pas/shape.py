@@ -2,18 +2,20 @@
 
 A `Shape` gives its certificate and its mesh; saving, writing, drawing, showing are the same for all and are found by
 name when they are asked for, so that an object never knows who saves, prints or draws it.  What differs from kind to
-kind stands in one `Kind` each, a short file of `pas.kinds`, listed in `KINDS` and found by a shape's `kind`.
+kind stands in one `Kind` each, in `pas.kinds`, listed in `KINDS` and found by a shape's `kind`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 from pas.registry import Registry, loaded
+from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
 
 VERBS = {
@@ -21,7 +23,7 @@ VERBS = {
     "write": "pas.exchange.write:write",
     "draw": "pas.render.picture:draw",
     "show": "pas.render.window:show",
-    "html": "pas.render.notebook:html",
+    "html": "pas.render.window:html",
     "studio": "pas.studio.widget:studio",
 }
 """Where the work of the verbs is done that all shapes have, in rooms above."""
@@ -44,6 +46,15 @@ class Shape(ABC):
 
         The `quality` "angles" prefers triangles that are not long, "count" few (see `pas.mesh.quality`).
         """
+
+    def meshed(self, settings: MeshSettings) -> Any:
+        """Its `pas.Mesh` by settings; raises `ValueError` for one that means nothing to this kind of shape."""
+        takes, wanted = signature(self.mesh).parameters, given(settings)
+        for name in wanted:
+            if name not in takes:
+                owner = "a parametric surface" if name == "domain" else "a shape of another kind"
+                raise ValueError(f"{name} is that of {owner}, which {self!r} is not")
+        return self.mesh(**wanted)
 
     @abstractmethod
     def __str__(self) -> str:
@@ -106,20 +117,14 @@ def refuse_mixed(first: Shape, second: object) -> None:
 S = TypeVar("S")
 
 
-def _no_facts(_: Any) -> dict[str, Any]:
+def _own_mesh(shape: Any, settings: MeshSettings) -> Any:
+    """The shape's own mesh."""
+    return shape.meshed(settings)
+
+
+def _nothing(shape: Any) -> dict[str, Any]:
+    """No facts beside the verdicts."""
     return {}
-
-
-def _whole_text(shape: Any) -> str:
-    """What it is, and its verdicts."""
-    return f"{shape}\n\n{shape.certificate}"
-
-
-def _own_mesh(shape: Any, tolerance: Any, domain: Any) -> Any:
-    """The shape's own mesh; raises `ValueError` for a domain."""
-    if domain is not None:
-        raise ValueError(f"domain is that of a parametric surface, which {shape!r} is not")
-    return shape.mesh(tolerance)
 
 
 @dataclass(frozen=True)
@@ -130,14 +135,12 @@ class Kind(Generic[S]):
     shape of it again; a certificate that is given goes along for people to read.  `layers(shape, scene)` adds to the
     scene of a picture (see `pas.render.scene`) what is to be seen.
 
-    `text` is all that is to be said of it, verdicts included, `facts` what programs read of it beside those. For
-    files, `mesh(shape, tolerance, domain)` are its triangles, `domain` that of what has parameters; `meshed` says
-    that it is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so that it bounds
-    no body; `curved` that its layers know the curvature of
-    the surface, for colours and combs. What not every kind has: `parts` by name, each with a colour,
-    `patches(shape, domain)`, which are exact, `cells(shape)` as a grid, `body(shape, length)`, the solid with
-    it in its boundary, `cast(shape)`, the piecewise surface at which rays can be cast instead of meshing it, and
-    `generatrix(shape)`, the blend by a generatrix whose shape values can be moved without meshing it anew.
+    What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files,
+    `mesh(shape, settings)`, its triangles; `parts` by name, each with a colour; `patches(shape, domain)`, which are
+    exact; `piecewise`, the piecewise surface that it is, at which rays can be cast instead of meshing it;
+    `body(shape, length)`, the solid with it in its boundary.  `meshed` says that it is a mesh already, for which
+    tolerances mean nothing; `open` that it always ends at edges, so that it bounds no body; `curved` that its layers
+    know the curvature of the surface, for colours and combs.
     """
 
     name: str
@@ -146,18 +149,21 @@ class Kind(Generic[S]):
     record: Callable[[S, Verdicts | None], dict[str, Any]]
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
-    mesh: Callable[[S, Any, Any], Any] = field(default_factory=lambda: _own_mesh)
+    facts: Callable[[S], dict[str, Any]] = _nothing
+    mesh: Callable[[S, MeshSettings], Any] = _own_mesh
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
-    cells: Callable[[S], Any] | None = None
+    piecewise: Callable[[S], Any] | None = None
+    body: Callable[[S, Any], Any] | None = None
     meshed: bool = False
     open: bool = False
     curved: bool = False
-    text: Callable[[S], str] = field(default_factory=lambda: _whole_text)
-    facts: Callable[[S], dict[str, Any]] = field(default_factory=lambda: _no_facts)
-    body: Callable[[S, Any], Any] | None = None
-    cast: Callable[[S], Any] | None = None
-    generatrix: Callable[[S], Any] | None = None
+
+    def text(self, shape: S) -> str:
+        """All that is to be said of a shape, verdicts included, which some shapes say of themselves."""
+        assert isinstance(shape, Shape)
+        said = str(shape)
+        return said if said != shape.description else f"{said}\n\n{shape.certificate}"
 
     def __repr__(self) -> str:
         return f"<Kind {self.name!r} of {self.type.__name__}>"
@@ -166,20 +172,20 @@ class Kind(Generic[S]):
 KINDS: Registry[Kind[Any]] = Registry(
     "kind of shape",
     {
-        "blend": "pas.kinds.blend:BLEND",
-        "hollow blend": "pas.kinds.hollow_blend:BLEND",
-        "surface": "pas.kinds.surface:SURFACE",
-        "solid": "pas.kinds.solid:SOLID",
-        "part": "pas.kinds.assembly:PART",
-        "assembly": "pas.kinds.assembly:ASSEMBLY",
-        "teapot": "pas.kinds.teapot:TEAPOT",
-        "parametric surface": "pas.kinds.parametric_surface:SURFACE",
-        "parametric blend": "pas.kinds.parametric_blend:BLEND",
-        "generatrix blend": "pas.kinds.generatrix_blend:BLEND",
-        "sphere blend": "pas.kinds.sphere_blend:BLEND",
-        "rational patch": "pas.kinds.rational_patch:PATCH",
-        "mesh": "pas.kinds.mesh:MESH",
-        "layout": "pas.kinds.layout:LAYOUT",
+        "blend": "pas.kinds.piecewise:BLEND",
+        "hollow blend": "pas.kinds.piecewise:HOLLOW_BLEND",
+        "surface": "pas.kinds.piecewise:SURFACE",
+        "solid": "pas.kinds.solids:SOLID",
+        "part": "pas.kinds.solids:PART",
+        "assembly": "pas.kinds.solids:ASSEMBLY",
+        "teapot": "pas.kinds.solids:TEAPOT",
+        "parametric surface": "pas.kinds.parametric:SURFACE",
+        "parametric blend": "pas.kinds.parametric:BLEND",
+        "generatrix blend": "pas.kinds.generatrix:BLEND",
+        "sphere blend": "pas.kinds.generatrix:SPHERE_BLEND",
+        "rational patch": "pas.kinds.parametric:PATCH",
+        "mesh": "pas.kinds.solids:MESH",
+        "layout": "pas.kinds.piecewise:LAYOUT",
     },
 )
 """All kinds of shapes; a user's own is added by `KINDS.register(Kind(...))`."""

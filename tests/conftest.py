@@ -11,7 +11,6 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import pas
-from pas.surface.crossings import RaySearch
 
 SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 """Of generated cases: no test fails because another program took the processor."""
@@ -50,13 +49,6 @@ def blends_are_kept():
     pas.keep_blends()
     yield
     pas.keep_blends(0)
-
-
-@pytest.fixture(params=["compiled", "search"])
-def shooting(request, monkeypatch):
-    """Rays are shot as for users, and then all of them by the search that serves where compiled code does not."""
-    if request.param == "search":
-        monkeypatch.setattr("pas.surface.crossings.in_doubles", lambda *given: RaySearch(*given).run())
 
 
 @cache

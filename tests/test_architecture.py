@@ -18,8 +18,9 @@ import pas
 from pas.shape import KINDS
 
 ROOMS = [
-    *("_version", "errors", "threads", "limits", "registry", "described", "verdicts", "shape", "kernels"),
-    *("algebra", "bernstein", "partition", "mesh", "surface", "solid", "parametric", "generatrix", "fairing"),
+    *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
+    *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
+    *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
     *("studio", "bench", "cli"),
 ]
@@ -85,7 +86,7 @@ BY_CLASS = {
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
     ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
-    ("generatrix/space.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
+    ("parametric/generatrix/paths.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }
 """Where a class of a kind of shapes may be asked for outside the kinds' own files, and why."""
 

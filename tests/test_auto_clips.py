@@ -11,11 +11,11 @@ import pytest
 
 import pas
 from pas.blending.place import place
+from pas.contacts.contact import CONTACTS
+from pas.contacts.endless import Endless
 from pas.exchange.problem import read_problem
 from pas.layouts.center import center_of
-from pas.layouts.nodes import Node
-from pas.surface.contact import CONTACTS
-from pas.surface.endless import Endless
+from pas.layouts.nodes import ContactNode
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 OBLIQUE = (-1, 2, 0)
@@ -71,7 +71,7 @@ def test_ends_move_along_one_surface(table):
 def test_open_ends_are_placed_with_room(table, order):
     item = CONTACTS[table](**ENDLESS[table])
     placed = place([item, pipe(OBLIQUE, 1), pipe((0, -1, 3), "3/4")], order)
-    discs = Node.of(placed.contacts).discs
+    discs = ContactNode.of(placed.contacts).discs
     for a, b in combinations(discs, 2):
         assert a.angle + b.angle <= 0.6 * np.arccos(a.direction @ b.direction) + 1e-9
     assert placed.contacts[0].surface == item.clipped(1).contact.surface
@@ -94,7 +94,7 @@ def test_clips_that_are_given_stay_and_are_kept_apart_from():
     assert near[1].clip == pipe((1, 2, 0), 1, 1).contact.clip
     assert far[1].clip == pipe((1, 2, 0), 1, 3).contact.clip
     # what takes up more of the angle leaves less of it
-    assert Node.of(near).discs[0].distance > Node.of(far).discs[0].distance + 0.5
+    assert ContactNode.of(near).discs[0].distance > ContactNode.of(far).discs[0].distance + 0.5
 
 
 def test_axes_away_from_the_origin_and_from_one_another():
@@ -120,7 +120,7 @@ def test_the_six_tetrahedra_are_served():
 def test_a_blend_says_where_its_clips_are(tmp_path):
     blend = pas.blend([pipe(X, 1), pipe(OBLIQUE, 1)], 1, energy=pas.ThinPlate())
     assert blend.certificate.proved
-    planes = [disc.unit @ disc.middle for disc in Node.of(blend.surface.contacts).discs]
+    planes = [disc.unit @ disc.middle for disc in ContactNode.of(blend.surface.contacts).discs]
     assert all(f"{distance:.4g} from the centre" in str(blend) for distance in planes)
     again = pas.load(blend.save(tmp_path / "node.pas.json"))
     assert again.surface.contacts == blend.surface.contacts
@@ -185,7 +185,7 @@ def test_the_least_clips_that_are_said_to_leave_room_do(name):
     factor = Fraction(said[3])
     moved = place([item.clipped(Fraction(str(item.clip)) * factor) for item in items], 1, partition)
     center = center_of([contact.rim for contact in moved.contacts])
-    distances = [f"{disc.distance:.4g}" for disc in Node.of(moved.contacts, center).discs]
+    distances = [f"{disc.distance:.4g}" for disc in ContactNode.of(moved.contacts, center).discs]
     assert distances == [*said[1].split(", "), said[2]]
     less = factor * Fraction(9, 10)  # where room begins it comes and goes within some per cent
     assert less > 1

@@ -8,17 +8,28 @@ from math import factorial, prod
 import numpy as np
 import pytest
 from flint import fmpq
+from halving import halving
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial, Status
-from pas.algebra.kernels import evaluate
+from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
-from pas.bernstein.forms import LARGEST_ERROR, UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex, rounded, rounded_forms
-from pas.bernstein.gram import gram
-from pas.bernstein.signs import Limits, prove_apart, prove_positive, prove_positive_inside, rounding_bound
-from pas.bernstein.subdivision import edges, halved, halves, halving
+from pas.bernstein.forms import (
+    LARGEST_ERROR,
+    UNIT_ROUNDOFF,
+    b_form,
+    gram,
+    nearby_forms,
+    on_simplex,
+    rounded,
+    rounded_forms,
+)
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
+from pas.bernstein.simplices import rounding_bound
+from pas.bernstein.subdivision import bisection, edges, halved, halves
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
@@ -67,11 +78,11 @@ def test_halving_is_the_form_on_the_halves(degree, edge):
     i, j = edges(4)[edge]
     form = np.array(to_floats(b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)))
     middle = tuple((a + b) / 2 for a, b in zip(TETRAHEDRON[i], TETRAHEDRON[j], strict=True))
-    for matrix, moved in zip(halving(degree, 4, edge), (j, i), strict=True):
+    for own, moved in zip(bisection(degree, 4)[edge](form[None]), (j, i), strict=True):
         half = list(TETRAHEDRON)
         half[moved] = middle
         expected = to_floats(b_form(on_simplex(p.raw, half), degree, 3))
-        assert matrix @ form == pytest.approx(expected, abs=1e-12 * (1 + np.abs(form).max()))
+        assert own[0] == pytest.approx(expected, abs=1e-12 * (1 + np.abs(form).max()))
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 5), (4, 3), (7, 1)])
@@ -182,7 +193,7 @@ def test_an_error_before_the_halvings_counts():
     """x + 1/10 on a segment is positive, and cannot be told from what is not where forms may be off by 1/10."""
     form, corners = rounded_forms(Polynomial("x + 1/10").raw, [SEGMENT]), np.array([[to_floats(v) for v in SEGMENT]])
     assert prove_positive(form, corners).status is Status.PROVED
-    assert prove_positive(form, corners, limits=Limits(halvings=8), error=0.1).status is Status.UNDECIDED
+    assert prove_positive(form, corners, limits=Limits(depth=8), error=0.1).status is Status.UNDECIDED
 
 
 @pytest.mark.parametrize(
@@ -237,14 +248,14 @@ def test_common_zeros(value, zeros, status):
 
 def test_nothing_is_claimed_of_no_simplices():
     for result in (prove_positive(np.array([]), np.array([])), prove_apart((), np.empty((0, 4, 3)))):
-        assert (result.status, result.simplices) == (Status.PROVED, 0)
+        assert (result.status, result.examined) == (Status.PROVED, 0)
 
 
 def test_rounding_is_accounted_for():
     # a margin below the error bound must not pass as a proof, nor one of the other sign as refuted
     for sign in (1, -1):
         value = np.full((1, 4), sign * 2.0**-53)
-        result = prove_positive(value, np.eye(4)[None, :, :3], limits=Limits(halvings=3))
+        result = prove_positive(value, np.eye(4)[None, :, :3], limits=Limits(depth=3))
         assert result.status is Status.UNDECIDED
 
 
@@ -299,7 +310,7 @@ def test_a_zero_that_may_be_there_is_not_passed_over(value, zero):
 
 def one_simplex(value, zero, below=False):
     """The claim on one tetrahedron with these B-coefficients, before it is halved."""
-    forms, corners, limits = (np.array([value]), np.array([zero])), np.eye(4)[None, :, :3], Limits(halvings=0)
+    forms, corners, limits = (np.array([value]), np.array([zero])), np.eye(4)[None, :, :3], Limits(depth=0)
     return (
         prove_positive_inside(*forms, corners, limits) if below else prove_positive(forms[0], corners, forms[1], limits)
     )
@@ -322,7 +333,7 @@ def test_only_a_positive_multiple_of_what_is_not_positive_may_be_added():
 
 def test_none_of_several_is_positive():
     """Beside one that settles a simplex another does not count, and all are negative where a claim is refuted."""
-    corners, limits = np.eye(4)[None, :, :3], Limits(halvings=0)
+    corners, limits = np.eye(4)[None, :, :3], Limits(depth=0)
     value, low, high = (np.array([c]) for c in ([-0.5, 0.5, 0.5, 0.5], [-1.0] * 4, [0.25] * 4))
     for inside, status in (
         ([low, high], "proved"),
@@ -349,7 +360,7 @@ def test_what_the_limits_leave_open_is_not_proved():
     form = rounded(b_form(on_simplex(Polynomial("(x - 1/3)^2 + 1/1000").raw, SEGMENT), 2, 1))[None]
     corners = np.eye(3)[None, :2]
     assert prove_positive(form, corners).status is Status.PROVED
-    for limits in (Limits(halvings=0), Limits(halvings=2), Limits(largest_batch=0)):
+    for limits in (Limits(depth=0), Limits(depth=2), Limits(cells=0)):
         result = prove_positive(form, corners, limits=limits)
         assert result.status is Status.UNDECIDED
         assert len(result.undecided) == len(result.sources) > 0
@@ -362,7 +373,7 @@ def test_every_simplex_counts(cell):
     for bad, status in ((-1.0, Status.REFUTED), (0.0, Status.UNDECIDED)):
         value = np.ones((5, 3))
         value[cell] = bad
-        result = prove_positive(value, corners, limits=Limits(halvings=2))
+        result = prove_positive(value, corners, limits=Limits(depth=2))
         assert result.status is status
         assert set(result.sources) == {cell}
         if result.witness is not None:

@@ -12,7 +12,7 @@ import pas
 from pas import solid
 from pas.cli import main
 from pas.pipeline.bodies import body as body_of
-from pas.solid.pieces import Pieces
+from pas.solid.functions import Pieces
 from pas.solid.tree import atoms
 
 

@@ -7,10 +7,10 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.exchange.cell_grid import node_indices
+from pas.exchange.formats import vtu as module
+from pas.exchange.formats.vtu import node_indices
 from pas.exchange.write import write_cells
-from pas.kinds import surface as module
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 pyvista = pytest.importorskip("pyvista")
 

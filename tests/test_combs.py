@@ -9,13 +9,13 @@ import pytest
 from conftest import EQUAL, solved
 
 import pas
+from pas.exchange.picture_options import Picture
+from pas.piecewise import PiecewiseSurface
 from pas.render import combs as drawing
 from pas.render import sections
 from pas.render.combs import hair_length, tips
-from pas.render.layers import Comb, Layer
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import Comb, Layer, scene_of
 from pas.render.sections import chains, combs, section_planes
-from pas.surface.piecewise import PiecewiseSurface
 
 
 def alone(polynomial, lower, upper, contacts):

@@ -10,7 +10,7 @@ import pytest
 
 import pas
 from pas.algebra.rational import rational
-from pas.surface.contact import CONTACTS, Contact, as_contact
+from pas.contacts.contact import CONTACTS, Contact, as_contact
 
 ACROSS = [(0, "1/2", 0), (0, 0, "1/3")]
 """Semi-axes across x."""

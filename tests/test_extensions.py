@@ -13,13 +13,13 @@ from conftest import ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.blending.solving import METHODS
 from pas.cli import main
+from pas.contacts.contact import CONTACTS
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import PROBLEMS
 from pas.fairing.energy import ENERGIES
 from pas.partition.kinds import PARTITIONS, read_partition
 from pas.partition.six_tetrahedra import VERTEX_SIGNS
 from pas.shape import KINDS
-from pas.surface.contact import CONTACTS
 
 FOLDER = ROOT / "examples/extensions"
 TETRAHEDRON = [(0, 0, 0), (3, 1, 0), (-1, 2, "1/3"), (1, 1, 4)]

@@ -7,7 +7,7 @@ import pytest
 
 import pas
 from pas.mesh.contour import crossings, knotted
-from pas.surface.following import around_centre
+from pas.surface.meshing import around_centre
 from pas.verdicts import Status
 
 NECK = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
@@ -20,7 +20,7 @@ def boxed(text: str, half: int = 1) -> pas.PiecewiseSurface:
 def test_a_neck_around_a_node_is_meshed_from_the_first_lattice():
     """All crossings around the node in the middle of the neck would merge, and pinch it."""
     surface = boxed(NECK)
-    first = next(iter(surface.cell_field.beginnings))
+    first = next(iter(surface.mesher.cell_field.beginnings))
     assert len(first.graph.triangles) < 300  # the second lattice has 678
     mesh = surface.mesh(2e-3)
     assert all(v.status in (Status.PROVED, Status.HOLDS_MEASURED) for v in mesh.certificate.verdicts)
@@ -44,7 +44,7 @@ def test_crossings_that_are_no_disc_are_told_from_those_that_are():
 )
 def test_only_what_is_outside_in_the_middle_of_all_walls_is_looked_at_from_the_centre(text, is_one):
     assert around_centre(boxed(text)) is is_one
-    assert (boxed(text).radial_field is not None) is is_one
+    assert (boxed(text).mesher.radial_field is not None) is is_one
 
 
 def test_ways_onto_walls_and_edges_are_pseudoinverses():
@@ -52,7 +52,7 @@ def test_ways_onto_walls_and_edges_are_pseudoinverses():
     corners = [(0, 0, 0), (2, 0, 0), (1, 2, 0), (1, 1, 3), (1, 1, 1)]
     oblique = pas.Partition(corners, [(0, 1, 2, 4), (0, 1, 3, 4), (0, 2, 3, 4), (1, 2, 3, 4)], center=(1, 1, 1))
     for surface in (boxed(NECK), pas.PiecewiseSurface(oblique, [], 1, [pas.Polynomial("z - 1/2 - x/9")] * 4)):
-        planes, across, back = surface.cell_field._planes
+        planes, across, back = surface.mesher.cell_field._planes
         for row, wanted in enumerate(np.linalg.pinv(planes[:, :, :3])):
             assert np.allclose(back[row].T, wanted, atol=1e-14)
             flat = across[row][np.abs(across[row]).sum(axis=1) > 0]

@@ -11,8 +11,7 @@ from conftest import EQUAL, ROOT, solved
 
 import pas
 from pas import solid
-from pas.exchange.formats import FORMATS, Format, suffixes_of
-from pas.exchange.formats.format import UNITS
+from pas.exchange.formats import FORMATS, UNITS, Format, suffixes_of
 from pas.exchange.parts import TRIANGLES
 
 HOLDS = {"triangles", "patches", "cells", "tetrahedra"}

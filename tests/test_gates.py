@@ -5,30 +5,35 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pas.solid import gates
-from pas.solid.gates import Branch, Gates, Leaf
+from pas.algebra.polynomial import Polynomial
+from pas.solid import tree
+from pas.solid.tree import Atom, CompiledTree, Node
 
-COLUMNS = 6
+COLUMNS = [Polynomial(f"x - {column}") for column in range(6)]
 
 
 def drawn(rng, depth):
     """A random tree."""
     if depth == 0 or rng.random() < 0.2:
-        return Leaf(int(rng.integers(COLUMNS)), bool(rng.integers(2)))
+        return Atom(COLUMNS[int(rng.integers(6))], "", bool(rng.integers(2)))
     parts = tuple(drawn(rng, depth - 1) for _ in range(rng.integers(1, 5)))
-    return Branch(parts, bool(rng.integers(2)))
+    return Node(parts, bool(rng.integers(2)))
 
 
-def holds(code, yes, no):
-    if isinstance(code, Leaf):
-        return (no if code.negated else yes)[code.column]
-    return (np.any if code.union else np.all)([holds(part, yes, no) for part in code.parts], axis=0)
+def column(atom):
+    return COLUMNS.index(atom.function)
 
 
-def extremes(code, values):
-    if isinstance(code, Leaf):
-        return -values[code.column] if code.negated else values[code.column]
-    return (np.min if code.union else np.max)([extremes(part, values) for part in code.parts], axis=0)
+def holds(tree, yes, no):
+    if isinstance(tree, Atom):
+        return (no if tree.outside else yes)[column(tree)]
+    return (np.any if tree.union else np.all)([holds(part, yes, no) for part in tree.parts], axis=0)
+
+
+def extremes(tree, values):
+    if isinstance(tree, Atom):
+        return -values[column(tree)] if tree.outside else values[column(tree)]
+    return (np.min if tree.union else np.max)([extremes(part, values) for part in tree.parts], axis=0)
 
 
 def relevant(code, yes, no):
@@ -37,8 +42,8 @@ def relevant(code, yes, no):
 
     def visit(code, open_):
         open_ = open_ & ~holds(code, yes, no) & holds(code, ~no, ~yes)
-        if isinstance(code, Leaf):
-            found[int(code.negated), code.column] |= open_
+        if isinstance(code, Atom):
+            found[int(code.outside), column(code)] |= open_
         else:
             for part in code.parts:
                 visit(part, open_)
@@ -50,12 +55,12 @@ def relevant(code, yes, no):
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("number", [0, 1, 300])
 def test_as_branch_by_branch(seed, number, monkeypatch):
-    monkeypatch.setattr(gates, "TOGETHER", 16)  # several blocks
+    monkeypatch.setattr(tree, "TOGETHER", 16)  # several blocks
     rng = np.random.default_rng(seed)
     code = drawn(rng, 4)
-    made = Gates(code, COLUMNS)
-    values = rng.normal(size=(COLUMNS, number)).round(1)
-    sure = rng.random((COLUMNS, number)) < 0.6
+    made = CompiledTree(code, lambda atom: (column(atom), atom.outside))
+    values = rng.normal(size=(made.columns, number)).round(1)
+    sure = rng.random((made.columns, number)) < 0.6
     yes, no = (values <= 0) & sure, (values > 0) & sure
     assert np.array_equal(made.holds(yes, no), holds(code, yes, no))
     assert np.array_equal(made.extremes(values), extremes(code, values))

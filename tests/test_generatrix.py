@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 import pas
 from pas import Boundary, GeneratrixShape, Polynomial, ShapeFunction, Status, generatrix_blend, plane_section
 from pas.errors import GeometryError, NotProvedError
-from pas.generatrix.align import alignment, sides
-from pas.generatrix.crossings import crossings
-from pas.generatrix.frames import bernstein_at, connectivity
+from pas.parametric.generatrix.align import alignment, sides
+from pas.parametric.generatrix.crossings import crossings
+from pas.parametric.generatrix.frames import connectivity
+from pas.parametric.nets import bernstein_at
 
 S = np.linspace(0, 1, 101)
 ROUND = ("(1 - 6*(2*s - 1)^2 + (2*s - 1)^4)/(1 + (2*s - 1)^2)^2", "4*(2*s - 1)*(1 - (2*s - 1)^2)/(1 + (2*s - 1)^2)^2")
@@ -485,7 +486,7 @@ def test_measured_contact_sees_a_wrong_one(monkeypatch, first):
 
 
 def test_exact_contact_sees_a_wrong_one():
-    from pas.generatrix.exact import ExactCurve
+    from pas.parametric.generatrix.exact import ExactCurve
 
     one, zero, s = (pas.RationalFunction(e, ("s", "t")) for e in ("1", "0", "s"))
     assert ExactCurve((s, zero, zero), (zero, one, s), True).lies_in_plane
@@ -752,7 +753,7 @@ def test_bad_blends(make, error, message):
     ],
 )
 def test_injectivity(surface, injective):
-    from pas.generatrix.injective import is_injective
+    from pas.parametric.generatrix.crossings import is_injective
 
     made = pas.ParametricSurface(*surface, parameters=("s", "t"), domain=((0, 1), (0, 1)))
     assert is_injective(made) == injective

@@ -15,9 +15,10 @@ from conftest import ROOT
 import pas
 from pas.cli import main
 from pas.exchange.container import checksum
-from pas.generatrix import verdicts
-from pas.render.collar import collar
-from pas.render.scene import Picture, Style, scene_of
+from pas.exchange.picture_options import Picture, Style
+from pas.parametric.generatrix import verdicts
+from pas.render.neighbours import collar
+from pas.render.scene import scene_of
 from pas.verdicts import Status
 
 FOLDER = ROOT / "examples/parametric/generatrix"
@@ -186,11 +187,11 @@ def problem(tmp_path, text):
     [
         (("method", 'order = 1\nmethod'), "line 1: unknown key 'order'"),
         (("[shape]", "[[boundaries]]\nquadric = '1'\n[shape]"), "there must be two .*boundaries.*, not 3"),
-        (('"z + 1"', '"z^2 + 1"'), "line 2: boundary 1: the plane must be a polynomial of degree 1"),
-        (('"z + 1"', '"x - 3"'), "line 2: boundary 1: the plane .* meet in nothing"),
-        (('plane = "z + 1"\n', ""), "line 2: boundary 1: a boundary needs"),
-        (("x^2 + y^2 - 4", "x^2 + y^2 - 5"), "line 5: boundary 2: .* the curve is off the surface by 0.2"),
-        (('"generatrix"', '"quadrics"'), "line 5: boundary 2: a boundary needs quadric, plane; this one has implicit"),
+        (('"z + 1"', '"z^2 + 1"'), "line 4: boundary 1: the plane must be a polynomial of degree 1"),
+        (('"z + 1"', '"x - 3"'), "line 4: boundary 1: the plane .* meet in nothing"),
+        (('plane = "z + 1"\n', ""), "line 3: boundary 1: a boundary needs"),
+        (("x^2 + y^2 - 4", "x^2 + y^2 - 5"), "line 7: boundary 2: .* the curve is off the surface by 0.2"),
+        (('"generatrix"', '"quadrics"'), "line 6: boundary 2: a boundary needs quadric, plane; this one has implicit"),
         (('l2 = "1/2"', "l2 = 0"), "line 10: l2 is 0; it must be positive"),
         (('l2 = "1/2"', "l2 = [[0, 1], [2, 1]]"), "line 10: l2: the s of pairs must be distinct and in"),
         (('l2 = "1/2"', "l2 = [3]"), "line 10: l2: pairs must be data pairs"),

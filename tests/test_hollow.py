@@ -9,7 +9,7 @@ import pytest
 
 import pas
 from pas import solid
-from pas.solid.shell import Near
+from pas.solid.shell import FaceDistance
 
 RING = ("cos(t)", "sin(t)", "0")
 TURN = (0, "6.283185307179586")
@@ -57,7 +57,7 @@ def test_the_distance_to_a_smooth_joint_of_two_faces():
     ball, other = "x^2 + y^2 + z^2 - 1", "x^2 + y^2 + z^2 - 1 + (z - 1/3)^2"
     shape = solid.patch("upper", ball, "z - 1/3") | solid.patch("lower", other, "1/3 - z")
     shape = shape.joined("upper", "lower", (ball, "z - 1/3"), 1)
-    near = Near(shape, ["upper", "lower"], 0.1, 1e-2)
+    near = FaceDistance(shape, ["upper", "lower"], 0.1, 1e-2)
     mesh = shape.mesh(4e-3)
     normals = mesh.point_normals
     jets = near.jets(mesh.points - 0.1 * normals)

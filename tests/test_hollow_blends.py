@@ -12,18 +12,18 @@ from flint import fmpq
 
 import pas
 from pas import solid
+from pas.certify.nesting import common_parts, nesting
+from pas.contacts.cones import first_met, nappe, nappe_rays
+from pas.contacts.contact import CONTACTS
+from pas.contacts.parallels import inner_contact
 from pas.fairing.energies.even_wall import EvenWall, Thickness
 from pas.fairing.objective import check_residuals
 from pas.fairing.sampled import Inequalities
 from pas.fairing.solver import FitSolver, coordinates
 from pas.fairing.surface_points import Sizes
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.cavity import Cavity
-from pas.surface.cones import first_met, nappe, nappe_rays
-from pas.surface.contact import CONTACTS
 from pas.surface.depth import Depth
-from pas.surface.nesting import common_parts, nesting
-from pas.surface.parallels import inner_contact
-from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 TENTH = fmpq(1, 10)

@@ -7,10 +7,10 @@ import pytest
 
 import pas
 from pas.algebra.rational import rational, to_floats
+from pas.certify.nesting import nesting
+from pas.contacts.parallels import inner_contact
 from pas.pipeline.cavity import Cavity
 from pas.surface.depth import Depth
-from pas.surface.nesting import nesting
-from pas.surface.parallels import inner_contact
 from pas.verdicts import Status
 
 X, Z = (1, 0, 0), (0, 0, 1)

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from pas.algebra.kernels import horner
+from pas.algebra.evaluation import horner
 from pas.algebra.monomials import count, positions
 
 THREADS = {"Haswell": 1, "Zen": 2, "SkylakeX": 1, "Prescott": 1}

@@ -275,7 +275,7 @@ def test_options_of_pictures_are_checked(tmp_path):
 def test_every_setting_of_a_picture_is_a_keyword():
     from dataclasses import fields
 
-    from pas.render.scene import PictureOptions
+    from pas.exchange.picture_options import PictureOptions
 
     assert set(PictureOptions.__annotations__) == {field.name for field in fields(pas.Picture)}
 

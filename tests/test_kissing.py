@@ -74,7 +74,7 @@ def test_what_touches_in_points_is_meshed_surface_by_surface(name):
 def test_points_of_contact(first, second, expected):
     box = np.array([[-1.5] * 3, [1.5] * 3])
     fields = [SolidField(s.tree, box, (), np.empty((0, 3))) for s in (first, second)]
-    found = contacts(fields[0].program, fields[1].program, fields[0].box)
+    found = contacts(fields[0].evaluator, fields[1].evaluator, fields[0].box)
     if expected is None:
         assert found is None
     else:

@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 
 import pas
-from pas.algebra.rational import rational
+from pas.algebra.rational import cross, determinant, rational
 from pas.blending.net import Net
 from pas.blending.place import places
 from pas.blending.spherical import splines
+from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
-from pas.layouts.nodes import KINDS, LADDERS, Node
+from pas.layouts.kinds import LAYOUTS
+from pas.layouts.nodes import ContactNode
 from pas.layouts.planes import arrangement
 from pas.layouts.region import region
-from pas.partition.layout import Layout, normal_of, turns
+from pas.partition.layout import Layout
 from pas.render.layout import colors
-from pas.surface.contact import as_contact
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 BACK = tuple(tuple(-c for c in axis) for axis in (X, Y, Z))
@@ -71,7 +72,7 @@ CENTERS = {
 @pytest.mark.parametrize("name", CENTERS)
 def test_where_the_centre_is(name):
     items, center = CENTERS[name]
-    assert Node.of([as_contact(item) for item in items]).center == tuple(map(rational, center))
+    assert ContactNode.of([as_contact(item) for item in items]).center == tuple(map(rational, center))
 
 
 WAYS = [(1, 4, 13, 10), (2, 5, 28, 10), (2, 6, 34, 20), (2, 7, 40, 35)]
@@ -143,18 +144,19 @@ def test_a_region_on_more_cells_has_the_space_of_its_layout():
     assert Net(placed, 4).solve()[0].nrows() == pas.solutions(NODES["elbow"], 1, 4, placed.partition).dimension
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LAYOUTS)
 def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
-    node = Node.of([as_contact(p) for p in {"strips": five(), "fan": NODES["cross"], "planes": NODES["six-way"]}[kind]])
-    rung = next(rung for rung in LADDERS[1] if rung.kind == kind)
-    layout = rung.make(node.discs, node.center)
+    node = ContactNode.of(
+        [as_contact(p) for p in {"strips": five(), "fan": NODES["cross"], "planes": NODES["six-way"]}[kind]]
+    )
+    layout = LAYOUTS[kind].trials[1][0].make(node.discs, node.center)
     found = region(layout, node.discs).layout
     assert {arcs(layout, p) for p in range(len(layout.pieces))} == {arcs(found, p) for p in range(len(found.pieces))}
     assert found.name == layout.name
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 8])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LAYOUTS)
 def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, order):
     for contacts in (five(), NODES["six-way"], NODES["elbow"]):
         try:
@@ -344,7 +346,7 @@ def test_the_distance_that_is_said_to_work_works():
 
 
 def test_names_of_layouts():
-    assert KINDS == ("planes", "fan", "strips")
+    assert tuple(LAYOUTS) == ("planes", "fan", "strips")
     with pytest.raises(ValueError, match=r"there is no partition 'fans'.*'fan'"):
         pas.blend(NODES["T"], 1, partition="fans")
     with pytest.raises(TypeError, match=r"partition must be a pas\.Partition"):
@@ -368,12 +370,12 @@ def test_arrangements_of_planes_cover_the_sphere():
 
 def test_determinants_of_rays():
     for a, b in combinations([X, (1, 2, 3), (-4, 1, 0)], 2):
-        assert turns(a, b, normal_of(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
+        assert determinant(a, b, cross(a, b)) == np.linalg.det([a, b, np.cross(a, b)]).round()
 
 
 def test_struts_have_clips_where_a_blend_has_room():
     free = pas.struts([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 2)
-    node = Node.of([as_contact(p) for p in free])
+    node = ContactNode.of([as_contact(p) for p in free])
     for a, b in combinations(node.discs, 2):
         assert a.angle + b.angle <= 0.6 * np.arccos(np.clip(a.direction @ b.direction, -1, 1)) + 1e-9
     given = pas.struts([(X, 1, 5), ((-1, 2, 0), 1), ((0, -1, 3), "3/4", "7/2")], 2)

@@ -14,13 +14,11 @@ from conftest import EQUAL, solved
 
 import pas
 from pas import solid
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import count
-from pas.algebra.tables import PieceTables
-from pas.mesh.coarsen import collapsed
 from pas.mesh.octree import Octree
-from pas.mesh.radial import Edges, flipped, slender
-from pas.mesh.topology import distinct, euler_characteristic, is_closed_manifold, numbered, pinched
-from pas.solid.jets import Jets
+from pas.mesh.topology import distinct, numbered, pinched
+from pas.surface.geometry import derivative_batch
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
 
@@ -57,47 +55,19 @@ def test_meshes_in_boxes_are_the_same_bits_on_every_machine():
     assert len(found) == 1
 
 
-def test_rough_meshes_are_flipped_and_coarsened():
-    mesh = pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(5e-2)
-    points = mesh.points + np.random.default_rng(3).normal(scale=0.05, size=mesh.points.shape)
-    rim, fixed = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
-    triangles = flipped(points, mesh.triangles, mesh.point_normals)
-    assert is_closed_manifold(triangles) and not np.array_equal(triangles, mesh.triangles)
-    slim = [slender(points, each) for each in (mesh.triangles, triangles)]
-    assert slim[1] < slim[0]
-    left, smaller = collapsed(
-        points, Edges(triangles, len(points)), mesh.point_normals, rim, fixed, np.full(len(points), 0.6)
-    )
-    assert len(left) < 0.9 * len(points)
-    assert is_closed_manifold(smaller) and np.array_equal(np.unique(smaller), np.arange(len(left)))
-    assert euler_characteristic(smaller) == euler_characteristic(mesh.triangles)
-    edges = Edges(triangles[10:], len(points))
-    assert edges.manifold and len(edges.rim) > 0
-    for rows, ends in zip(edges.owners, edges.inner, strict=True):
-        assert np.isin(ends, triangles[10:][rows[0]]).all() and np.isin(ends, triangles[10:][rows[1]]).all()
-
-
-def test_flips_make_no_edge_between_opposite_sides():
-    """Of a thin strip across its ridge: the shorter diagonal is taken where its ends look the same way, roughly."""
-    points = np.array([[-3.0, 0, 0], [3, 0, 0], [0, -1, 0], [0, 1, 0]])
-    triangles = np.array([[0, 1, 3], [1, 0, 2]])
-    for lean, taken in ((0.5, True), (0.9, True), (1.1, False), (2.0, False)):
-        normals = np.array([[0, 0, 1], [0, 0, 1], [0, -lean, 1], [0, lean, 1]])
-        normals /= np.sqrt((normals * normals).sum(axis=1))[:, None]
-        assert ((flipped(points, triangles, normals) != triangles).any()) == taken
-
-
 @pytest.mark.parametrize("number", [3, 40])
 def test_tables_of_pieces(number):
     rng = np.random.default_rng(4)
     coefficients = rng.normal(size=(number, 2, count(2)))
     coefficients[:, 1, count(1) :] = 0
     points, pieces = rng.uniform(-1, 1, (200, 3)), rng.integers(number, size=200)
-    values = PieceTables(coefficients, (2, 1))(points, pieces)
+    batch = PolynomialBatch.of([[value, slope[: count(1)]] for value, slope in coefficients], 2)
+    values = batch(points, pieces).T
     x, y, z = points.T
     monomials = np.stack([np.ones(200), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z])
     assert values == pytest.approx(np.einsum("nkc,cn->kn", coefficients[pieces], monomials), abs=1e-14)
-    assert PieceTables(coefficients[:, 1:], (1,))(points[:0], pieces[:0]).shape == (1, 0)
+    assert batch(points[:0], pieces[:0]).shape == (0, 2)
+    assert np.isnan(batch(points[:1], np.array([-1]))).all()
 
 
 @pytest.mark.parametrize("number", [4, 60])
@@ -105,12 +75,12 @@ def test_jets_of_many_polynomials_are_values_and_slopes(number):
     rng = np.random.default_rng(number)
     texts = ["x - {}", "x^2 + {}*y*z - 1", "7", "x^5 - {}*x*y^2*z + z^3", "y^5 - {}*x^4"]
     polynomials = [pas.Polynomial(texts[k % 5].format(k + 1)) for k in range(number)]
-    jets = Jets(polynomials)
+    jets = derivative_batch([p.dense(max(p.degree, 0)) for p in polynomials], (0, 1))
     points, numbers = rng.uniform(-1, 1, (300, 3)), rng.integers(number, size=300)
     found = jets(points, numbers)
     wanted = [float(polynomials[k].at([Fraction(c) for c in p.tolist()])) for k, p in zip(numbers, points, strict=True)]
     assert found[:, 0] == pytest.approx(wanted, rel=1e-13, abs=1e-13)
-    assert jets(points[:0], numbers[:0]).shape == Jets([])(points[:0], numbers[:0]).shape == (0, 4)
+    assert jets(points[:0], numbers[:0]).shape == derivative_batch([], (0, 1))(points[:0], numbers[:0]).shape == (0, 4)
     step = 1e-6 * np.eye(3)[:, None]
     slopes = [jets(points + s, numbers)[:, 0] for s in step]
     assert pytest.approx((np.array(slopes) - found[:, 0]) / 1e-6, rel=1e-3, abs=1e-3) == found[:, 1:].T

@@ -15,7 +15,7 @@ from pas.algebra.monomials import exponents
 from pas.blending.lifting import lift, product_degree
 from pas.blending.multipliers import Consistency, Multipliers
 from pas.blending.solving import solve
-from pas.partition.cells import InteriorFace
+from pas.partition.complex import InteriorFace
 from pas.surface.placed import PlacedContacts
 
 PUBLISHED = ("3/5", "1/5")

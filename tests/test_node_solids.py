@@ -201,12 +201,12 @@ def test_known_seams_are_no_trouble_and_walls_are_not_blamed():
     body = pas.blend([pas.Pipe(axis, 1, 2) for axis in (X, Y)], 1).solid()
     place = np.array([[2.0, 0.0, 1.0]])
     unclaimed = replace(body, joints=(), _cache={})
-    known, unknown = (find_trouble(b.field, b.field.program.local(place), 0.05) for b in (body, unclaimed))
+    known, unknown = (find_trouble(b.field, b.field.evaluator.local(place), 0.05) for b in (body, unclaimed))
     assert known is None
     assert "the faces 'blend' and 'neighbour 1' touch; claim the curve as a joint" in unknown.sentence
     field = body.field
-    (wall, *_), (face, other, *_) = (np.flatnonzero(field.program.walls == is_wall) for is_wall in (True, False))
-    words = _Place(field, field.program.local(place)[0], 0.05)._names
+    (wall, *_), (face, other, *_) = (np.flatnonzero(field.evaluator.walls == is_wall) for is_wall in (True, False))
+    words = _Place(field, field.evaluator.local(place)[0], 0.05)._names
     assert words([face, wall, other]) == "the faces 'blend' and 'neighbour 1'"
     assert re.fullmatch("the face 'blend' and the wall .* = 0", words([face, wall]))
     assert re.fullmatch("the wall .* = 0", words([wall]))

@@ -13,9 +13,9 @@ from pas.mesh.faces import Crossings
 from pas.mesh.octree import BASE, QUIET, Octree
 from pas.mesh.remesh import cosines, pair_normals
 from pas.mesh.topology import is_closed_manifold
-from pas.solid.bank import Bank
-from pas.solid.jets import Jets
-from pas.solid.pieces import Pieces
+from pas.solid.functions import Pieces
+from pas.solid.taylor import TaylorForms
+from pas.surface.geometry import derivative_batch
 
 BALL = solid.ball((0, 0, 0), 1)
 CUP = BALL - solid.ball((0, 0, 1), "1/2")
@@ -78,16 +78,16 @@ def test_only_thin_places_are_refined():
 
 def test_where_patches_share_a_wall_inside_nothing_is_crossed():
     shape = solid.patch("left", "x^2+y^2+z^2-1", "-x") | solid.patch("right", "x^2+y^2+z^2-1", "x")
-    center = shape.field.program.local(np.zeros((1, 3)))
+    center = shape.field.evaluator.local(np.zeros((1, 3)))
     assert not shape.field.crossed(center, 0.2)[0]
-    assert shape.field.crossed(shape.field.program.local(np.array([[0.0, 1.0, 0.0]])), 0.2)[0]
+    assert shape.field.crossed(shape.field.evaluator.local(np.array([[0.0, 1.0, 0.0]])), 0.2)[0]
 
 
 def test_faces_turn_at_most_as_much_as_is_said():
     rng = np.random.default_rng(1)
     texts = ("x", "x*y - z", "x^2 + y^2 - z", "x^4 - 3*x*y*z + z^3 - 1/2")
     polynomials = [pas.Polynomial(t) for t in texts]
-    bank, jets = Bank(polynomials), Jets(polynomials)
+    bank, jets = TaylorForms(polynomials), derivative_batch([p.dense(max(p.degree, 0)) for p in polynomials], (0, 1))
     centers, half = rng.uniform(-1, 1, (50, 3)), np.array([[0.1, 0.2, 0.05]])
     gradients, changes = bank.slopes(np.arange(4), centers, half)
     inside = centers + half * rng.uniform(-1, 1, (50, 3))
@@ -107,7 +107,7 @@ def test_ranges_in_boxes_hold_all_values_and_see_that_blends_touch_their_walls()
         "x^6 - 3*x*y*z + z^3 - 1/2",
         "(x - 1/10)^3 + y^5",
     )
-    bank = Bank([pas.Polynomial(t) for t in texts])
+    bank = TaylorForms([pas.Polynomial(t) for t in texts])
     centers, halves = rng.uniform(-1, 1, (400, 3)), rng.uniform(0.05, 0.3, (400, 3))
     yes, no = bank.taylor(centers, halves)
     for shift in rng.uniform(-1, 1, (200, 3)):

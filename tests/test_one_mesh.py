@@ -12,10 +12,10 @@ from conftest import ROOT
 
 import pas
 from pas import solid
-from pas.generatrix.boundary import Boundary
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import smallest_angles
 from pas.parametric.framed import extent
+from pas.parametric.generatrix.boundary import Boundary
 
 PIPES = [pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -14,8 +15,7 @@ from hypothesis import strategies as st
 
 import pas
 from pas import BlendingData, ParametricSurface, RationalFunction
-from pas.parametric.evaluation import _prepared
-from pas.parametric.kernel import FactoredGroup
+from pas.parametric.evaluation import HermiteValues
 from pas.parametric.proofs import contact_verdicts
 
 T, H = sympy.symbols("t h")
@@ -252,7 +252,7 @@ def test_members_of_the_solutions():
         (CYLINDER.with_domain(((-1, 1), (0, 1))), pas.Status.PROVED, ""),
         (CYLINDER, pas.Status.PROVED, ""),
         (pas.elliptic_cone().with_domain(((-1, 1), ("1/3", 2))), pas.Status.PROVED, ""),
-        (pas.elliptic_cone().with_domain(((-1, 1), (-1, 2))), pas.Status.REFUTED, "normal vanishes near"),
+        (pas.elliptic_cone().with_domain(((-1, 1), (-1, 2))), pas.Status.REFUTED, "normal vanishes at t = "),
         (
             pas.elliptic_paraboloid().with_domain(((-1, 1), (0, 2))),
             pas.Status.REFUTED,
@@ -289,7 +289,7 @@ def test_regularity_at_any_size(size):
     unit = f"1e{size}"
     folded = [f"{unit}*({x})" for x in ("(t - 1/2)^3/3 - t/100", "h", "t*((h - 1/2)^2 - 1/100)")]
     verdict = pas.regularity(ParametricSurface(*folded, domain=((0, 1), (0, 1))))
-    assert verdict.status is pas.Status.REFUTED and verdict.reason.endswith("t = 2/5, h = 2/5")
+    assert verdict.status is pas.Status.REFUTED and re.search("at t = [23]/5, h = [23]/5$", verdict.reason)
     graph = [f"{unit}*({x})" for x in ("t + t^2/3", "h/(1 + t)", "t*h")]
     assert pas.regularity(ParametricSurface(*graph, domain=((0, 1), (0, 1)))).proved
     mixed = ParametricSurface(f"t*{unit}", "h", f"t*h/{unit}", domain=((0, 1), (0, 1)))
@@ -419,15 +419,13 @@ def test_values_need_not_be_in_order():
     assert blend.surface.at(0, "1/2") == tuple(map(Fraction, (blend.surface.at(0, "1/2"))))
 
 
-def test_separable_components_are_evaluated_as_products():
-    """Circles: x and y are (1 - t^2) A(h) and 2 t A(h) over 1 + t^2; values and derivatives are the exact ones."""
+def test_components_over_one_denominator_are_added_before_they_are_evaluated():
+    """Circles: x and y stand over 1 + t^2, z over 1; values and derivatives are the exact ones."""
     ring = ("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)")
     data = pas.BlendingData([pas.ParametricSurface(*(f"{r}*{c}" for c in ring), f"h + {r}") for r in (1, "5/2", 3)])
     blend = pas.hermite_blend(data, 2)
-    groups, rest = _prepared(data, 2)
-    assert not rest
-    (factored,) = [g for g in groups if isinstance(g, FactoredGroup) and g.below is not None]
-    assert (factored.axes, len(factored.matrix)) == ((0, 1), 1)
+    groups, rest = HermiteValues(data, 2)._parts
+    assert not rest and [g.axes for g in groups] == [(0, 1), (2,)]
     points = np.random.default_rng(3).uniform(0, 2, (20, 2))
     exact = lambda f: np.array([float(f.at(*map(Fraction, p))) for p in points.tolist()])  # noqa: E731
     for orders in ((0, 0), (1, 0), (0, 1), (2, 1)):

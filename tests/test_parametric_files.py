@@ -10,7 +10,7 @@ import pytest
 import pas
 from pas.cli import main
 from pas.exchange.container import checksum
-from pas.parametric.methods import blend_by, method_of
+from pas.parametric.blends import blend_by, method_of
 
 FIRST = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1")
 SECOND = pas.ParametricSurface("2*(1 - t^2)/(1 + t^2)", "4*t/(1 + t^2)", "h + 1")
@@ -217,7 +217,7 @@ def test_problem_files_are_read(tmp_path):
         (("h - 1", "h - w"), "line 5: surface 1: component z: .* variable 'w'"),
         (("h + 1", "h +"), "line 9: surface 2: component z: cannot read"),
         (('z = "h + 1"\n', ""), "line 6: .surfaces. has no 'z'"),
-        (("t = [-1, 1]", "t = [1, -1]"), "line 10: the domain of t must be an interval"),
+        (("t = [-1, 1]", "t = [1, -1]"), "line 11: the domain of t must be an interval"),
         (("t = [-1, 1]", "w = [-1, 1]"), "line 10: .domain. must be a table with intervals of t and h"),
         (("[domain]", '[picture]\nstyle = "loud"\n[domain]'), "line 11: there is no style of pictures 'loud'"),
         (("[domain]", "[picture]\nview = [0, 0, 0]\n[domain]"), "line 11: view must not be the zero vector"),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pas
+from pas.algebra.affine import Frame
 from pas.algebra.rational import to_fraction, vector
-from pas.partition.frame import Frame
 
 
 def test_six_tetrahedra_of_the_published_corner(facts):

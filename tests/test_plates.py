@@ -10,10 +10,10 @@ from flint import fmpq
 import pas
 from pas.algebra.rational import to_floats
 from pas.blending.place import ended, place
+from pas.certify.openings import cofactor
+from pas.contacts.cones import apex
 from pas.independent.checker import check_independently
 from pas.pipeline import repeated
-from pas.surface.cones import apex
-from pas.surface.openings import cofactor
 
 X, Z = (1, 0, 0), (0, 0, 1)
 UPRIGHT = [pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)]
@@ -148,13 +148,12 @@ def test_meshes(blends, name):
 
 def test_meshes_that_are_another_surface(second):
     mesh = second.surface.mesh(5e-2)
-    whole = second.surface.stage
+    whole = second.surface.local_surface
     points, triangles = np.array(mesh.points), np.array(mesh.triangles)
 
     def verdicts(points, triangles):
-        from pas.surface.mesh_proofs import certify_mesh
 
-        return certify_mesh(whole.surface, points, triangles).verdicts
+        return whole.function.certify_mesh(points, triangles).verdicts
 
     assert verdicts(points, triangles)[1].proved
     assert not verdicts(points, triangles[1:])[1].proved  # a hole inside

@@ -109,8 +109,8 @@ def test_the_examples_are_read(path):
             18,
             "kind: there is no energy 'bending'; there",
         ),
-        ("[points]", "[energy]\nlower = [0, 0, 0]\n[points]", 17, "both lower and upper"),
-        ("[points]", "[energy]\nlower = [0, 0, 0]\nupper = [0, 1, 1]\n[points]", 17, "must be below the upper"),
+        ("[points]", "[energy]\nlower = [0, 0, 0]\n[points]", 18, "both lower and upper"),
+        ("[points]", "[energy]\nlower = [0, 0, 0]\nupper = [0, 1, 1]\n[points]", 18, "must be below the upper"),
         ("[points]", "[partition]\nlegs = [[1, 0, 0]]\n[points]", 18, "legs must be three vectors"),
     ],
 )

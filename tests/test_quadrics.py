@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 import pas
 from pas import Polynomial, plane_section, quadric_intersection
 from pas.errors import GeometryError
-from pas.generatrix.pencil import members, planes_of
-from pas.generatrix.quadric import Quadric, QuadricKind, inertia, to_array
-from pas.generatrix.sections import conic_section, ellipse_bounds
+from pas.parametric.generatrix.pencil import members, planes_of
+from pas.parametric.generatrix.quadric import Quadric, QuadricKind, inertia, to_array
+from pas.parametric.generatrix.sections import conic_section, ellipse_bounds
 
 S = np.linspace(0, 1, 201)
 KINDS = {
@@ -130,7 +130,7 @@ def test_sections_lie_on_both(text, motion, plane):
     ],
 )
 def test_half_axes(quadric, plane, half_axes):
-    conic = conic_section(Quadric(quadric), *pas.generatrix.quadric.read_plane(plane))
+    conic = conic_section(Quadric(quadric), *pas.parametric.generatrix.quadric.read_plane(plane))
     lengths = sorted(np.linalg.norm(v) for v in (conic.first, conic.second))
     assert lengths == pytest.approx(sorted(half_axes), rel=1e-14)
     assert conic.first @ conic.second == pytest.approx(0, abs=1e-13)
@@ -144,7 +144,7 @@ def test_bounds_of_a_long_ellipse():
 
 def test_bounds_see_a_curve_that_is_off():
     f = Quadric("x^2 + y^2 - 1")
-    conic = conic_section(f, *pas.generatrix.quadric.read_plane("z"))
+    conic = conic_section(f, *pas.parametric.generatrix.quadric.read_plane("z"))
     off = type(conic)(conic.kind, conic.origin + [1e-3, 0, 0], conic.first, conic.second)
     angle = np.linspace(0, 2 * np.pi, 500)
     points, tangents, normals = off(angle), off(angle, 1), f.polynomial.gradient(off(angle))

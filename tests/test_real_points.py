@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 import sympy
 
+from pas.algebra.curve import count_real_points, has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.real_points import count_real_points, has_real_curve
 
 X, Y, Z = sympy.symbols("x y z")
 

@@ -7,12 +7,11 @@ import pytest
 from conftest import EQUAL, solved
 
 import pas
-from pas.exchange.picture_options import STYLES
-from pas.parametric.curvatures import Forms
-from pas.render import offscreen
-from pas.render.layers import BLEND_COLOR
+from pas.exchange.picture_options import STYLES, Picture, Style
+from pas.parametric.curves import Forms
+from pas.render import plotting
 from pas.render.parametric import BLEND_TINT, COLORS, TINTS
-from pas.render.scene import Picture, Style, scene_of
+from pas.render.scene import BLEND_COLOR, scene_of
 
 
 def pixels(path):
@@ -54,7 +53,7 @@ def starts(there):
 
 
 def test_missing_opengl_is_said(tmp_path, monkeypatch):
-    monkeypatch.setattr(offscreen, "LIBRARIES", {"libnothing.so.9": "libnothing9"})
+    monkeypatch.setattr(plotting, "LIBRARIES", {"libnothing.so.9": "libnothing9"})
     with pytest.raises(pas.MissingLibraryError, match="apt-get install libnothing9"):
         pas.draw(solved(EQUAL, 1).surface, tmp_path / "a.png")
     assert list(tmp_path.iterdir()) == []

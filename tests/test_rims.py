@@ -8,7 +8,7 @@ from flint import fmpq
 
 import pas
 from pas.algebra.rational import to_floats
-from pas.surface.rims import outlook, rim_of
+from pas.contacts.rims import outlook, rim_of
 
 BALL = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 4 - 1/4)^2 - 16*(x^2 + y^2)"

@@ -7,7 +7,6 @@ broken by itself, and what a partition must be is denied one cell or face at a t
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import permutations, product
@@ -21,7 +20,7 @@ from adversarial.surface_places import distance2, holds, mean, walls
 
 import pas
 from pas import Certificate, Contact, Partition, PiecewiseSurface, Polynomial, Status, Verdict
-from pas.surface.proofs import face_verdict, sheet_verdict
+from pas.certify.proofs import face_verdict, sheet_verdict
 
 PROVED, REFUTED, UNDECIDED = Status.PROVED, Status.REFUTED, Status.UNDECIDED
 TINY = Fraction(1, 10**30)
@@ -254,12 +253,14 @@ def test_orders_beyond_what_was_built_are_refuted(name):
 @pytest.mark.parametrize("name", ["corner GC^1", "tube"])
 def test_a_certificate_is_proved_if_each_verdict_is(name):
     _, certificate = base(name)
-    for i in range(len(certificate.verdicts)):
+    many = len(certificate.contacts) + len(certificate.faces) + 2
+    for i in range(many):
         for status in (REFUTED, UNDECIDED):
-            verdicts = list(certificate.verdicts)
-            verdicts[i] = replace(verdicts[i], status=status)
-            n = len(certificate.contacts)
-            changed = Certificate(tuple(verdicts[:n]), tuple(verdicts[n:-2]), *verdicts[-2:])
+            record = certificate.to_record()
+            told = [v for part in record.values() for v in (part if isinstance(part, list) else [part])]
+            assert len(told) == many
+            told[i]["status"] = status.value
+            changed = Certificate.from_record(record)
             assert not changed.proved
             assert len(changed.refuted) == (status is REFUTED)
 

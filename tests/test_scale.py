@@ -18,10 +18,10 @@ import pytest
 import pas
 from pas import solid
 from pas.algebra.scaling import Scaled
+from pas.contacts.cones import nappe
 from pas.independent.checker import check_independently
-from pas.solid.pieces import Pieces, region
+from pas.solid.functions import Pieces, region
 from pas.solid.tree import Atom, combined
-from pas.surface.cones import nappe
 
 Made = tuple[Any, Any, bytes]
 """Verdicts, which must be the same for all factors, a count, and what must be the same bytes for powers of two."""

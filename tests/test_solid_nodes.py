@@ -16,7 +16,7 @@ from pas.mesh.faces import Crossings
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import Octree
 from pas.mesh.topology import is_closed_manifold
-from pas.solid.hidden import PlanesInside, multiples
+from pas.solid.implied import PlanesInside, multiples
 
 AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
 RADIUS = 0.1
@@ -132,7 +132,7 @@ def test_solids_that_touch_themselves_are_refused_with_the_place(second, place):
 def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
     shape = solid.box((0, 0, 0), (1, 1, 1))
     field, mesh = shape.field, shape.face_mesh(1e-2).mesh
-    corner = field.program.local(np.array([[1.0, 1.0, 1.0]]))[0]
+    corner = field.evaluator.local(np.array([[1.0, 1.0, 1.0]]))[0]
     crossings = Crossings(field, *Octree(field, 0.2).tetrahedra())
     points, triangles, source = crossings._merged()
     place = np.linalg.norm(points[triangles].mean(axis=1) - corner, axis=1).argmin()
@@ -211,14 +211,14 @@ def test_a_plane_on_which_a_part_ends_stays_a_face():
     """Two halves of one curve on a plane, one inside it and one outside: the plane is a boundary everywhere."""
     base, column = solid.cylinder((0, 0, -1), (0, 0, 0), 1, "a"), solid.cylinder((0, 0, 0), (0, 0, 1), 1, "b")
     shape = base | (solid.box((-2, -2, 0), (2, 2, 1)) - column)
-    planes = PlanesInside(shape.field.program)
+    planes = PlanesInside(shape.field.evaluator)
     assert not planes.hidden(*_undecided(shape)).any()
     cones = STACKED["cones base on base"][0]()
-    assert PlanesInside(cones.field.program).hidden(*_undecided(cones)).sum() == 1
+    assert PlanesInside(cones.field.evaluator).hidden(*_undecided(cones)).sum() == 1
 
 
 def _undecided(shape):
     """What is known in a small cube about (1, 0, 0), and which columns matter there."""
-    program = shape.field.program
+    program = shape.field.evaluator
     yes, no = program.taylor(program.local(np.array([[1.0, 0.0, 0.0]])), np.full((1, 3), 1e-3))
     return yes, no, *program.relevant(yes, no)

@@ -17,7 +17,7 @@ from pas.exchange import container
 from pas.exchange.solid_records import function_record, read_function, storable
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import assembly
-from pas.solid.distance import Distance, Moved
+from pas.solid.functions import Distance, Moved
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, Node, image
 

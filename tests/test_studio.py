@@ -1,4 +1,4 @@
-"""The studio without a browser: documents and their texts, what a desk does, and who may talk to the server."""
+"""The studio without a browser: documents and their texts, what a session does, and who may talk to the server."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from pas.exchange.formats import FORMATS, suffixes_for
 from pas.studio import documents
 from pas.studio.code import program, toml
 from pas.studio.controls import controls
-from pas.studio.desk import Desk
+from pas.studio.conversation import REST, Conversation, request_of
 from pas.studio.documents import DOCUMENTS, checked, plain_tables, problem_of
 from pas.studio.gallery import GALLERY, TEAPOT
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, picture
 from pas.studio.server import PAGE, Studio, listening
-from pas.studio.session import REST, Session, request_of
+from pas.studio.session import StudioSession
 from pas.studio.workers import INSIDE, RefusedError, StoppedError
 
 CORNER = {
@@ -57,9 +57,9 @@ def changed(**problem):
 
 
 @pytest.fixture(scope="module")
-def desk():
-    """A desk that has solved the corner."""
-    made = Desk()
+def session():
+    """A session that has solved the corner."""
+    made = StudioSession()
     message = made.solve(CORNER)
     made.take(*made.kept(CORNER))
     return made, message
@@ -73,13 +73,13 @@ def run(text):
 
 def test_copied_texts_make_exactly_what_is_seen(tmp_path, capsys):
     document = changed(**SHAPED)
-    desk = Desk()
-    desk.solve(CORNER)  # from the space of which the next one is chosen
-    message = desk.solve(document)
+    session = StudioSession()
+    session.solve(CORNER)  # from the space of which the next one is chosen
+    message = session.solve(document)
     (tmp_path / "copied.toml").write_text(message.head["toml"])
     for again in (run(message.head["python"]), pas.read_problem(tmp_path / "copied.toml").solve()):
         assert (coefficients(again.surface) == message.arrays["coefficients"]).all()
-    assert message.head["proved"] and desk.measure(document).head["facts"]["fairness"]["sharpness"] < 2
+    assert message.head["proved"] and session.measure(document).head["facts"]["fairness"]["sharpness"] < 2
     assert 'pas.Pipe(axis=(1, 0, 0), radius="1/3", clip=1)' in message.head["python"]
 
 
@@ -107,7 +107,7 @@ def again(message, folder, monkeypatch):
 
 
 def test_a_handle_pulls_the_surface_where_it_is_and_is_copied(tmp_path, monkeypatch, capsys):
-    made = Desk()
+    made = StudioSession()
     first = made.solve(SINGLE)
     assert [c["kind"] for c in first.head["controls"]][-2:] == ["coefficients", "handles"]
     surface = made.shape_of(SINGLE).surface
@@ -146,8 +146,8 @@ def test_a_handle_pulls_the_surface_where_it_is_and_is_copied(tmp_path, monkeypa
         assert (coefficients(shape.surface) == message.arrays["coefficients"]).all()
 
 
-def test_blends_of_many_cells_are_pulled_by_points_to_pass_through(desk):
-    made, first = desk
+def test_blends_of_many_cells_are_pulled_by_points_to_pass_through(session):
+    made, first = session
     (control,) = (c for c in first.head["controls"] if c["kind"] == "handles")
     assert control["through"] and first.head["shares"] == []
     with pytest.raises(InputError, match="for others add a point to pass through"):
@@ -155,7 +155,7 @@ def test_blends_of_many_cells_are_pulled_by_points_to_pass_through(desk):
 
 
 def test_handles_of_projects_are_copied(tmp_path, monkeypatch, capsys):
-    made = Desk()
+    made = StudioSession()
     made.shape_of(SINGLE).save(tmp_path / "held.pas.json")
     opened = made.read("held.pas.json", (tmp_path / "held.pas.json").read_text())
     document = pulled_slider(made.handle(opened, [0, 1, 0]), {"coefficients": {"1": "-0.0035"}})
@@ -170,7 +170,7 @@ def pulled_slider(document, more):
 
 
 def test_where_no_handle_is_to_be_had_is_said():
-    made = Desk()
+    made = StudioSession()
     with pytest.raises(InputError, match="only blends of a single cell with a box have handles"):
         made.handle(GALLERY["Two quadrics"], [0, 0, 0])
     document = with_points(SINGLE, coefficients={"0": "0.0389", "1": "-0.0035"})  # of three dimensions one is the scale
@@ -183,7 +183,7 @@ def test_where_no_handle_is_to_be_had_is_said():
 
 
 def test_coefficients_of_a_single_cell_are_set_and_copied(tmp_path, monkeypatch, capsys):
-    made = Desk()
+    made = StudioSession()
     first = made.solve(SINGLE)
     (control,) = (c for c in first.head["controls"] if c["kind"] == "coefficients")
     assert len(control["names"]) == len(control["ends"]) == len(first.head["members"]) == 3
@@ -205,7 +205,8 @@ def test_coefficients_of_a_single_cell_are_set_and_copied(tmp_path, monkeypatch,
             made.solve(with_points(at, coefficients={"1": repr(beyond)}))
     free = with_points(at, coefficients={})
     assert (
-        "coefficients" not in Desk().solve(free).head["python"].replace("sum-of-coefficients", "").split("[points]")[0]
+        "coefficients"
+        not in StudioSession().solve(free).head["python"].replace("sum-of-coefficients", "").split("[points]")[0]
     )
 
 
@@ -251,7 +252,7 @@ def test_a_control_stays_one_where_its_number_becomes_a_text(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GALLERY)
 def test_starting_points_are_solved_and_seen(name):
-    message = Desk().solve(GALLERY[name])
+    message = StudioSession().solve(GALLERY[name])
     assert not [v for v in message.head["verdicts"] if v["status"] in ("refuted", "fails, measured")]
     assert len(message.packed()) < 4e6
 
@@ -259,7 +260,7 @@ def test_starting_points_are_solved_and_seen(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").rglob("*.toml")), ids=lambda p: p.stem)
 def test_examples_come_back_from_their_documents(path):
-    document = Desk().read(path.name, path.read_text())
+    document = StudioSession().read(path.name, path.read_text())
     problem, again = pas.read_problem(path), problem_of(document["problem"])
     for name, value in vars(problem).items():
         if name not in ("name", "boundaries", "shape", "data"):
@@ -291,7 +292,7 @@ def test_meshes_that_stand_in_for_rays_end_at_curved_clips_as_well():
         "partition": {"kind": "single cell", "lower": [-2, -2, -2], "upper": [2, 2, 2]},
         "normalize": {"kind": "value-at", "point": [0, 0, 0], "value": -1},
     }}  # fmt: skip
-    made = Desk()
+    made = StudioSession()
     assert made.solve(document).head["clips"] == [2] and made.measure(document).head["facts"]["fairness"] is None
     mesh = made.mesh(document).arrays
     surface = made.shape_of(document).surface
@@ -306,8 +307,8 @@ def inside(local, cell, point):
     return np.linalg.solve(corners, [*point, 1]).min()
 
 
-def test_a_moved_slider_sends_coefficients_alone(desk):
-    made, first = desk
+def test_a_moved_slider_sends_coefficients_alone(session):
+    made, first = session
     one = made.move(changed(tension="5"), "")
     two = made.move(changed(tension="5.5"), one.head["scene"])
     assert (one.head["kind"], two.head["kind"]) == ("picture", "moved")
@@ -328,10 +329,10 @@ def test_a_moved_slider_sends_coefficients_alone(desk):
     assert verdicts.head["proved"] and len(verdicts.head["verdicts"]) == len(first.head["verdicts"])
 
 
-def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(desk, tmp_path):
+def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(session, tmp_path):
     from pas.independent.checker import check_independently
 
-    made, _ = desk
+    made, _ = session
     for near in (["1/4", "1/4", "1/4"], ["0.5", "0.5", "0.45"]):
         made.move(changed(points={"near": [near], "near_weight": "1000"}), "")
         head = made.prove().head
@@ -340,10 +341,10 @@ def test_verdicts_of_a_moved_shape_are_those_of_the_independent_checker(desk, tm
 
 
 @pytest.mark.slow
-def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_prove(desk, tmp_path):
+def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_prove(session, tmp_path):
     from pas.independent.checker import check_independently
 
-    made, _ = desk
+    made, _ = session
     random, counts = np.random.default_rng(17), {True: 0, False: 0}
     for _ in range(500):
         near = [repr(round(c, 3)) for c in random.uniform(-0.9, 0.9, 3).tolist()]
@@ -352,7 +353,7 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
         try:
             made.move(changed(**shape), "")
         except (pas.PasError, ValueError):  # a point outside, or a step that is lost from sight
-            made.take(*Desk().kept(CORNER))
+            made.take(*StudioSession().kept(CORNER))
             continue
         proved = made.prove().head["proved"]
         counts[proved] += 1
@@ -368,7 +369,7 @@ def test_a_document_far_from_the_last_one_is_followed():
     def wished(**points):
         return {"kind": "problem", "problem": {**quartic, "degree": 4, "points": points}}
 
-    final, quick, before = Desk(), Desk(), wished(coefficients={"1": "-0.005"})
+    final, quick, before = StudioSession(), StudioSession(), wished(coefficients={"1": "-0.005"})
     final.solve(before)
     quick.take(*final.kept(before))
     for value in ("0.3493722", "0.1919826"):
@@ -377,8 +378,8 @@ def test_a_document_far_from_the_last_one_is_followed():
     assert quick.prove().head["proved"]
 
 
-def test_changed_contacts_are_outlined_at_once(desk):
-    made, _ = desk
+def test_changed_contacts_are_outlined_at_once(session):
+    made, _ = session
     pipes = [{**CORNER["problem"]["pipes"][0], "radius": "0.3"}, *CORNER["problem"]["pipes"][1:]]
     outline = made.move(changed(pipes=pipes))
     assert outline.head["kind"] == "outline" and len(outline.head["beyond"]) == 3
@@ -409,12 +410,12 @@ WRONG_DOCUMENTS = [
 @pytest.mark.parametrize(("document", "sentence"), WRONG_DOCUMENTS, ids=lambda x: x if isinstance(x, str) else "")
 def test_what_is_wrong_with_a_document_is_one_sentence(document, sentence):
     with pytest.raises((pas.PasError, ValueError, TypeError), match=re.escape(sentence)) as caught:
-        Desk().solve(document)
+        StudioSession().solve(document)
     assert "\n" not in str(caught.value) and "problem.toml" not in str(caught.value)
 
 
-def test_files_are_read_by_their_text_alone(desk, tmp_path):
-    made, _ = desk
+def test_files_are_read_by_their_text_alone(session, tmp_path):
+    made, _ = session
     problem = ROOT / "examples/corners/three_pipes.toml"
     document = made.read("../../three pipes.toml", problem.read_text())
     assert document["problem"]["pipes"][0] == {"axis": [1, 0, 0], "radius": "1/3", "clip": 1}
@@ -431,20 +432,20 @@ def test_files_are_read_by_their_text_alone(desk, tmp_path):
 
 def test_the_largest_safe_lengths_are_told():
     document = GALLERY["Two quadrics"]
-    limits = Desk().safe(document).head["limits"]
+    limits = StudioSession().safe(document).head["limits"]
     assert 3 < limits["l1"] < 6 and set(limits) <= {"l1", "l2"}
     assert [c["path"][-1] for c in controls(document) if c.get("safe")] == ["l1", "l2"]
-    made = Desk()
+    made = StudioSession()
     moved = made.move({**document, "problem": {**document["problem"], "shape": {"l1": "3", "l2": "1"}}})
     assert moved.head["kind"] == "moved" and moved.arrays["points 0"].shape[1] == 3
     again = {**document, "problem": {**document["problem"], "shape": {"l1": "5/2", "l2": "1"}}}
-    followed, anew = made.move(again), Desk().move(again)  # by its shape alone, and from the beginning
+    followed, anew = made.move(again), StudioSession().move(again)  # by its shape alone, and from the beginning
     assert np.abs(followed.arrays["points 0"] - anew.arrays["points 0"]).max() < 1e-9
     assert np.abs(followed.arrays["points 0"] - moved.arrays["points 0"]).max() > 0.01
 
 
-def test_exports_are_files_of_the_shape(desk):
-    made, _ = desk
+def test_exports_are_files_of_the_shape(session):
+    made, _ = session
     head = made.export(CORNER, ".stl")
     assert head.head["name"] == "corner.stl" and head.head["proved"]
     assert head.arrays["content"].size == 84 + 50 * struct.unpack("<I", head.arrays["content"][80:84].tobytes())[0]
@@ -463,7 +464,7 @@ LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
     "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
 )
 def test_formats_that_are_offered_are_written_and_no_others(name):
-    made = Desk()
+    made = StudioSession()
     offered = made.solve(GALLERY[name]).head["formats"]
     assert set(offered) >= {".pas.json", ".stl", ".obj", ".ply", ".glb", ".vtp"} and len(set(offered)) == len(offered)
     assert (".3mf" in offered) == (name == "Teapot" and HAS_3MF) and (".vtu" in offered) == (
@@ -493,7 +494,7 @@ MESHLESS = {
 
 
 def test_what_has_no_mesh_is_drawn_by_rays_and_its_export_says_why():
-    made = Desk()
+    made = StudioSession()
     assert made.solve(MESHLESS).head["how"] == "cast"
     for suffix in (".stl", ".glb"):
         with pytest.raises(pas.MeshError, match="no good mesh was found"):
@@ -519,7 +520,7 @@ def with_radius(document, radius):
     ],
 )  # fmt: skip
 def test_what_is_not_fair_is_named_though_all_is_proved(document, unfair):
-    made = Desk()
+    made = StudioSession()
     assert made.solve(document).head["proved"]
     assert re.fullmatch(unfair, "; ".join(made.measure(document).head["unfair"]))
 
@@ -529,7 +530,8 @@ def test_patches_and_closed_bodies_are_offered_as_such():
     if importlib.util.find_spec("OCP"):
         assert ".step" in suffixes_for(patch)
     assert FORMATS[".step"].content.can_be_of(patch) and ".step" not in suffixes_for(ball)
-    assert (".3mf" in suffixes_for(ball)) == HAS_3MF and ".3mf" not in suffixes_for([ball, Desk().shape_of(SINGLE)])
+    assert (".3mf" in suffixes_for(ball)) == HAS_3MF
+    assert ".3mf" not in suffixes_for([ball, StudioSession().shape_of(SINGLE)])
 
 
 REFUTED = changed(
@@ -539,7 +541,7 @@ REFUTED = changed(
 
 
 def test_a_refuted_state_says_where_and_is_repaired():
-    made = Desk()
+    made = StudioSession()
     message = made.solve(REFUTED)
     failed = [v for v in message.head["verdicts"] if v["status"] == "refuted"]
     assert failed and not message.head["proved"] and all(len(v["witness"]) == 3 for v in failed if v["witness"])
@@ -599,7 +601,7 @@ def test_the_newest_state_wins_and_no_verdict_is_sent_for_another_picture():
             await session.receive(json.dumps({"do": verb, "seq": seq, "document": {"n": seq}}))
             await settle()
 
-        session = Session(send, quick, final)
+        session = Conversation(send, quick, final)
         running = asyncio.create_task(session.run())
         for seq in (1, 2, 3):
             await ask("move", seq)
@@ -658,7 +660,7 @@ def test_every_request_is_answered_even_where_the_program_fails(capsys):
             message.packed()
             sent.append(dict(message.head))
 
-        session = Session(send, quick, final)
+        session = Conversation(send, quick, final)
         running = asyncio.create_task(session.run())
         for verb, worker, wrong in (
             ("export", final, ZeroDivisionError()),

@@ -12,20 +12,18 @@ from test_kinds import SAMPLES, sample
 
 import pas
 from pas.cli import main
-from pas.exchange.picture_options import STYLES
-from pas.parametric.curvatures import Forms
-from pas.render.coloring import Coloring
+from pas.exchange.picture_options import STYLES, Picture
+from pas.parametric.curves import Forms
+from pas.piecewise import PiecewiseSurface
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
-from pas.render.layers import Comb, Layer
 from pas.render.legend import FOOT, SIDE, add_comb_legend
-from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import plotted
 from pas.render.piecewise import principal_curvatures
-from pas.render.scene import Picture, scene_of
+from pas.render.plotting import offscreen_pyvista
+from pas.render.scene import Coloring, Comb, Layer, scene_of
 from pas.render.styles.curvature import color_range, point_areas
 from pas.render.styles.highlights import LIGHTS, meeting_angles, tunnel, unwrapped
 from pas.shape import KINDS
-from pas.surface.piecewise import PiecewiseSurface
 
 CURVED = [name for name, kind in KINDS.items() if kind.curved]
 OTHERS = [name for name in KINDS if name not in CURVED]
@@ -335,7 +333,7 @@ def test_a_problem_file_says_how_it_is_drawn(tmp_path, capsys):
     problem = tmp_path / "a.toml"
     problem.write_text(text + '\n[picture]\nstyle = "max"\ncombs = true\n')
     found = pas.read_problem(problem)
-    assert (found.style, found.combs) == ("max", True)
+    assert (found.style, found.picture.combs) == ("max", True)
     assert main(["blend", str(problem), "-o", str(tmp_path / "out"), "--tolerance", "0.05"]) == 0
     assert (tmp_path / "out" / "equal_gc1.png").exists() or (tmp_path / "out" / "a.png").exists()
     problem.write_text(text + "\n[picture]\ncombs = 1\n")

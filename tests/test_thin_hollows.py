@@ -10,9 +10,9 @@ import pytest
 import pas
 from pas import solid
 from pas.mesh.topology import is_closed_manifold
-from pas.solid.bank import Bank
 from pas.solid.separate import apart, cavities, is_shell
 from pas.solid.shell import shelled
+from pas.solid.taylor import TaylorForms
 
 BALL = solid.ball((0, 0, 0), 1)
 THIN = "1/200"
@@ -62,7 +62,7 @@ def test_pieces_that_bound_nothing_are_left_out():
 def test_surfaces_are_told_apart(first, second, expected):
     shape = first - second
     inner, outer = (type(shape.field)(s.tree, shape.box, (), np.empty((0, 3))) for s in (second, first))
-    assert apart(inner.program, outer.program, shape.field.box) is expected
+    assert apart(inner.evaluator, outer.evaluator, shape.field.box) is expected
     assert len(shape.field.shells()) == (2 if expected else 1)
 
 
@@ -70,9 +70,9 @@ def test_polynomials_that_vanish_together_are_not_told_apart():
     sphere = pas.Polynomial("x^2 + y^2 + z^2 - 1")
     centers, half = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.9]]), np.full((1, 3), 0.1)
     wider = pas.Polynomial("x^2 + y^2 + z^2 - 2")
-    assert Bank([sphere, wider]).never_both(centers, half).all()
-    assert not Bank([sphere, pas.Polynomial("z - 1")]).never_both(centers, half)[0]
-    assert not Bank([sphere, sphere]).never_both(centers, half).any()
+    assert TaylorForms([sphere, wider]).never_both(centers, half).all()
+    assert not TaylorForms([sphere, pas.Polynomial("z - 1")]).never_both(centers, half)[0]
+    assert not TaylorForms([sphere, sphere]).never_both(centers, half).any()
 
 
 ROUND = solid.ball((0, 0, 0), 1, "ball")

@@ -8,9 +8,9 @@ from flint import fmpq
 
 import pas
 from pas.algebra.rational import to_floats
+from pas.contacts.joins import joins
 from pas.pipeline import neighbours
 from pas.pipeline.neighbours import Slab, is_left_once, kuhn, proved
-from pas.surface.joins import joins
 
 X, Z = (1, 0, 0), (0, 0, 1)
 

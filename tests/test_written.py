@@ -9,8 +9,8 @@ import pytest
 
 import pas
 from pas.algebra.expressions import FUNCTIONS
+from pas.algebra.grammar import steps
 from pas.algebra.rational_function import RationalFunction
-from pas.algebra.written import steps
 
 MEANT = [
     ("2y^2", "2*y**2"),

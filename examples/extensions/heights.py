@@ -9,8 +9,7 @@ and `pas render FILE.pas.json -o OUT.png --style heights`, where the file has be
 from __future__ import annotations
 
 from pas.exchange.picture_options import STYLES
-from pas.render.coloring import Coloring, Legend, Paint
-from pas.render.scene import Scene
+from pas.render.scene import Coloring, Legend, Paint, Scene
 
 
 class Heights(Coloring):

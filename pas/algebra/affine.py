@@ -1,8 +1,9 @@
-"""Exact affine maps of space, and what they do to polynomials and points."""
+"""Exact affine maps of space, and local frames: what they do to polynomials and points."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -12,7 +13,18 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational, to_float, vector
+from pas.algebra.rational import (
+    Exact,
+    Vector,
+    VectorLike,
+    binary_exponent,
+    dot,
+    minus,
+    rational,
+    to_float,
+    to_floats,
+    vector,
+)
 
 LARGEST_DENOMINATOR = 10**9
 """Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
@@ -71,6 +83,51 @@ class Affine:
         if len(squares) > 1 or any(dot(columns[i], columns[j]) != 0 for i, j in ((0, 1), (0, 2), (1, 2))):
             raise ValueError("a solid with a tube or a shell can only be scaled by the same factor in all directions")
         return math.sqrt(to_float(squares.pop()))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A local frame, in which the program computes: `x = origin + scale * u`, exact.
+
+    The origin is rational and the scale a power of two, so that a region is of size about 1 around 0.  Exact results
+    do not depend on it; floating-point work does: a corner a kilometre from the origin would lose its digits in
+    powers of large coordinates.
+    """
+
+    origin: Vector
+    scale: fmpq
+
+    @classmethod
+    def around(cls, origin: Vector, points: Sequence[Vector]) -> Frame:
+        """The frame at `origin` in which the furthest of `points` is at a distance of 1 to 2."""
+        offsets = (minus(p, origin) for p in points)
+        return cls(origin, fmpq(2) ** (binary_exponent(max(dot(d, d) for d in offsets)) // 2))
+
+    def localise(self, polynomial: Polynomial) -> Polynomial:
+        """A function of the user's coordinates as one of local coordinates, exact."""
+        return polynomial.compose(
+            *(Polynomial.from_raw(self.scale * g + o) for g, o in zip(GENERATORS, self.origin, strict=True))
+        )
+
+    def globalise(self, polynomial: Polynomial) -> Polynomial:
+        """A function of local coordinates as one of the user's, exact."""
+        inverse = 1 / self.scale
+        return polynomial.compose(
+            *(Polynomial.from_raw(inverse * (g - o)) for g, o in zip(GENERATORS, self.origin, strict=True))
+        )
+
+    def local_point(self, point: Sequence[fmpq]) -> Vector:
+        """Local coordinates of a point, exact."""
+        x, y, z = ((a - o) / self.scale for a, o in zip(point, self.origin, strict=True))
+        return x, y, z
+
+    def local_points(self, points: Floats) -> Floats:
+        """Local coordinates of points (..., 3)."""
+        return (np.asarray(points, dtype=float) - to_floats(self.origin)) / to_float(self.scale)
+
+    def global_points(self, points: Floats) -> Floats:
+        """The user's coordinates of local points (..., 3)."""
+        return np.asarray(points, dtype=float) * to_float(self.scale) + to_floats(self.origin)
 
 
 IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), fmpq(0), fmpq(1)))

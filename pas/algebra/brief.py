@@ -1,11 +1,12 @@
-"""Short reprs: what an object is in at most `LONGEST` characters, however many numbers it holds.
+"""Short reprs and LaTeX: what an object is in at most `LONGEST` characters, however many numbers it holds.
 
 A class says `__repr__ = brief` (a dataclass keeps it); all numbers are in `str`, where that makes sense, and in its
-fields.
+fields.  LaTeX is for notebooks, hence short of what fills a page.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
@@ -22,6 +23,10 @@ PIECE = 60
 
 FORMULA = 130
 """Characters of a formula within a repr."""
+
+
+MOST_TERMS, MOST_DIGITS = 24, 20
+"""Terms of a polynomial that LaTeX writes out, some lines of a notebook, and digits of a number."""
 
 
 class _Brief(Repr):
@@ -63,6 +68,12 @@ def brief(thing: Any) -> str:
     return f"{type(thing).__name__}({', '.join(pieces)})"
 
 
+def formula_repr(name: str, formula: str, what: str) -> str:
+    """`Name('formula')`, which Python reads again, or where that is too long `what` it is and its beginning and end."""
+    whole = f"{name}({formula!r})"
+    return whole if len(whole) <= LONGEST else f"<{name} of {what}: {cut(formula, FORMULA)}>"
+
+
 def whole_or_brief(name: str, items: Sequence[str], what: str) -> str:
     """`Name(item, ...)`, which Python reads again, or where that is too long the number of items and the first one."""
     text = f"{name}({', '.join(items)})"
@@ -80,3 +91,23 @@ def listed(head: str, names: Iterable[str]) -> str:
         shown.append(name)
     more = len(all_names) - len(shown)
     return f"{head} {', '.join(shown)}{f' and {more} more' if more else ''}>"
+
+
+def latex(text: str) -> str:
+    """A polynomial such as `4/9*x^2*y - z + 1`, as it prints, for math mode; of long ones the beginning and length.
+
+    >>> latex("4/9*x^12*y - z + 1")
+    '\\\\frac{4}{9} x^{12} y - z + 1'
+    """
+    terms = re.split(r" (?=[+-] )", text)
+    if len(terms) > MOST_TERMS:
+        terms = [*terms[: MOST_TERMS - 1], rf"+ \cdots \text{{ ({len(terms)} terms)}}"]
+    line = re.sub(r"\^(\d+)", r"^{\1}", " ".join(terms))
+    line = re.sub(r"(\d+)/(\d+)", lambda found: rf"\frac{{{found[1]}}}{{{found[2]}}}", line)
+    return re.sub(r"\d+", lambda found: _shortened(found[0]), line).replace("*", " ")
+
+
+def _shortened(digits: str) -> str:
+    if len(digits) <= MOST_DIGITS:
+        return digits
+    return rf"{digits[:6]}\ldots_{{{len(digits)}\text{{ digits}}}}"

@@ -23,8 +23,7 @@ from typing import Any, TypeVar
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
-from pas.algebra.hilbert import count_members, count_monomials, minimal
-from pas.algebra.monomials import Exponents
+from pas.algebra.monomials import Exponents, count_members, count_monomials, minimal
 from pas.algebra.polynomial import RING
 from pas.limits import checkpoint
 
@@ -44,7 +43,7 @@ def vector_degree(vector: Sequence[fmpq_mpoly]) -> int:
 
 
 @dataclass(frozen=True)
-class Layout:
+class TupleEncoding:
     """How tuples are written as polynomials of `RINGS`.
 
     A unit at position j has degree `shifts[j]`; terms at the first `front` positions are greater
@@ -163,29 +162,29 @@ def graded_syzygies(vectors: Sequence[Vector], known: Sequence[Vector] = ()) -> 
     syzygies: what is needed beside them.
     """
     width, units = len(vectors[0]), [vector_degree(v) for v in vectors]
-    layout = Layout((*(0 for _ in range(width)), *units), front=width)
+    encoding = TupleEncoding((*(0 for _ in range(width)), *units), front=width)
     nothing = (RING.constant(0),) * len(vectors)
     images, rows = [], []
     for i, (vector, degree) in enumerate(zip(vectors, units, strict=True)):
-        images.append(layout.write((*vector, *nothing), degree))
+        images.append(encoding.write((*vector, *nothing), degree))
         unit = (*nothing[:i], RING.constant(1), *nothing[i + 1 :])
-        rows.append((degree, (True, layout.write((*vector, *unit), degree))))
+        rows.append((degree, (True, encoding.write((*vector, *unit), degree))))
     for syzygy in known:
         degree = max(int(a.total_degree()) + d for a, d in zip(syzygy, units, strict=True) if not a.is_zero())
-        rows.append((degree, (False, layout.write((*nothing[:1] * width, *syzygy), degree))))
-    found = _zero_rows(layout, graded_basis(images), rows)
-    return [layout.read(row)[width:] for row in found]
+        rows.append((degree, (False, encoding.write((*nothing[:1] * width, *syzygy), degree))))
+    found = _zero_rows(encoding, graded_basis(images), rows)
+    return [encoding.read(row)[width:] for row in found]
 
 
-def _zero_rows(layout: Layout, images: GradedBasis, rows: Rows) -> list[fmpz_mpoly]:
+def _zero_rows(encoding: TupleEncoding, images: GradedBasis, rows: Rows) -> list[fmpz_mpoly]:
     """Minimal generators of the combinations of rows that are zero at the front positions.
 
     `images` is the Groebner basis of the rows cut off after the front positions; rows come with
     their degrees and whether they are fresh (False: such a combination already known).  In each
     degree come first those that are known, and their pairs: what is new after them is a generator.
     """
-    marks = [(layout.mark(j)[0], shift) for j, shift in enumerate(layout.shifts)]
-    front, back = dict(marks[: layout.front]), dict(marks[layout.front :])
+    marks = [(encoding.mark(j)[0], shift) for j, shift in enumerate(encoding.shifts)]
+    front, back = dict(marks[: encoding.front]), dict(marks[encoding.front :])
     basis, waiting = GradedBasis(), _by_degree(rows)
     found: list[fmpz_mpoly] = []
     while waiting or any(basis.leads[i][0] in front for pairs in basis.pairs.values() for i, _ in pairs):

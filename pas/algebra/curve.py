@@ -6,7 +6,7 @@ along which the form rises, one through each point of any plane in between (Basu
 chapter 11).  More values may cut the arcs: those at which some polynomial changes its sign.
 
 Guaranteed: every arc has its point, and all numbers are exact.  A curve that is not cut out
-transversally says so (`Part.turns` is None).
+transversally says so (`CurvePart.turns` is None).
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from itertools import count
 from flint import fmpq
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, cross, dot
 from pas.algebra.roots import RealRoot
 from pas.algebra.zeros import (
     FORMS,
@@ -31,12 +32,23 @@ from pas.algebra.zeros import (
 )
 from pas.limits import checkpoint
 
+VectorField = tuple[Polynomial, Polynomial, Polynomial]
+
 PLANES = (fmpq(1, 3), fmpq(-2, 5), fmpq(7, 4))
 """Values of the linear form where a curve is asked for being irreducible."""
 
 
+VIEWPOINTS = (
+    (fmpq(3, 7), fmpq(-5, 11), fmpq(8, 13)),
+    (fmpq(-19, 3), fmpq(23, 5), fmpq(29, 7)),
+    (fmpq(101, 9), fmpq(-57, 4), fmpq(-83, 6)),
+)
+"""Points from which distances are taken; a curve all of whose points are critical for all three
+distances is not cut out transversally."""
+
+
 class SplitError(Exception):
-    """A polynomial vanishes on some components of a curve and not on others: `Part.split` by it."""
+    """A polynomial vanishes on some components of a curve and not on others: `CurvePart.split` by it."""
 
     def __init__(self, polynomial: Polynomial) -> None:
         super().__init__(str(polynomial))
@@ -63,9 +75,9 @@ class SpaceCurve:
         return along(normal, self.form)
 
     @cached_property
-    def whole(self) -> Part:
+    def whole(self) -> CurvePart:
         """All of it."""
-        return Part(self, self.ideal)
+        return CurvePart(self, self.ideal)
 
     def _sweeps(self, linear: tuple[int, int, int]) -> bool:
         """Whether the curve has no point at infinity, not even a complex one, where a form is 0.
@@ -78,7 +90,7 @@ class SpaceCurve:
         return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
 
 
-class Part:
+class CurvePart:
     """Some components of a space curve, given by an ideal.
 
     Where they are `reduced`, the ideal holds all polynomials that vanish on them.
@@ -133,18 +145,18 @@ class Part:
             self._singular_points[polynomial] = found
         return self._singular_points[polynomial]
 
-    def split(self, polynomial: Polynomial) -> list[Part]:
+    def split(self, polynomial: Polynomial) -> list[CurvePart]:
         """The components on which a polynomial vanishes, and the others."""
         off = self.ideal.saturated(polynomial)
         if off.is_whole_ring:  # it vanishes everywhere and yet is no member
-            return [Part(self.curve, self.ideal, reduced=False)]
+            return [CurvePart(self.curve, self.ideal, reduced=False)]
         basis = off.groebner_basis()
         for n in count():  # vanishes on the others, and on none of the components
             weights = (n**i for i in range(len(basis)))
             separator = sum((p * w for p, w in zip(basis, weights, strict=True)), Polynomial(0))
             both = Ideal(*self.ideal.groebner_basis(), polynomial, separator)
             if both.is_whole_ring or standard_monomials(both.form) is not None:
-                return [Part(self.curve, self.ideal.saturated(separator)), Part(self.curve, off)]
+                return [CurvePart(self.curve, self.ideal.saturated(separator)), CurvePart(self.curve, off)]
         raise AssertionError
 
     @cached_property
@@ -160,28 +172,44 @@ class Part:
         return False
 
 
-Vector = tuple[Polynomial, Polynomial, Polynomial]
-
-
-def gradient(polynomial: Polynomial) -> Vector:
+def gradient(polynomial: Polynomial) -> VectorField:
     """The three partial derivatives."""
     return polynomial.diff(0), polynomial.diff(1), polynomial.diff(2)
 
 
-def cross(a: Vector, b: Vector) -> Vector:
-    """The vector product of two vector fields."""
-    x, y, z = (a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3))
-    return x, y, z
-
-
-def dot(a: Vector, b: Vector) -> Polynomial:
-    """The scalar product of two vector fields."""
-    return sum((c * d for c, d in zip(a, b, strict=True)), Polynomial(0))
-
-
-def along(field: Vector, polynomial: Polynomial) -> Polynomial:
+def along(field: VectorField, polynomial: Polynomial) -> Polynomial:
     """The derivative of a polynomial along a vector field."""
     return dot(field, gradient(polynomial))
+
+
+def count_real_points(ideal: Ideal) -> int | None:
+    """The number of distinct real zeros of an ideal, None where it has infinitely many complex ones."""
+    found = real_zeros(ideal)
+    return None if found is None else len(found)
+
+
+def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
+    """Whether V(surface, clip) is a real curve somewhere, not empty nor isolated points.
+
+    It has a regular real point iff the distance from some generic point has a critical point there.  None where the
+    two touch along a whole component, so that distances do not decide it.
+    """
+    normal = cross(gradient(surface), gradient(clip))
+    singular = count_real_points(Ideal(surface, clip, *normal))
+    if singular is None:
+        return None
+    for viewpoint in VIEWPOINTS:
+        # every singular point counts as critical, whatever the viewpoint
+        critical = dot(normal, _offsets(viewpoint))
+        number = count_real_points(Ideal(surface, clip, critical))
+        if number is not None:
+            return number > singular
+    return None
+
+
+def _offsets(point: Vector) -> VectorField:
+    x, y, z = (Polynomial.from_raw(g - o) for g, o in zip(GENERATORS, point, strict=True))
+    return x, y, z
 
 
 def _top(polynomial: Polynomial) -> Polynomial:

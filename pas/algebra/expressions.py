@@ -1,8 +1,8 @@
-"""Reads expressions in two parameters: exact rational functions, or formulas for arrays.
+"""What a text in the grammar of `pas.algebra.grammar` comes to: an exact polynomial, or a function of two arrays.
 
-The grammar is that of `pas.algebra.written` with, where exactness is not asked, the constants pi and E and
-elementary functions.  Decimals are the decimals written.  Nothing is evaluated but arithmetic, so a string from a file
-is harmless.  Sympy expressions are read through the string that sympy writes for them.
+Decimals are the decimals written (0.1 is 1/10).  Nothing is evaluated but arithmetic and elementary functions, so a
+text from a file is harmless.  Sympy expressions are read through the text that sympy writes for them.  Exact rational
+functions are read by `pas.algebra.rational_function`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Protocol, TypeVar
+from typing import Any, NoReturn, Protocol, TypeVar
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.inputs import shown
+from pas.algebra.grammar import Step, Values, run, steps
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, check_product, shown
 from pas.algebra.rational import rational, to_float
-from pas.algebra.written import Step, Values, run, steps
 
 V = TypeVar("V")
 Names = tuple[str, str]
@@ -42,21 +42,6 @@ class NotRationalError(ValueError):
     """The expression is no rational function with rational coefficients."""
 
 
-def read_formula(expression: Any, names: Names) -> Formula:
-    """The same expression, or one with elementary functions, as a function of arrays or jets."""
-    text = as_text(expression)
-    if text is None:
-        raise TypeError(
-            f"write the expression as a string in {' and '.join(filter(None, names))}, not {shown(expression)}"
-        )
-    parsed = program(text, names)
-
-    def formula(t: Any, h: Any) -> Any:
-        return run(parsed, _Numeric(names, t, h))
-
-    return formula
-
-
 def as_text(expression: Any) -> str | None:
     """The expression as a string, None for a number."""
     if isinstance(expression, str):
@@ -69,6 +54,30 @@ def as_text(expression: Any) -> str | None:
     return str(expression.xreplace(exact))
 
 
+def read_polynomial(text: str, names: Mapping[str, fmpq_mpoly]) -> fmpq_mpoly:
+    """The polynomial written in `text`, where `f = g` stands for f - g; `names` gives the variables.
+
+    Raises `ValueError` saying what is wrong and where.
+    """
+    if not text.strip():
+        raise ValueError("the polynomial is empty; write for example 'x^2 + y^2 - 1/9'")
+    try:
+        return run(steps(text, names, equation=True), _Polynomials(names))
+    except ValueError as error:
+        raise ValueError(f"cannot read the polynomial {shown(text)}: {error}") from None
+
+
+def read_formula(expression: Any, names: Names) -> Formula:
+    """An expression in two parameters, with elementary functions or without, as a function of arrays or jets."""
+    text = as_text(expression)
+    if text is None:
+        raise TypeError(
+            f"write the expression as a string in {' and '.join(filter(None, names))}, not {shown(expression)}"
+        )
+    program = _program(text, names)
+    return lambda t, h: run(program, _Arrays({**CONSTANTS, names[1]: h, names[0]: t}))
+
+
 class ExpressionValues(Values[V], Protocol[V]):
     """Values with the names of their two parameters."""
 
@@ -76,19 +85,18 @@ class ExpressionValues(Values[V], Protocol[V]):
     def names(self) -> Names: ...
 
 
-def program(text: str, names: Names) -> tuple[Step, ...]:
-    """The steps of an expression in two parameters, elementary functions and constants; raises `ValueError`."""
+def evaluate(text: str, values: ExpressionValues[V]) -> V:
+    """What an expression comes to in some kind of values; raises `ValueError` saying what is wrong."""
+    program = _program(text, values.names)
+    with _named(text):
+        return run(program, values)
+
+
+def _program(text: str, names: Names) -> tuple[Step, ...]:
     if not text.strip():
         raise ValueError("the expression is empty; write for example '2*t/(1 + t^2)'")
     with _named(text):
         return steps(text, [*filter(None, names), *CONSTANTS], FUNCTIONS)
-
-
-def evaluate(text: str, values: ExpressionValues[V]) -> V:
-    """What an expression comes to in some kind of values; raises `ValueError` saying what is wrong."""
-    parsed = program(text, values.names)
-    with _named(text):
-        return run(parsed, values)
 
 
 @contextmanager
@@ -101,17 +109,14 @@ def _named(text: str) -> Iterator[None]:
         raise ValueError(f"cannot read the expression {shown(text)}: {error}") from None
 
 
-class _Numeric:
+class _Arrays:
     """Values at arrays of parameters."""
 
-    def __init__(self, names: Names, t: Any, h: Any) -> None:
-        self.values = {**CONSTANTS, names[1]: h, names[0]: t}
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.name = values.__getitem__
 
     def number(self, value: fmpq) -> Any:
         return to_float(value)
-
-    def name(self, name: str) -> Any:
-        return self.values[name]
 
     def negative(self, value: Any) -> Any:
         return -value
@@ -121,3 +126,43 @@ class _Numeric:
 
     def call(self, name: str, argument: Any) -> Any:
         return FUNCTIONS[name](argument)
+
+
+class _Polynomials:
+    """Polynomials in given variables."""
+
+    def __init__(self, names: Mapping[str, fmpq_mpoly]) -> None:
+        self.name, self.one = names.__getitem__, next(iter(names.values())) ** 0
+
+    def number(self, value: fmpq) -> fmpq_mpoly:
+        return self.one * value
+
+    def negative(self, value: fmpq_mpoly) -> fmpq_mpoly:
+        return -value
+
+    def call(self, name: str, argument: fmpq_mpoly) -> NoReturn:
+        raise ValueError(f"{name} is not a polynomial")
+
+    def combine(self, step: Step, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
+        if step.action == "**":
+            return self._power(step, left, right)
+        if step.action == "/":
+            if not right.is_constant():
+                raise ValueError(f"{step.written} divides by a polynomial")
+            if right.is_zero():
+                raise ValueError(f"{step.written} divides by zero")
+            right = self.one * (1 / right.leading_coefficient())
+        if step.action in "*/":
+            check_product(left, right)
+            return left * right
+        return left + right if step.action == "+" else left - right
+
+    def _power(self, step: Step, base: fmpq_mpoly, exponent: fmpq_mpoly) -> fmpq_mpoly:
+        value = fmpq(0) if exponent.is_zero() else exponent.leading_coefficient()
+        if not exponent.is_constant() or value.q != 1 or not 0 <= value <= MAXIMAL_DEGREE:
+            raise ValueError(f"the exponent in {step.written} must be a whole number from 0 to {MAXIMAL_DEGREE}")
+        try:
+            check_power(base, int(value), MAXIMAL_DEGREE)
+        except ValueError as error:
+            raise ValueError(f"{step.written} is too large: {error}") from None
+        return base ** int(value)

@@ -1,4 +1,4 @@
-"""Exact nullspaces of sparse rational systems.
+"""Nullspaces of sparse rational systems, exact.
 
 The basis is the reduced one: each member is 1 in its own free unknown and 0 in the other free
 unknowns, so it depends on the space and the order of the unknowns alone.  Elimination starts at
@@ -6,26 +6,43 @@ the last unknown, so the free ones are the first possible: with coefficients lis
 these are low ones, which keeps the numbers short and the basis well conditioned (a factor of 10^7
 on the corner with k = 2, n = 6).
 
-Small systems go to flint's fraction-free elimination of the dense integer matrix.  For large ones
-the pivots are found modulo a prime, and sparse elimination (`pas.algebra.sparse`) solves for
-these unknowns exactly; that they are the right ones is then checked on the result, so the prime
-decides nothing.
+Small systems go to flint's fraction-free elimination of the dense integer matrix, large ones to elimination of sparse
+rows, fraction-free as well: rows are integers in dictionaries, kept primitive by dividing out their content, so numbers
+stay as short as the elimination allows.  Where any solution will do (`solve_sparse`) the next pivot is the row with the
+fewest entries and in it the unknown that fewest rows share (after Markowitz 1957).  Splines on tetrahedra, whose
+conditions in B-form have few terms and only neighbours in common, hardly fill in: the C^1 quartics on 162 jittered
+tetrahedra (2700 equations, 2197 unknowns, rank 1773) take seconds, where dense elimination takes minutes.
+
+Every step is exact; no prime is involved and nothing is left to chance.
 """
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Iterable, Mapping
-from math import lcm
+from dataclasses import dataclass
+from math import gcd, lcm
 
-from flint import fmpq, fmpq_mat, fmpz_mat, nmod_mat
+from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.sparse import integral, solve_sparse
+from pas.limits import checkpoint
+
+Row = dict[int, int]
 
 DENSE = 1500
 """Unknowns up to which dense elimination is used.  On the corner's systems of 150 to 850 unknowns
-it is 1 to 4 times faster; but it cannot be interrupted, and grows with the cube."""
+it is 4 times faster; but it cannot be interrupted, and grows with the cube."""
 
-PRIME = 2**62 - 57
+STEPS = 64
+"""Pivots between looks at the clock."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """All solutions: `bound[j]` is the value of unknown j as {free unknown: coefficient}."""
+
+    free: tuple[int, ...]
+    bound: dict[int, dict[int, fmpq]]
 
 
 def nullspace(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> fmpq_mat:
@@ -35,19 +52,36 @@ def nullspace(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> fmpq_mat:
 
 
 def integral_nullspace(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> tuple[fmpz_mat, int]:
-    """The same basis as integers over one denominator."""
-    system = [dict(entries) for entries in {tuple(sorted(integral(row).items())) for row in rows if row} if entries]
+    """The basis of `nullspace` as integers (dimension, unknowns) over one denominator."""
+    system = _distinct(rows)
     if not system:
         return fmpz_mat(unknowns, unknowns, [int(i == j) for i in range(unknowns) for j in range(unknowns)]), 1
-    system.sort(key=len)
     if unknowns > DENSE:
-        return _by_sparse_elimination(system, unknowns)
+        return _basis(_solved(system, unknowns, from_last=True), unknowns)
     matrix = fmpz_mat(len(system), unknowns)
-    for i, row in enumerate(system):
+    for i, row in enumerate(sorted(system, key=len)):
         for j, value in row.items():
             matrix[i, unknowns - 1 - j] = value
     reduced, denominator, rank = matrix.rref()
     return _from_reduced(reduced, int(denominator), rank, unknowns)
+
+
+def solve_sparse(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> Solved:
+    """Solve a homogeneous system by sparse elimination, whatever unknowns stay free."""
+    return _solved(_distinct(rows), unknowns, from_last=False)
+
+
+def integral(row: Mapping[int, fmpq]) -> Row:
+    """The row's primitive integral multiple (up to sign), without zeros."""
+    denominator = lcm(*(int(value.q) for value in row.values()))
+    whole = {j: int(v.p) * (denominator // int(v.q)) for j, v in row.items() if v != 0}
+    content = gcd(*whole.values()) or 1
+    return {j: v // content for j, v in whole.items()}
+
+
+def _distinct(rows: Iterable[Mapping[int, fmpq]]) -> list[Row]:
+    """Integral multiples of the rows, none zero and none twice."""
+    return [dict(entries) for entries in {tuple(sorted(integral(row).items())) for row in rows} if entries]
 
 
 def _from_reduced(reduced: fmpz_mat, denominator: int, rank: int, unknowns: int) -> tuple[fmpz_mat, int]:
@@ -67,19 +101,8 @@ def _from_reduced(reduced: fmpz_mat, denominator: int, rank: int, unknowns: int)
     return basis, denominator
 
 
-def _by_sparse_elimination(system: list[dict[int, int]], unknowns: int) -> tuple[fmpz_mat, int]:
-    prime = PRIME
-    while True:
-        pivots = _pivots_modulo(system, unknowns, prime)
-        exact = ({j: fmpq(v) for j, v in row.items()} for row in system)
-        try:
-            solved = solve_sparse(exact, unknowns, pivots)
-        except ArithmeticError:
-            solved = None
-        # the reduced form: no unknown depends on one that comes after it
-        if solved is not None and all(max(row, default=-1) < j for j, row in solved.bound.items()):
-            break
-        prime = _prime_below(prime)
+def _basis(solved: Solved, unknowns: int) -> tuple[fmpz_mat, int]:
+    """One solution for each free unknown, over one denominator."""
     denominator = lcm(*(int(v.q) for row in solved.bound.values() for v in row.values()))
     place = {j: i for i, j in enumerate(solved.free)}
     basis = fmpz_mat(len(place), unknowns)
@@ -91,24 +114,79 @@ def _by_sparse_elimination(system: list[dict[int, int]], unknowns: int) -> tuple
     return basis, denominator
 
 
-def _pivots_modulo(system: list[dict[int, int]], unknowns: int, prime: int) -> list[int]:
-    """The pivot unknowns of elimination from the last unknown, modulo a prime."""
-    matrix = nmod_mat(len(system), unknowns, prime)
+def _solved(system: list[Row], unknowns: int, from_last: bool) -> Solved:
+    bound = _substituted(system, _eliminated(system, unknowns, from_last))
+    return Solved(tuple(j for j in range(unknowns) if j not in bound), bound)
+
+
+def _eliminated(system: list[Row], unknowns: int, from_last: bool) -> list[tuple[int, int]]:
+    """Bring the system to echelon form in place; returns the pivots (row, unknown) in order.
+
+    The pivot of a row is its last unknown, if that is asked for, else the one that fewest rows share.
+    """
+    sharing: list[set[int]] = [set() for _ in range(unknowns)]
     for i, row in enumerate(system):
-        for j, value in row.items():
-            matrix[i, unknowns - 1 - j] = value % prime
-    reduced, rank = matrix.rref()
-    pivots: list[int] = []
-    for residues in reduced.tolist()[:rank]:
-        start = pivots[-1] + 1 if pivots else 0
-        pivots.append(next(j for j in range(start, unknowns) if int(residues[j])))
-    return [unknowns - 1 - j for j in pivots]
+        for j in row:
+            sharing[j].add(i)
+    done = [False] * len(system)
+    queue = [(len(row), i) for i, row in enumerate(system)]
+    heapq.heapify(queue)
+    steps: list[tuple[int, int]] = []
+    while queue:
+        length, i = heapq.heappop(queue)
+        row = system[i]
+        if done[i] or len(row) != length or not row:
+            continue
+        pivot = max(row) if from_last else min(row, key=lambda j: (len(sharing[j]), abs(row[j])))
+        done[i] = True
+        for j in row:
+            sharing[j].discard(i)
+        steps.append((i, pivot))
+        if len(steps) % STEPS == 0:
+            checkpoint(f"eliminating {len(system)} equations in {unknowns} unknowns", len(steps) / unknowns)
+        for other in tuple(sharing[pivot]):
+            _subtract(system[other], row, pivot, other, sharing)
+            heapq.heappush(queue, (len(system[other]), other))
+    return steps
 
 
-def _prime_below(prime: int) -> int:
-    from flint import fmpz
+def _subtract(target: Row, row: Row, pivot: int, number: int, sharing: list[set[int]]) -> None:
+    """Clear the pivot in row `number` with a multiple of the pivot row, and keep it primitive."""
+    a, b = row[pivot], target[pivot]
+    common = gcd(a, b)
+    a, b = a // common, b // common
+    if a != 1:
+        for j in target:
+            target[j] *= a
+    for j, value in row.items():
+        old = target.get(j, 0)
+        new = old - b * value
+        if new:
+            target[j] = new
+            if not old:
+                sharing[j].add(number)
+        elif old:
+            del target[j]
+            sharing[j].discard(number)
+    content = gcd(*target.values())
+    if content > 1:
+        for j in target:
+            target[j] //= content
 
-    candidate = prime - 2
-    while not fmpz(candidate).is_probable_prime():
-        candidate -= 2
-    return candidate
+
+def _substituted(system: list[Row], steps: list[tuple[int, int]]) -> dict[int, dict[int, fmpq]]:
+    """Every pivot unknown in terms of the free ones, from the last pivot to the first."""
+    eliminated = {pivot for _, pivot in steps}
+    bound: dict[int, dict[int, fmpq]] = {}
+    for number, (i, pivot) in enumerate(reversed(steps)):
+        if number % STEPS == 0:
+            checkpoint(f"substituting {len(steps)} unknowns", number / len(steps))
+        total: dict[int, fmpq] = {}
+        for j, value in system[i].items():
+            if j == pivot:
+                continue
+            for free, known in bound[j].items() if j in eliminated else ((j, fmpq(1)),):
+                total[free] = total.get(free, 0) - known * value
+        lead = system[i][pivot]
+        bound[pivot] = {free: value / lead for free, value in total.items() if value != 0}
+    return bound

@@ -17,12 +17,11 @@ import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import ArrayLike
 
-from pas.algebra.brief import FORMULA, LONGEST, cut
+from pas.algebra.brief import formula_repr, latex
+from pas.algebra.evaluation import evaluate
+from pas.algebra.expressions import read_polynomial
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
-from pas.algebra.kernels import evaluate
-from pas.algebra.latex import latex
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
-from pas.algebra.parse import parse_polynomial
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 from pas.registry import loaded
 
@@ -33,7 +32,7 @@ VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 
-BOXED = "pas.surface.boxes:boxed"
+BOXED = "pas.piecewise:boxed"
 """What makes a surface of a polynomial, in a room above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
@@ -162,16 +161,10 @@ class Polynomial:
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
-        if self.is_zero:
-            return self
-        values = self.raw.coeffs()
-        denominator = lcm(*(int(c.q) for c in values))
-        divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
-        sign = 1 if values[0] > 0 else -1
-        return Polynomial.from_raw(self.raw * fmpq(sign * denominator, divisor))
+        return Polynomial.from_raw(primitive(self.raw))
 
     def to_sympy(self) -> sympy.Expr:
-        """The same polynomial as a sympy expression in the symbols x, y, z."""
+        """A sympy expression in the symbols x, y, z that is this polynomial."""
         import sympy
 
         symbols = sympy.symbols(VARIABLES)
@@ -233,10 +226,7 @@ class Polynomial:
         return str(self.raw)
 
     def __repr__(self) -> str:
-        text = str(self)
-        if len(text) <= LONGEST - len("Polynomial('')"):
-            return f"Polynomial({text!r})"
-        return f"<Polynomial of degree {self.degree} with {len(self.raw)} terms: {cut(text, FORMULA)}>"
+        return formula_repr("Polynomial", str(self), f"degree {self.degree} with {len(self.raw)} terms")
 
     def _repr_latex_(self) -> str:
         return f"${latex(str(self))}$"
@@ -250,6 +240,16 @@ class Polynomial:
         return Polynomial.from_raw(operation(self.raw, other.raw))
 
 
+def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:
+    """The multiple of a polynomial of any ring with coprime integers as coefficients, the leading one positive."""
+    if raw.is_zero():
+        return raw
+    values = raw.coeffs()
+    denominator = lcm(*(int(c.q) for c in values))
+    divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
+    return raw * fmpq(denominator if values[0] > 0 else -denominator, divisor)
+
+
 def _rebuilt(terms: Mapping[tuple[int, int, int], Fraction]) -> Polynomial:
     """A polynomial that there was before, of any degree."""
     return Polynomial.from_raw(RING.from_dict({e: rational(c) for e, c in terms.items()}))
@@ -259,7 +259,7 @@ def _read(expression: Any) -> fmpq_mpoly:
     if isinstance(expression, Polynomial):
         return expression.raw
     if isinstance(expression, str):
-        return parse_polynomial(expression, dict(zip(VARIABLES, GENERATORS, strict=True)))
+        return read_polynomial(expression, dict(zip(VARIABLES, GENERATORS, strict=True)))
     if isinstance(expression, Mapping):
         return RING.from_dict(_checked_terms(expression))
     if hasattr(expression, "free_symbols"):

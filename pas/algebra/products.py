@@ -21,6 +21,7 @@ class Products:
     rows: fmpz_mat
     tables: tuple[fmpz_mat, ...]
     denominator: int = 1
+    given: tuple[fmpq_mat, ...] | None = None
 
     @classmethod
     def of(cls, matrices: Sequence[fmpq_mat]) -> Products:
@@ -29,9 +30,8 @@ class Products:
         common = lcm(*(int(denominator) for _, denominator in parts))
         tables = tuple(numerators * (common // int(denominator)) for numerators, denominator in parts)
         size = matrices[0].nrows()
-        found = cls(fmpz_mat(size, size, [int(i == j) for i in range(size) for j in range(size)]), tables, common)
-        vars(found)["matrices"] = tuple(matrices)
-        return found
+        unit = fmpz_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        return cls(unit, tables, common, tuple(matrices))
 
     @property
     def size(self) -> int:
@@ -40,7 +40,9 @@ class Products:
 
     @cached_property
     def matrices(self) -> tuple[fmpq_mat, ...]:
-        """The products themselves."""
+        """The products themselves, or what they were made from."""
+        if self.given is not None:
+            return self.given
         scale = fmpq(1, self.denominator)
         return tuple(fmpq_mat(self.rows * table) * scale for table in self.tables)
 

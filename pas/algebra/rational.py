@@ -16,7 +16,7 @@ import re
 import sys
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias, TypeVar, cast
 
 from flint import fmpq, fmpz
 
@@ -31,6 +31,7 @@ NUMBER = re.compile(
 )
 """A quotient of integers or a decimal."""
 
+R = TypeVar("R")
 Vector = tuple[fmpq, fmpq, fmpq]
 
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
@@ -62,7 +63,7 @@ def rational(value: Any, name: str = "number") -> fmpq:
         raise TypeError(f"{name} must be a number, not the truth value {value}")
     if isinstance(value, str):
         try:
-            return written(value)
+            return read_number(value)
         except ZeroDivisionError:
             raise ValueError(f"{name} divides by zero: {shown(value)}") from None
         except ValueError as error:
@@ -72,7 +73,7 @@ def rational(value: Any, name: str = "number") -> fmpq:
     if isinstance(value, numbers.Real):
         if not math.isfinite(value):
             raise ValueError(f"{name} must be finite, not {float(value)}")
-        return written(str(value))
+        return read_number(str(value))
     if getattr(value, "is_Rational", False):  # sympy, not imported here
         return fmpq(int(value.p), int(value.q))
     if getattr(value, "is_Float", False):
@@ -92,7 +93,7 @@ def amount(value: Any, name: str) -> fmpq:
     return number
 
 
-def written(text: str) -> fmpq:
+def read_number(text: str) -> fmpq:
     """The number that a text such as "1/3" or "1.5e-3" stands for.
 
     Raises `ValueError`, to be continued after a name ("is not a rational number: ..."), and `ZeroDivisionError`.
@@ -138,7 +139,7 @@ def vector(value: Any, name: str = "vector") -> Vector:
 
 
 def to_fraction(value: fmpq) -> Fraction:
-    """The same number as `fractions.Fraction`."""
+    """The number as a `fractions.Fraction`."""
     return Fraction(int(value.p), int(value.q))
 
 
@@ -161,26 +162,35 @@ def binary_exponent(value: fmpq) -> int:
     return e if value >= fmpq(2) ** e else e - 1
 
 
-def dot(left: Sequence[fmpq], right: Sequence[fmpq]) -> fmpq:
-    """Exact scalar product."""
-    total = fmpq(0)
-    for a, b in zip(left, right, strict=True):
-        total += a * b
+def dot(left: Sequence[R], right: Sequence[R]) -> R:
+    """The scalar product, exact for exact entries: numbers or polynomials."""
+    first, second = cast(Sequence[Any], left), cast(Sequence[Any], right)
+    total: R = sum((a * b for a, b in zip(first[1:], second[1:], strict=True)), first[0] * second[0])
     return total
 
 
-def minus(left: Vector, right: Vector) -> Vector:
-    """The exact difference of two vectors in space."""
-    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
+def minus(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
+    """The difference of two vectors in space, exact for exact entries."""
+    (a, b, c), (d, e, f) = cast(Sequence[Any], left), cast(Sequence[Any], right)
+    return a - d, b - e, c - f
 
 
-def cross(left: Sequence[fmpq], right: Sequence[fmpq]) -> Vector:
-    """Exact vector product of two vectors in space."""
-    a, b, c = left
-    d, e, f = right
+def cross(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
+    """The vector product of two vectors in space, exact for exact entries: numbers or polynomials."""
+    (a, b, c), (d, e, f) = cast(Sequence[Any], left), cast(Sequence[Any], right)
     return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
+    """The determinant of three vectors: positive where they go round counterclockwise, seen from their tips."""
+    return dot(a, cross(b, c))
 
 
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
     return str(value)
+
+
+def texts(point: Vector) -> list[str]:
+    """Three exact numbers as records hold them."""
+    return [plain(c) for c in point]

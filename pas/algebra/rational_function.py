@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import ArrayLike
 
-from pas.algebra.brief import FORMULA, LONGEST, cut
+from pas.algebra.brief import formula_repr, latex
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
+from pas.algebra.grammar import Step
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
-from pas.algebra.latex import latex
-from pas.algebra.locus import primitive
+from pas.algebra.polynomial import primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
-from pas.algebra.written import Step
 
 if TYPE_CHECKING:
     import sympy
@@ -74,12 +73,13 @@ class RationalFunction:
         cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names = PARAMETERS
     ) -> RationalFunction:
         """Own a numerator and a denominator known to be coprime."""
-        result = cls.__new__(cls)
         scaled = primitive(denominator)
-        if scaled.leading_coefficient() < 0:
-            scaled = -scaled
-        result.numerator = numerator * (scaled.leading_coefficient() / denominator.leading_coefficient())
-        result.denominator, result.names = scaled, names
+        return cls._owned(numerator * (scaled.leading_coefficient() / denominator.leading_coefficient()), scaled, names)
+
+    @classmethod
+    def _owned(cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names) -> RationalFunction:
+        result = cls.__new__(cls)
+        result.numerator, result.denominator, result.names = numerator, denominator, names
         return result
 
     @property
@@ -89,7 +89,7 @@ class RationalFunction:
 
     @property
     def degrees(self) -> tuple[int, int]:
-        """The same in each parameter."""
+        """The greater of the degrees of numerator and denominator in each parameter (0 for the zero function)."""
         tops = [p.degrees() if not p.is_zero() else (0, 0) for p in (self.numerator, self.denominator)]
         return max(int(d[0]) for d in tops), max(int(d[1]) for d in tops)
 
@@ -140,7 +140,7 @@ class RationalFunction:
         return Bundle.of_pairs([(self.numerator, self.denominator)])
 
     def to_sympy(self) -> sympy.Expr:
-        """The same function as a sympy expression in the symbols of its parameters."""
+        """A sympy expression in the symbols of its parameters that is this function."""
         import sympy
 
         symbols = sympy.symbols(self.names)
@@ -202,10 +202,7 @@ class RationalFunction:
         return above if self.is_polynomial else f"({above})/({below})"
 
     def __repr__(self) -> str:
-        text = str(self)
-        if len(text) <= LONGEST - len("RationalFunction('')"):
-            return f"RationalFunction({text!r})"
-        return f"<RationalFunction of degree {self.degree}: {cut(text, FORMULA)}>"
+        return formula_repr("RationalFunction", str(self), f"degree {self.degree}")
 
     def _repr_latex_(self) -> str:
         above, below = (latex(part) for part in self._parts())
@@ -226,12 +223,7 @@ class RationalFunction:
             except TypeError:
                 return NotImplemented
         result = operation(self, other)
-        return RationalFunction._renamed(result, self.names)
-
-    @staticmethod
-    def _renamed(function: RationalFunction, names: Names) -> RationalFunction:
-        function.names = names
-        return function
+        return self._owned(result.numerator, result.denominator, self.names)
 
 
 def total(functions: Sequence[RationalFunction]) -> RationalFunction:

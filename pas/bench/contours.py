@@ -15,8 +15,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.bench.case import Prepare, Work
+from pas.piecewise import PiecewiseSurface
 from pas.surface.evaluator import Evaluator
-from pas.surface.piecewise import PiecewiseSurface
 
 FINEST_GRID, FIRST_GRID = 400, 12
 

@@ -28,7 +28,7 @@ from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace
 from pas.algebra.products import Products
-from pas.partition.cells import InteriorFace
+from pas.partition.complex import InteriorFace
 from pas.surface.placed import PlacedContacts
 
 Column = dict[Exponents, fmpq]

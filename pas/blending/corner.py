@@ -15,11 +15,11 @@ from math import sqrt
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.rational import Vector, cross, dot, plain, rational, to_float
+from pas.contacts.circular import Circular
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.surface.circular import Circular
-from pas.surface.contact import Contact
-from pas.surface.joins import Join
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
 """What to do about contacts that make no corner."""

@@ -19,7 +19,7 @@ from math import factorial, lcm, prod
 from flint import fmpq
 
 from pas.algebra.monomials import Exponents, homogeneous_exponents
-from pas.algebra.sparse import Solved
+from pas.algebra.nullspace import Solved
 
 Row = dict[int, fmpq]
 

@@ -21,14 +21,22 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
 from pas.algebra.brief import brief
+from pas.algebra.expressions import read_polynomial
 from pas.algebra.inputs import check_degree, check_order
-from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
+from pas.algebra.locus import ANY, Locus, Parameters, Sign
 from pas.algebra.monomials import exponents
-from pas.algebra.parametric import ParametricNullspace, independent, merged, parametric_nullspaces
-from pas.algebra.parse import parse_polynomial
-from pas.algebra.polynomial import VARIABLES
+from pas.algebra.parametric import (
+    ParametricNullspace,
+    Remainders,
+    Terms,
+    independent,
+    membership_rows,
+    merged,
+    parametric_nullspaces,
+    power,
+)
+from pas.algebra.polynomial import VARIABLES, primitive
 from pas.algebra.rational import Exact, Symbolic, rational
-from pas.algebra.remainders import Remainders, Terms, membership_rows, power
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 
@@ -205,7 +213,7 @@ def _terms(expression: Any, name: str, symbols: Sequence[Any], ring: Parameters)
         if strange:
             raise ValueError(f"{name}: {', '.join(strange)} is neither x, y, z nor a parameter")
     try:
-        whole = parse_polynomial(str(expression), dict(zip(names, context.gens(), strict=True)))
+        whole = read_polynomial(str(expression), dict(zip(names, context.gens(), strict=True)))
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
     collected: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}

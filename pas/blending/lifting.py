@@ -14,12 +14,12 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.buchberger import Layout, graded_basis, vector_degree
+from pas.algebra.buchberger import TupleEncoding, graded_basis, vector_degree
 from pas.algebra.monomials import Exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
-from pas.surface.contact import Contact
+from pas.contacts.contact import Contact
 
 
 def lift(polynomial: Any, contact: Contact, order: int) -> tuple[Polynomial, Polynomial]:
@@ -65,12 +65,12 @@ def product_degree(contact: Contact, order: int, degree: int) -> int:
     surface, power = contact.surface.raw, contact.clip.raw ** (order + 1)
     if _top(surface).gcd(_top(contact.clip.raw)).is_constant():
         return degree
-    layout = Layout((0,))
-    basis = graded_basis([layout.write((p,), vector_degree((p,))) for p in (surface, power)])
+    encoding = TupleEncoding((0,))
+    basis = graded_basis([encoding.write((p,), vector_degree((p,))) for p in (surface, power)])
     excess = 0
     for g in NormalForm([surface, power]).basis:
         own = vector_degree((g,))
-        while own <= degree and not basis.reduce(layout.write((g,), own + excess)).is_zero():
+        while own <= degree and not basis.reduce(encoding.write((g,), own + excess)).is_zero():
             excess += 1
     return degree + excess
 

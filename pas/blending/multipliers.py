@@ -28,9 +28,9 @@ from pas.algebra.monomials import Exponents, homogeneous_exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.blending.lifting import lift, product_degree
+from pas.contacts.contact import Contact
 from pas.limits import checkpoint
-from pas.partition.cells import InteriorFace
-from pas.surface.contact import Contact
+from pas.partition.complex import InteriorFace
 from pas.surface.placed import PlacedContacts
 
 Signs = dict[int, int]

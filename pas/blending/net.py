@@ -22,9 +22,9 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
 
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
+from pas.algebra.nullspace import solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
-from pas.algebra.sparse import solve_sparse
 from pas.blending.domain_points import Point, Row, across, domain_point, members, multinomial, numbered
 from pas.limits import checkpoint
 from pas.partition.cells import Partition

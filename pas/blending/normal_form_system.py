@@ -28,8 +28,8 @@ from pas.algebra.monomials import count, exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
+from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.limits import Report, checkpoint, limited
-from pas.surface.contact import Contact, ContactLike, as_contact
 
 Form = Mapping[int, fmpq]
 """A linear form in the coefficients of g: {position in `exponents(degree)`: number}."""

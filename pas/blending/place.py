@@ -10,25 +10,25 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, TypeAlias
 
+from pas.algebra.curve import count_real_points, has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
-from pas.algebra.real_points import count_real_points, has_real_curve
 from pas.blending.corner import check_circle, six_tetrahedra
+from pas.certify.contact_proofs import check_join, clip_sided
+from pas.contacts.circular import Circular
+from pas.contacts.contact import Contact, as_contact
+from pas.contacts.joins import Join, joins
 from pas.errors import GeometryError, meant
-from pas.layouts.arms import is_free
-from pas.layouts.clips import with_clips
-from pas.layouts.nodes import KINDS, Node
+from pas.layouts.clips import room_farther_out, with_clips
+from pas.layouts.kinds import LAYOUTS
+from pas.layouts.nodes import ContactNode
 from pas.layouts.opened import is_opening, open_region, with_cone
-from pas.layouts.outwards import room_farther_out
 from pas.layouts.region import region
+from pas.layouts.spacing import is_free
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.surface.circular import Circular
-from pas.surface.contact import Contact, as_contact
-from pas.surface.contact_proofs import check_join, clip_sided
-from pas.surface.joins import Join, joins
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 
@@ -66,12 +66,12 @@ def places(items: Sequence[Any], order: int, partition: PartitionLike | None = N
         yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
     elif partition is None and any(map(is_opening, contacts)):
         yield _placed(contacts, pipes, order, open_region(contacts))
-    elif partition is None or (isinstance(partition, str) and partition in KINDS):
+    elif partition is None or (isinstance(partition, str) and partition in LAYOUTS):
         corner = _corner(contacts, pipes, order) if partition is None and len(contacts) > 2 else None
         yield from [corner] if corner is not None else _on_layouts(contacts, pipes, order, partition)
     elif isinstance(partition, str):
-        names = ", ".join(map(repr, (SIX, *KINDS)))
-        guess = meant(partition, (SIX, *KINDS)) or f"; there are {names}"
+        names = ", ".join(map(repr, (SIX, *LAYOUTS)))
+        guess = meant(partition, (SIX, *LAYOUTS)) or f"; there are {names}"
         raise ValueError(f"there is no partition {partition!r}{guess}")
     else:
         raise TypeError(
@@ -103,7 +103,7 @@ def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
             as_contact(item, f"contacts[{i}]")  # says what is wrong with it before others are placed
     if partition == SIX:
         return with_clips(items, order, serves=lambda ended: _corner(*_as_contacts(ended), order) is not None)
-    return with_clips(items, order, partition if isinstance(partition, Layout) or partition in KINDS else None)
+    return with_clips(items, order, partition if isinstance(partition, Layout) or partition in LAYOUTS else None)
 
 
 def _as_contacts(items: Sequence[Any]) -> tuple[list[Contact], list[Circular | None]]:
@@ -135,7 +135,7 @@ def _on_layout(
     contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, layout: Layout
 ) -> PlacedContacts:
     def placed(moved: Sequence[Contact]) -> PlacedContacts:
-        return _placed(moved, pipes, order, region(layout, Node.of(moved, layout.center).discs))
+        return _placed(moved, pipes, order, region(layout, ContactNode.of(moved, layout.center).discs))
 
     try:
         return placed(contacts)
@@ -152,7 +152,7 @@ def _on_regions(
 ) -> Iterator[PlacedContacts]:
     failure: GeometryError | None = None
     found = False
-    for made in Node.of(contacts).regions(order, kind):
+    for made in ContactNode.of(contacts).regions(order, kind):
         try:
             placed = _placed(contacts, pipes, order, made)
         except GeometryError as error:

@@ -15,8 +15,8 @@ from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.normal_form import NormalForm, Sparse
 from pas.algebra.nullspace import nullspace
 from pas.blending.space import Space
-from pas.surface.contact import Contact
-from pas.surface.joins import Join
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join
 
 
 def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:

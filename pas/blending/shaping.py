@@ -27,6 +27,7 @@ from pas.algebra.products import Products
 from pas.algebra.rational import rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
 from pas.blending.space import Space
+from pas.certify.free_curves import transversality
 from pas.errors import InfeasibleError, NoSolutionError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
@@ -43,8 +44,7 @@ from pas.fairing.wishes import (
     check_member,
     check_point_options,
 )
-from pas.surface.free_curves import transversality
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 
 @dataclass(frozen=True, eq=False)

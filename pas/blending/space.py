@@ -14,13 +14,13 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.latex import latex
+from pas.algebra.brief import latex
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.fairing.functionals import Functional, value_at
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import InPlace, PlacedContacts
 
 Member = tuple[Polynomial, ...]

@@ -17,14 +17,13 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
 
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.nullspace import integral_nullspace
+from pas.algebra.nullspace import integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.products import Products
-from pas.algebra.sparse import solve_sparse
 from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
+from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
-from pas.surface.contact import Contact
 from pas.surface.placed import PlacedContacts
 
 Tables = tuple[fmpz_mat, ...]

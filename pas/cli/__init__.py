@@ -17,9 +17,8 @@ from pas.cli.common import DONE as DONE
 from pas.cli.common import FAILED as FAILED
 from pas.cli.common import INTERRUPTED as INTERRUPTED
 from pas.cli.common import WRONG as WRONG
-from pas.cli.common import tell
+from pas.cli.common import tell, version_text
 from pas.cli.parser import parser
-from pas.cli.version import version_text
 from pas.errors import InputError, PasError
 from pas.limits import limit
 

@@ -1,14 +1,15 @@
-"""What the commands do with project files, whatever kind of shape they hold."""
+"""What the commands do with project files, whatever kind of shape they hold, and `pas solve` and `pas bench`."""
 
 from __future__ import annotations
 
 import argparse
 import time
-from dataclasses import fields
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from pas.algebra.inputs import check_tolerance
-from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file
+from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file, settings_of
+from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -74,35 +75,35 @@ def run_mesh(options: argparse.Namespace) -> Outcome:
     """`pas mesh`."""
     from pas.exchange.files import target
     from pas.exchange.formats import suffixes_of
-    from pas.exchange.write import check_mesh_suffix
+    from pas.exchange.write import check_open, write_as
     from pas.kinds.files import load
     from pas.shape import kind_of
 
-    tolerance = _tolerance(options)
+    settings = settings_of(MeshSettings, options)
     target(options.output, suffixes_of("triangles"), "a mesh")
     shape = load(project_file(options.project))
     kind = kind_of(shape)
-    mesh = kind.mesh(shape, tolerance, None)
+    mesh = kind.mesh(shape, settings)
     if not mesh.is_closed:
-        check_mesh_suffix(options.output)
-    kept = mesh if kind.parts is None else shape
-    path = kept.write(options.output, **({} if kept is mesh else {"tolerance": tolerance}))
+        check_open(options.output)
+    whole = kind.parts is None
+    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings)
     return Outcome(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
 
 
 def run_render(options: argparse.Namespace) -> Outcome:
     """`pas render`."""
+    from pas.exchange.picture_options import Picture
     from pas.kinds.files import load
     from pas.render.picture import draw
-    from pas.render.scene import Picture
 
-    wanted = {field.name: getattr(options, field.name) for field in fields(Picture) if hasattr(options, field.name)}
+    picture = settings_of(Picture, options)
     if options.curvature is not None:
-        wanted["style"] = options.curvature
-    coloring = Picture.of(wanted).coloring
+        picture = replace(picture, style=options.curvature)
+    coloring = picture.coloring
     if options.curvature is not None and not coloring.curved:
         raise ValueError(f"--curvature shows mean, gauss, max or min, not {coloring.name}; draw it with --style")
-    path = draw(load(project_file(options.project)), options.output, **wanted)
+    path = draw(load(project_file(options.project)), options.output, **given(picture))
     return Outcome(str(path), {"written": [str(path)]})
 
 
@@ -138,12 +139,27 @@ def run_studio(options: argparse.Namespace) -> Outcome:
 
 
 def _written(shape: Any, options: argparse.Namespace) -> Outcome:
-    path = shape.write(options.output, tolerance=_tolerance(options), unit=options.unit)
+    from pas.exchange.write import write_as
+
+    mesh = settings_of(MeshSettings, options)
+    path = write_as(shape, options.output, mesh, unit=options.unit or "millimeter", sew=options.sew)
     return Outcome(str(path), {"written": [str(path)]})
 
 
-def _tolerance(options: argparse.Namespace) -> float | None:
-    return None if options.tolerance is None else check_tolerance(options.tolerance)
+def run_bench(options: argparse.Namespace) -> Outcome:
+    """Measure, compare with the last run, keep it, and write a page where that is asked for."""
+    from pas.bench.run import default_history, run
+    from pas.exchange.files import check_place, replacing
+
+    page = None if options.readme is None else Path(options.readme)
+    if page is not None:
+        check_place(page)
+    history = default_history() if options.history is None else Path(options.history)
+    report = run(options.suite, options.quick, history)
+    if page is not None:
+        with replacing(page) as path:
+            path.write_text(report.page() + "\n", encoding="utf-8")
+    return Outcome(str(report), report.record())
 
 
 def size_of(mesh: Any) -> str:
@@ -155,5 +171,5 @@ def size_of(mesh: Any) -> str:
 
 
 def size_record(mesh: Any) -> dict[str, Any]:
-    """The same for programs."""
+    """How large and how near a mesh is, for programs."""
     return {"triangles": len(mesh.triangles), "deviation": mesh.deviation, "bounded": mesh.proved}

@@ -1,18 +1,22 @@
-"""What the commands share: exit codes, what they come to, progress, checks of arguments."""
+"""What the commands share: exit codes, what they come to, progress, settings as arguments, names of files, versions."""
 
 from __future__ import annotations
 
+import argparse
+import platform
 import sys
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from pas._version import __version__
 from pas.exchange.files import check_folder, source
+from pas.exchange.formats import FORMATS
 from pas.limits import note, stage_line
-
-FILES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".3mf", ".step", ".png", ".json", ".toml")
-"""Endings that no folder has: who names such a one means a file."""
+from pas.settings import options
 
 EXIT_CODES = """\
 Exit codes: 0 done; 1 what could not be done or proved; 2 what the user got wrong; 130 interrupted.
@@ -51,11 +55,33 @@ class Clock:
         self.last = now
 
 
+Settings = TypeVar("Settings")
+
+
+def add_settings(
+    parser: argparse._ActionsContainer, settings: type[Any], usual: str = "", leave: Iterable[str] = ()
+) -> None:
+    """An argument for each option of a class of settings, but those to leave out; `usual` stands in help texts."""
+    for one in options(settings, "command", leave):
+        name, about = f"--{one.name.replace('_', '-')}", one.metadata
+        text = about["text"].format(usual=usual)
+        if about["kind"] is bool:
+            parser.add_argument(name, action="store_true", default=None, help=text)
+        else:
+            parser.add_argument(name, type=about["kind"], metavar=about["metavar"], help=text)
+
+
+def settings_of(settings: type[Settings], arguments: argparse.Namespace) -> Settings:
+    """The settings that arguments give; what was not given is as usual."""
+    values = {one.name: getattr(arguments, one.name, None) for one in options(settings, "command")}
+    return settings(**{name: value for name, value in values.items() if value is not None})
+
+
 def output_folder(name: str) -> Path:
     """The folder to write to, which need not exist; raises `ValueError` where it cannot be one."""
     folder = source(name)
     existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-    if not existing.is_dir() or folder.suffix.lower() in FILES:
+    if not existing.is_dir() or folder.suffix.lower() in (*FORMATS, ".png", ".json", ".toml"):
         raise ValueError(f"{name} is not a folder; -o names the folder to write to")
     check_folder(existing)
     return folder
@@ -81,3 +107,23 @@ def problem_file(name: str) -> str:
 def tell(line: str) -> None:
     """Say on stderr what is being done; nothing but results goes to stdout."""
     print(line, file=sys.stderr, flush=True)
+
+
+LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
+"""Those on which results and their speed depend."""
+
+
+def version_text(verbose: bool) -> str:
+    """The version; with `verbose` also that of Python and of libraries."""
+    if not verbose:
+        return f"pas {__version__}"
+    lines = [f"pas {__version__}", f"Python {platform.python_version()} on {platform.platform()}"]
+    lines += [f"{name} {_installed(name)}" for name in LIBRARIES]
+    return "\n".join(lines)
+
+
+def _installed(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "is not installed"

@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, NoReturn
 
 from pas.cli import commands, problems
-from pas.cli.bench import run_bench
-from pas.cli.common import EXIT_CODES
+from pas.cli.common import EXIT_CODES, Outcome, add_settings
 from pas.errors import meant
-
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction["Parser"]
+from pas.exchange.formats import Request
+from pas.exchange.picture_options import Picture
+from pas.settings import MeshSettings
 
 
 class Parser(argparse.ArgumentParser):
@@ -61,25 +62,31 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
     result.set_defaults(command=None, debug=False, json=False, seconds=None)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
-    _blend_parser(added)
-    _parametric_parser(added)
-    _solve_parser(added)
-    _check_parser(added)
-    _mesh_parser(added)
-    _render_parser(added)
-    _write_parser(added)
-    _convert_parser(added)
-    _teapot_parser(added)
-    _studio_parser(added)
-    _bench_parser(added)
+    for add in (
+        _blend_parser,
+        _parametric_parser,
+        _solve_parser,
+        _check_parser,
+        _mesh_parser,
+        _render_parser,
+        _write_parser,
+        _convert_parser,
+        _teapot_parser,
+        _studio_parser,
+        _bench_parser,
+    ):
+        add(added)
     return result
 
 
-def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.ArgumentParser:
-    parser = added.add_parser(
+def _command(
+    added: Any, run: Callable[[argparse.Namespace], Outcome], name: str, text: str, more: str = ""
+) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = added.add_parser(
         name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
+    parser.set_defaults(command=name, run=run)
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     if name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
         parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
@@ -88,9 +95,10 @@ def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.
     return parser
 
 
-def _blend_parser(added: Commands) -> None:
+def _blend_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_problem,
         "blend",
         "find, prove, mesh and draw the blend of a problem file",
         "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
@@ -101,12 +109,13 @@ def _blend_parser(added: Commands) -> None:
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
         "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
     )
-    _problem_arguments(parser, "blend")
+    _problem_arguments(parser)
 
 
-def _parametric_parser(added: Commands) -> None:
+def _parametric_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_problem,
         "parametric",
         "find, prove, mesh and draw the parametric blend of a problem file",
         "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
@@ -127,10 +136,10 @@ def _parametric_parser(added: Commands) -> None:
         "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
         "Also: align, unit, tolerance, prove, [picture].",
     )
-    _problem_arguments(parser, "parametric")
+    _problem_arguments(parser)
 
 
-def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+def _problem_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file, of whatever kind")
     parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
     parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
@@ -145,9 +154,8 @@ def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
         metavar="T",
         help="of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's",
     )
-    _tolerance(parser, "the file's, or 0.001 of the size")
+    add_settings(parser, MeshSettings, "the file's, or 0.001 of the size")
     parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
-    parser.set_defaults(command=command, run=problems.run_problem)
 
 
 def _degree(text: str) -> int | str:
@@ -160,9 +168,10 @@ def _degree(text: str) -> int | str:
         raise argparse.ArgumentTypeError(f"must be a whole number or lowest, not {text!r}") from None
 
 
-def _solve_parser(added: Commands) -> None:
+def _solve_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_solve,
         "solve",
         "find all surfaces of a degree that meet the contacts of a problem file",
         "Prints degree, dimension, a basis, the generators of all solutions, and which of them are\n"
@@ -178,11 +187,11 @@ def _solve_parser(added: Commands) -> None:
     form = parser.add_mutually_exclusive_group()
     for name in ("json", "latex", "sympy"):
         form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
-    parser.set_defaults(command="solve", run=commands.run_solve, form="text")
+    parser.set_defaults(form="text")
 
 
-def _check_parser(added: Commands) -> None:
-    parser = _command(added, "check", "prove everything again from a project file alone")
+def _check_parser(added: Any) -> None:
+    parser = _command(added, commands.run_check, "check", "prove everything again from a project file alone")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
         "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
@@ -190,21 +199,23 @@ def _check_parser(added: Commands) -> None:
     parser.add_argument(
         "--independent", action="store_true", help="prove a blend by the second checker, in exact arithmetic alone"
     )
-    parser.set_defaults(command="check", run=commands.run_check)
 
 
-def _mesh_parser(added: Commands) -> None:
-    parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
+def _mesh_parser(added: Any) -> None:
+    parser = _command(added, commands.run_mesh, "mesh", "write the shape of a project file as a triangle mesh")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument(
-        "-o", "--output", metavar="OUT", required=True, help="a .stl, .obj, .ply, .vtp or .glb file; closed: also .3mf"
+        "-o",
+        "--output",
+        metavar="OUT",
+        required=True,
+        help="a file of triangles; its suffix, such as .stl, says the format",
     )
-    _tolerance(parser, "0.001 of the longest side")
-    parser.set_defaults(command="mesh", run=commands.run_mesh)
+    add_settings(parser, MeshSettings, "0.001 of the longest side")
 
 
-def _render_parser(added: Commands) -> None:
-    parser = _command(added, "render", "draw the surface of a project file")
+def _render_parser(added: Any) -> None:
+    parser = _command(added, commands.run_render, "render", "draw the surface of a project file")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
     parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
     style = parser.add_mutually_exclusive_group()
@@ -217,43 +228,35 @@ def _render_parser(added: Commands) -> None:
         "--curvature", nargs="?", const="mean", metavar="WHICH",
         help="colours by curvature: mean (default), gauss, or a principal one, max or min",
     )  # fmt: skip
-    style.add_argument(
-        "--style", metavar="STYLE", help="any style by its name: plain, zebra, highlights, mean, gauss, max, min"
-    )
-    parser.add_argument("--combs", action="store_true", help="curvature combs along sections and contact curves")
-    parser.add_argument("--four-views", action="store_true", help="from four sides")
-    parser.add_argument("--exploded", action="store_true", help="the parts lifted apart")
-    parser.add_argument("--cut", action="store_true", help="without what is in front of the middle plane")
-    _tolerance(parser, "finer than a picture shows")
-    parser.set_defaults(command="render", run=commands.run_render, style="plain")
+    add_settings(style, Picture, leave=[f.name for f in fields(Picture) if f.name != "style"])
+    add_settings(parser, Picture, "finer than a picture shows", ["style"])
 
 
-def _write_parser(added: Commands) -> None:
-    parser = _command(added, "write", "write the shape of a project file for other programs")
+def _write_parser(added: Any) -> None:
+    parser = _command(added, commands.run_write, "write", "write the shape of a project file for other programs")
     parser.add_argument("project", metavar="FILE.pas.json", help="a project file of any kind")
     _output_arguments(parser)
-    parser.set_defaults(command="write", run=commands.run_write)
 
 
 def _output_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
-    parser.add_argument("--unit", default="millimeter", help="of the model, for formats that have one")
-    _tolerance(parser, "0.001 of the size")
+    add_settings(parser, Request)
+    add_settings(parser, MeshSettings, "0.001 of the size")
 
 
-def _convert_parser(added: Commands) -> None:
-    parser = _command(added, "convert", "write the body of a project file for other programs")
+def _convert_parser(added: Any) -> None:
+    parser = _command(added, commands.run_convert, "convert", "write the body of a project file for other programs")
     parser.add_argument(
         "project", metavar="FILE.pas.json", help="a project file; a blend is made solid, with its neighbours"
     )
     parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
     _output_arguments(parser)
-    parser.set_defaults(command="convert", run=commands.run_convert)
 
 
-def _teapot_parser(added: Commands) -> None:
+def _teapot_parser(added: Any) -> None:
     parser = _command(
         added,
+        problems.run_teapot,
         "teapot",
         "build, prove, mesh and draw the teapot",
         "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
@@ -263,13 +266,13 @@ def _teapot_parser(added: Commands) -> None:
     parser.add_argument("--lid-height", default="7/5", metavar="Z", help="height of the knob's top")
     parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
     parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
-    _tolerance(parser, "0.001")
-    parser.set_defaults(command="teapot", run=problems.run_teapot)
+    add_settings(parser, MeshSettings, "0.001")
 
 
-def _studio_parser(added: Commands) -> None:
+def _studio_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_studio,
         "studio",
         "drag a shape in the browser, and see it with its curvature and its proof",
         "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
@@ -278,12 +281,12 @@ def _studio_parser(added: Commands) -> None:
     parser.add_argument("file", metavar="FILE", nargs="?", help="a problem file (.toml) or a project (.pas.json)")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
-    parser.set_defaults(command="studio", run=commands.run_studio)
 
 
-def _bench_parser(added: Commands) -> None:
+def _bench_parser(added: Any) -> None:
     parser = _command(
         added,
+        commands.run_bench,
         "bench",
         "measure speed, beside other programs where these are installed",
         "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
@@ -293,13 +296,3 @@ def _bench_parser(added: Commands) -> None:
     parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
     parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
     parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
-    parser.set_defaults(command="bench", run=run_bench)
-
-
-def _tolerance(parser: argparse.ArgumentParser, default: str) -> None:
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="T",
-        help=f"largest distance of the mesh from the surface (default: {default})",
-    )

@@ -4,37 +4,40 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pas.algebra.inputs import check_tolerance
 from pas.cli.commands import size_of, size_record
-from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file
+from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file, settings_of
 from pas.errors import MissingLibraryError
+from pas.settings import MeshSettings, given
+
+TEAPOT_TOLERANCE = 0.001
+"""Of the teapot's mesh, which is about 5 units long."""
 
 
 def run_problem(options: argparse.Namespace) -> Outcome:
     """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
     from pas.exchange.files import together
     from pas.exchange.problem import read_problem
-    from pas.render.scene import Picture
     from pas.shape import kind_of
 
     problem = read_problem(problem_file(options.problem)).changed(
-        order=options.order, degree=options.degree, tension=options.tension
+        order=options.order,
+        degree=options.degree,
+        tension=options.tension,
+        **given(settings_of(MeshSettings, options)),
     )
     folder = output_folder(options.output)
-    wanted = problem.tolerance if options.tolerance is None else options.tolerance
-    tolerance = None if wanted is None else check_tolerance(wanted)
     clock = Clock()
     shape = problem.solve()
     certificate = shape.certificate
     clock.passed("solve and prove")
     kind = kind_of(shape)
-    mesh = kind.mesh(shape, tolerance, None)
+    mesh = kind.mesh(shape, problem.mesh)
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
-    drawn = {"style": problem.style, "view": problem.view, "combs": problem.combs}
-    drawn["mesh"] = None if Picture.of(drawn).coloring.fine else mesh
+    drawn = given(problem.picture) | ({} if problem.picture.coloring.fine else {"mesh": mesh})
     text, facts = kind.text(shape), kind.facts(shape)  # nothing that may give up comes after the files are written
     with together(folder) as place:
         base = place / problem.name
@@ -61,7 +64,7 @@ def run_teapot(options: argparse.Namespace) -> Outcome:
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
 
-    tolerance = check_tolerance(0.001 if options.tolerance is None else options.tolerance)
+    settings = replace(MeshSettings(TEAPOT_TOLERANCE), **given(settings_of(MeshSettings, options)))
     folder = output_folder(options.output)
     clock = Clock()
     pot = teapot(
@@ -71,7 +74,7 @@ def run_teapot(options: argparse.Namespace) -> Outcome:
         handle_size=options.handle_size,
     )
     clock.passed("build and prove")
-    mesh = pot.mesh(tolerance)
+    mesh = pot.meshed(settings)
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     text = str(pot)
     with together(folder) as place:

@@ -20,31 +20,31 @@ from fractions import Fraction
 from typing import Any
 
 from pas.algebra.rational import plain, rational
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.intersection import quadric_intersection
-from pas.generatrix.sections import plane_section
 from pas.parametric.curves import SurfaceCurve, iso_curve
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.intersection import quadric_intersection
+from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.surface import ParametricSurface
 
-Table = Mapping[str, Any]
+BoundaryTable = Mapping[str, Any]
 COMMON = frozenset({"side", "name", "by_length"})
 
 
 @dataclass(frozen=True)
-class Kind:
+class BoundaryKind:
     """A kind of boundary: the keys it needs, of `either` exactly one, those it may have, and what makes it."""
 
     needs: tuple[str, ...]
     either: tuple[str, ...]
     may: frozenset[str]
-    build: Callable[[Table, dict[str, Any]], Boundary]
+    build: Callable[[BoundaryTable, dict[str, Any]], Boundary]
 
     @property
     def keys(self) -> frozenset[str]:
         """All keys that there are."""
         return frozenset(self.needs) | frozenset(self.either) | self.may | COMMON
 
-    def fits(self, table: Table) -> bool:
+    def fits(self, table: BoundaryTable) -> bool:
         """Whether a table has what this kind needs."""
         return set(self.needs) <= set(table) and (not self.either or any(key in table for key in self.either))
 
@@ -53,22 +53,22 @@ class Kind:
         return " and ".join([", ".join(self.needs), *one])
 
 
-def _section(table: Table, options: dict[str, Any]) -> Boundary:
+def _section(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     return plane_section(table["quadric"], table["plane"], **options)
 
 
-def _intersection(table: Table, options: dict[str, Any]) -> Boundary:
+def _intersection(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     branches, number = quadric_intersection(table["quadric"], table["other"]), options.pop("branch", 0)
     if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(branches):
         raise ValueError(f"branch must be a whole number from 0 to {len(branches) - 1}, not {number!r}")
     return branches[number].on(0, **options)
 
 
-def _implicit(table: Table, options: dict[str, Any]) -> Boundary:
+def _implicit(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     return Boundary.on_implicit(table["implicit"], table["curve"], **options)
 
 
-def _parametric(table: Table, options: dict[str, Any]) -> Boundary:
+def _parametric(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     surface = ParametricSurface(table["x"], table["y"], table["z"], domain=options.pop("domain", None))
     if "path" not in table:
         return Boundary.on_parametric(iso_curve(surface, table.get("t"), table.get("h")), **options)
@@ -78,22 +78,22 @@ def _parametric(table: Table, options: dict[str, Any]) -> Boundary:
     return Boundary.on_parametric(SurfaceCurve(surface, path[0], path[1]), **options)
 
 
-def _along(table: Table, options: dict[str, Any]) -> Boundary:
+def _along(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     return Boundary.along(table["curve"], table.get("normal"), table.get("tangent"), **options)
 
 
-SECTION = Kind(("quadric", "plane"), (), frozenset({"interval", "branch"}), _section)
+SECTION = BoundaryKind(("quadric", "plane"), (), frozenset({"interval", "branch"}), _section)
 KINDS = (
     SECTION,
-    Kind(("quadric", "other"), (), frozenset({"interval", "branch"}), _intersection),
-    Kind(("implicit", "curve"), (), frozenset({"interval", "closed"}), _implicit),
-    Kind(("x", "y", "z"), ("t", "h", "path"), frozenset({"domain", "interval", "closed"}), _parametric),
-    Kind(("curve",), ("normal", "tangent"), frozenset({"interval", "closed"}), _along),
+    BoundaryKind(("quadric", "other"), (), frozenset({"interval", "branch"}), _intersection),
+    BoundaryKind(("implicit", "curve"), (), frozenset({"interval", "closed"}), _implicit),
+    BoundaryKind(("x", "y", "z"), ("t", "h", "path"), frozenset({"domain", "interval", "closed"}), _parametric),
+    BoundaryKind(("curve",), ("normal", "tangent"), frozenset({"interval", "closed"}), _along),
 )
 KEYS = frozenset().union(*(kind.keys for kind in KINDS))
 
 
-def boundary_from(table: Table, kinds: tuple[Kind, ...] = KINDS) -> Boundary:
+def boundary_from(table: BoundaryTable, kinds: tuple[BoundaryKind, ...] = KINDS) -> Boundary:
     """The boundary of a table, which it keeps as its `source`.
 
     Raises `ValueError` for a table of no kind or of wrong types, and what making the boundary raises.

@@ -6,8 +6,6 @@ order = 2                      # of contact
 method = "hermite"             # the default; or "weighted", or another one of METHODS
 values = [0, 1]                # optional: the value of the second parameter at which each surface is met
 parameters = ["t", "h"]        # optional
-tolerance = 1e-3               # optional; of the mesh, in the model's units
-prove = true                   # optional; false: the exit code asks only that no claim is refuted, not for all proofs
 
 balance = "1/2"                # options of the method "weighted": balance (one number or one for each surface),
 normalized = false             # normalized and exponent
@@ -21,10 +19,7 @@ domain = [[-5, 5], [-inf, 1]]  # optional
 [domain]                       # optional; of the proof, the mesh and the picture, by parameter
 t = [-1, 1]
 
-[picture]                      # optional
-style = "zebra"                # plain, zebra, highlights; mean, gauss, max, min (curvature)
-view = [1, -1, "1/2"]          # the direction from where one looks
-combs = true                   # with curvature combs
+Also those of every problem: see `pas.exchange.problem`.
 """
 
 from __future__ import annotations
@@ -32,40 +27,30 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import PARAMETERS
-from pas.errors import LimitError, PasError
 from pas.exchange.generatrix_problem import GENERATRIX_METHODS
-from pas.exchange.picture_options import PICTURE_KEYS, PictureReader, View
-from pas.exchange.problem import Problem, ProblemKind
-from pas.parametric.blends import ParametricBlend
+from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
+from pas.exchange.tables import TableReader
+from pas.parametric.blends import METHODS, ParametricBlend, blend_by
 from pas.parametric.data import BlendingData
 from pas.parametric.domain import ExactDomain
-from pas.parametric.methods import METHODS, blend_by
 from pas.parametric.surface import ParametricSurface
-
-OPTIONS = {name for method in METHODS.values() for name in method.options}
-WHOLE = {"name", "order", "method", "values", "parameters", "tolerance", "prove", "surfaces", "domain", "picture"}
+from pas.settings import MeshSettings
 
 
 @dataclass(frozen=True)
 class ParametricProblem(Problem):
     """A problem as read from a file; `domain` is that of proof, mesh and picture, None for the blend's own."""
 
-    name: str
     data: BlendingData
     order: int
     method: str
     options: dict[str, Any]
     domain: ExactDomain | None
-    tolerance: float | None
-    prove: bool
-    style: str
-    view: View | None
-    combs: bool
 
     @property
     def fixed(self) -> str:
@@ -78,80 +63,70 @@ class ParametricProblem(Problem):
         return made if self.domain is None else replace(made, surface=made.surface.with_domain(self.domain))
 
     def blend(self) -> ParametricBlend:
-        """The blend on its own domain."""
+        """The blend itself, on its own domain; raises what its method raises."""
         return blend_by(self.method, self.data, self.order, self.options)
 
 
-class _Reader(PictureReader):
-    keys: ClassVar = {
-        "": WHOLE | OPTIONS,
-        "surfaces": {"x", "y", "z", "domain"},
-        "picture": PICTURE_KEYS,
+def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
+    own = {name for method in METHODS.values() for name in method.options}
+    optional = ("method", "values", "parameters", "domain", *own)
+    parameters = data.get("parameters", list(PARAMETERS))
+    keys = {
+        "": COMMON | dict.fromkeys(optional, False) | {"order": True, "surfaces": True},
+        **COMMON_TABLES,
+        "surfaces": {"x": True, "y": True, "z": True, "domain": False},
     }
-    required: ClassVar = {"": {"order", "surfaces"}, "surfaces": {"x", "y", "z"}}
-    lists: ClassVar = {"surfaces"}
+    reader = TableReader(file, text, keys, ("surfaces",))
+    method = reader.typed(data, "method", str, "hermite")
+    if method not in METHODS:
+        known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
+        raise reader.error(f"method must be one of {known}, not {shown(method)}", key="method")
+    reader.check(data)
+    options = {name: data[name] for name in own if name in data}
+    for name in options:
+        if name not in METHODS[method].options:
+            raise reader.error(f"{name} is no option of the method {method!r}", key=name)
+        if METHODS[method].options[name] is not Any:
+            reader.typed(data, name, METHODS[method].options[name], None)
+    first, second = reader.checked({"parameters": parameters}, "parameters", _names)
+    surfaces = reader.each(data, "surfaces", lambda table: _surface(table, (first, second)), "surface")
+    blending = reader.checked({"values": data.get("values")}, "values", lambda values: BlendingData(surfaces, values))
+    return ParametricProblem(
+        **common(reader, data, MeshSettings()),
+        prove=reader.typed(data, "prove", bool, True),
+        data=blending,
+        order=reader.checked(data, "order", check_order),
+        method=method,
+        options=options,
+        domain=_domain(reader, data, (first, second), blending),
+    )
 
-    def problem(self, data: dict[str, Any]) -> ParametricProblem:
-        method = self.typed(data, "method", str, "hermite")
-        if method not in METHODS:
-            known = ", ".join(map(repr, (*METHODS, *GENERATRIX_METHODS)))
-            raise self.error(f"method must be one of {known}, not {shown(method)}", "", 0, "method")
-        self.check(data, "", 0)
-        options = {name: data[name] for name in OPTIONS if name in data}
-        for name in options:
-            if name not in METHODS[method].options:
-                raise self.error(f"{name} is no option of the method {method!r}", "", 0, name)
-            if METHODS[method].options[name] is not Any:
-                self.typed(data, name, METHODS[method].options[name], None)
-        names = self._parameters(data)
-        surfaces = [self._surface(i, entry, names) for i, entry in enumerate(data["surfaces"])]
-        try:
-            blending = BlendingData(surfaces, data.get("values"))
-        except LimitError:
-            raise
-        except (ValueError, TypeError, PasError) as error:
-            raise self.error(str(error), "", 0, "values") from None
-        return ParametricProblem(
-            name=self.name(data),
-            data=blending,
-            order=self.checked(data, "order", check_order, None),
-            method=method,
-            options=options,
-            domain=self._domain(data, names, blending),
-            tolerance=self.tolerance(data),
-            prove=self.typed(data, "prove", bool, True),
-            **self.picture(data),
-        )
 
-    def _parameters(self, data: dict[str, Any]) -> tuple[str, str]:
-        names = data.get("parameters", list(PARAMETERS))
-        if not (isinstance(names, list) and len(names) == 2 and all(isinstance(n, str) for n in names)):
-            wrong = f'parameters must be two names such as ["t", "h"], not {shown(names)}'
-            raise self.error(wrong, "", 0, "parameters")
-        return names[0], names[1]
+def _names(given: Any) -> list[str]:
+    if not (isinstance(given, list) and len(given) == 2 and all(isinstance(name, str) for name in given)):
+        raise ValueError(f'parameters must be two names such as ["t", "h"], not {shown(given)}')
+    return given
 
-    def _surface(self, index: int, entry: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
-        self.check(entry, "surfaces", index)
-        try:
-            return ParametricSurface(entry["x"], entry["y"], entry["z"], names, _intervals(entry.get("domain")))
-        except (ValueError, TypeError) as error:
-            key = next((k for k in "xyz" if f"component {k}" in str(error)), "domain" if "domain" in entry else None)
-            raise self.error(f"surface {index + 1}: {error}", "surfaces", index, key) from None
 
-    def _domain(self, data: dict[str, Any], names: tuple[str, str], blending: BlendingData) -> ExactDomain | None:
-        if "domain" not in data:
-            return None
-        table = data["domain"]
-        if not isinstance(table, dict) or set(table) - set(names):
-            raise self.error(f"[domain] must be a table with intervals of {' and '.join(names)}", "domain", 0)
-        try:
-            own = blending.ends
-            given = _intervals([table.get(name, list(ends)) for name, ends in zip(names, own, strict=True)])
-            return blending.surfaces[0].with_domain(None).with_domain(given).ends
-        except LimitError:
-            raise
-        except (ValueError, TypeError, PasError) as error:
-            raise self.error(str(error), "domain", 0) from None
+def _surface(table: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
+    return ParametricSurface(table["x"], table["y"], table["z"], names, _intervals(table.get("domain")))
+
+
+def _domain(
+    reader: TableReader, data: dict[str, Any], names: tuple[str, str], blending: BlendingData
+) -> ExactDomain | None:
+    if "domain" not in data:
+        return None
+    given = data["domain"]
+    if not isinstance(given, dict) or set(given) - set(names):
+        raise reader.error(f"[domain] must be a table with intervals of {' and '.join(names)}", "domain")
+
+    def make(table: dict[str, Any]) -> ExactDomain:
+        ends = [table.get(name, list(own)) for name, own in zip(names, blending.ends, strict=True)]
+        return blending.surfaces[0].with_domain(None).with_domain(_intervals(ends)).ends
+
+    reader.keys = {**reader.keys, "domain": dict.fromkeys(names, False)}
+    return reader.made(make, given, "domain")
 
 
 def _intervals(domain: Any) -> Any:
@@ -168,10 +143,6 @@ def _end(end: Any) -> Any:
 def _fits(data: dict[str, Any]) -> bool:
     wanted = "surfaces" in data or ("method" in data and data["method"] not in tuple(GENERATRIX_METHODS))
     return wanted and not {"pipes", "contacts"} & data.keys()
-
-
-def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
-    return _Reader(file, text).problem(data)
 
 
 PROBLEM = ProblemKind("parametric", _fits, _read)

@@ -1,16 +1,18 @@
-"""Shapes as parts with names, colours and meshes: what files of triangles hold."""
+"""What files hold of shapes: parts with names, colours and meshes, or rational patches."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from pas.exchange.formats.format import Content, Request
+from pas.exchange.formats import Content, Request
 from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
+from pas.parametric.patches import RationalPatch
+from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of
 from pas.solid.assembly import COLORS
 
@@ -45,9 +47,8 @@ def parts_of(thing: Any, request: Request) -> list[Piece]:
 
 
 def _checked_parts(thing: Any, request: Request) -> list[Piece]:
-    """The same; raises `ValueError` for a mesh with a tolerance, which would do nothing."""
-    wanted = request.tolerance is not None or request.domain is not None
-    if wanted and not isinstance(thing, list | tuple) and kind_of(thing, "shape").meshed:
+    """`parts_of`, but raises `ValueError` for a mesh with a tolerance, which would do nothing."""
+    if given(request.mesh) and not isinstance(thing, list | tuple) and kind_of(thing, "shape").meshed:
         raise ValueError("tolerance and domain are for surfaces; a mesh has them behind it")
     return parts_of(thing, request)
 
@@ -65,20 +66,18 @@ def is_closed(thing: Any) -> bool:
     return not kind_of(thing, "shape").open and all(p.mesh.is_closed for p in parts_of(thing, Request("shape")))
 
 
-TRIANGLES: Content[list[Piece]] = Content("triangles", _checked_parts, ("tolerance", "domain"), _is_of_shapes)
+TRIANGLES: Content[list[Piece]] = Content(
+    "triangles", _checked_parts, tuple(f.name for f in fields(MeshSettings)), _is_of_shapes
+)
 
 
 def _parts(shape: Any, request: Request) -> list[Piece]:
     kind = kind_of(shape, "shape")
     if kind.parts is None:
-        return _single(kind.mesh(shape, request.tolerance, request.domain), request)
-    if request.domain is not None:
+        return [Piece(request.name, _rgb(COLORS[0]), kind.mesh(shape, request.mesh))]
+    if request.mesh.domain is not None:
         raise ValueError(f"domain is that of a parametric surface, which {shape!r} is not")
-    return [Piece(n, _rgb(p.color), p.mesh(request.tolerance)) for n, p in kind.parts(shape).items()]
-
-
-def _single(mesh: Mesh, request: Request) -> list[Piece]:
-    return [Piece(request.name, _rgb(COLORS[0]), mesh)]
+    return [Piece(n, _rgb(p.color), p.meshed(request.mesh)) for n, p in kind.parts(shape).items()]
 
 
 def _rgb(color: str) -> tuple[int, int, int]:
@@ -132,3 +131,48 @@ def points_of(mesh: Mesh) -> int:
 def triangles_of(mesh: Mesh) -> int:
     """The number of its triangles."""
     return len(mesh.triangles)
+
+
+HIGHEST_DEGREE = 25
+"""In each direction: what the common kernels take."""
+
+
+def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
+    """The patches of a patch, an exact surface or blend, or of several of these.
+
+    A surface or a blend gives its `bezier_patches` over the request's domain.  Errors name the item by its number:
+    `ValueError` for none, one that is not exact, an infinite domain, a degree above HIGHEST_DEGREE and a distance to
+    sew that is not positive, `TypeError` for other things, `GeometryError` for a pole.
+    """
+    if request.sew is not None and not 0 < request.sew < float("inf"):
+        raise ValueError(f"sew must be a positive number, not {request.sew}")
+    items = list(patches) if isinstance(patches, Iterable) else [patches]
+    if not items:
+        raise ValueError("there must be at least one patch")
+    found: list[RationalPatch] = []
+    for number, item in enumerate(items):
+        made = _patches(item, number, request.mesh.domain)
+        highest = max((patch.degrees for patch in made), key=max)
+        if max(highest) > HIGHEST_DEGREE:
+            raise ValueError(
+                f"patches[{number}] has the degrees {highest}, but STEP is read up to {HIGHEST_DEGREE}; "
+                "write fit_patch(surface, tolerance) in its place"
+            )
+        found += made
+    return found
+
+
+def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
+    kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
+    if kind.patches is None:
+        raise TypeError(
+            f"patches must be RationalPatch objects, parametric surfaces or blends, not {item!r}: STEP has faces with "
+            "parameters only; a solid or a piecewise algebraic surface has none; write its triangles with pas.write"
+        )
+    try:
+        return kind.patches(item, domain)
+    except ValueError as error:
+        raise ValueError(f"patches[{number}]: {error}") from None
+
+
+PATCHES: Content[list[RationalPatch]] = Content("patches", patches_of, ("domain", "sew"))

@@ -8,7 +8,10 @@ hold stands in `corner_problem`, `parametric_problem` and `generatrix_problem`. 
     prove = true                   # true: all must be proved, false: nothing need be; else what the kind can give;
                                    # in no case may a claim be refuted, or fail as measured
 
-    [picture]
+    [mesh]                         # further settings of the mesh, see pas.settings.MeshSettings
+    quality = "angles"
+
+    [picture]                      # those of pas.Picture
     style = "zebra"                # plain, zebra, highlights; mean, gauss, max, min (curvature)
     view = [1, -1, "1/2"]          # the direction from where one looks
     combs = true                   # with curvature combs
@@ -18,30 +21,53 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
+from pas.algebra.inputs import check_tolerance, shown
 from pas.errors import ProblemFileError
-from pas.exchange.picture_options import View
-from pas.exchange.tables import read_toml
+from pas.exchange.picture_options import Picture
+from pas.exchange.tables import TableReader, read_toml
 from pas.registry import Registry
+from pas.settings import MeshSettings, options
 from pas.shape import Shape
 from pas.verdicts import Verdicts
 
+Settings = TypeVar("Settings", MeshSettings, Picture)
 
+COMMON = dict.fromkeys(("name", "tolerance", "prove", "mesh", "picture"), False)
+"""The keys that all files may have."""
+
+COMMON_TABLES = {
+    "mesh": {f.name: False for f in options(MeshSettings, "file")},
+    "picture": {f.name: False for f in options(Picture, "file")},
+}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Problem(ABC):
-    """A problem as read from a file: a frozen dataclass with at least these fields.
-
-    `tolerance` of the mesh, None for the shape's own; `prove` as in the file, `style`, `view`, `combs` of the picture.
-    """
+    """A problem as read from a file; `prove` is None where the file does not say whether all must be proved."""
 
     name: str
-    tolerance: float | None
-    prove: bool | None
-    style: str
-    view: View | None
-    combs: bool = False
+    prove: bool | None = None
+    mesh: MeshSettings = field(default_factory=MeshSettings)
+    picture: Picture = field(default_factory=Picture)
+
+    @property
+    def tolerance(self) -> float | None:
+        """That of the mesh; None for the shape's own."""
+        return self.mesh.tolerance
+
+    @property
+    def style(self) -> str:
+        """The name of the picture's style."""
+        return self.picture.name
+
+    @property
+    def view(self) -> Any:
+        """The direction from where one looks; None for the widest."""
+        return self.picture.view
 
     @property
     def fixed(self) -> str:
@@ -52,20 +78,44 @@ class Problem(ABC):
     def solve(self) -> Shape:
         """The shape that was asked for; raises what finding it raises."""
 
-    def changed(self, **options: Any) -> Self:
-        """The problem with other values for those of its fields that are not None; raises `ValueError` for no field."""
-        wanted = {name: value for name, value in options.items() if value is not None}
-        known = {field.name for field in fields(self)}  # type: ignore[arg-type]  # all problems are dataclasses
+    def changed(self, **changes: Any) -> Self:
+        """The problem with other values for those of its fields, and its mesh's settings, that are not None.
+
+        Raises `ValueError` for what is neither.
+        """
+        wanted = {name: value for name, value in changes.items() if value is not None}
+        of_mesh = {f.name: wanted.pop(f.name) for f in fields(MeshSettings) if f.name in wanted}
+        known = {field.name for field in fields(self)}
         for name in wanted:
             if name not in known:
                 raise ValueError(f"{self.fixed}; leave out --{name}")
-        return replace(self, **wanted)  # type: ignore[type-var]
+        return replace(self, **wanted, mesh=replace(self.mesh, **of_mesh))
 
     def satisfied(self, certificate: Verdicts) -> bool:
         """Whether a certificate is as the file wants it: nothing is refuted, and proved is what was to be proved."""
         if certificate.failed:
             return False
         return certificate.holds if self.prove is None else certificate.proved or not self.prove
+
+
+def common(reader: TableReader, data: dict[str, Any], usual: MeshSettings, style: str = "zebra") -> dict[str, Any]:
+    """The fields that every problem has, as a file says them; else the usual mesh and style of the kind."""
+    name = reader.typed(data, "name", str, reader.file.name.removesuffix(".toml"))
+    if Path(name).name != name or name in ("", ".", "..") or not name.isprintable():
+        raise reader.error(f"name must be a plain file name without folders, not {shown(name)}", key="name")
+    tolerance = reader.checked(data, "tolerance", check_tolerance, usual.tolerance)
+    mesh = _settings(reader, data.get("mesh", {}), "mesh", replace(usual, tolerance=tolerance))
+    picture = _settings(reader, data.get("picture", {}), "picture", Picture(style=style))
+    return {"name": name, "mesh": mesh, "picture": picture}
+
+
+def _settings(reader: TableReader, table: Any, section: str, usual: Settings) -> Settings:
+    def make(table: dict[str, Any]) -> Settings:
+        kinds = {f.name: f.metadata["kind"] for f in options(type(usual), "file")}
+        given = {key: reader.typed(table, key, kinds[key], None, section) for key in table}
+        return replace(usual, **given)
+
+    return reader.made(make, table, section)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,24 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, plain
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, List, Maybe, OpenTable, Row, Table, one_of
-from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
+from pas.contacts.contact import Contact
+from pas.exchange.schema import (
+    NUMBER,
+    POINT,
+    REAL,
+    TEXT,
+    WHOLE,
+    Table,
+    equation_record,
+    list_of,
+    maybe,
+    one_of,
+    polynomial_record,
+    read_polynomial,
+    row,
+)
 from pas.fairing.wishes import (
     MeanAlpha,
     Normalization,
@@ -17,36 +32,38 @@ from pas.fairing.wishes import (
     Wishes,
 )
 from pas.partition.kinds import read_partition
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
 NORMALIZATION = Table({"kind": one_of(NORMALIZATIONS)}, {"point": POINT, "value": NUMBER})
 CONSTRAINTS = Table(
     {
-        **{kind: List(POINT) for kind in ("inside", "outside", "through", "near")},
-        "near_weight": List(NUMBER),
-        "handles": List(Row((Row((WHOLE, List(WHOLE, 4))), NUMBER))),
-        "margin": Maybe(NUMBER),
+        **{kind: list_of(POINT) for kind in ("inside", "outside", "through", "near")},
+        "near_weight": list_of(NUMBER),
+        "handles": list_of(row(row(WHOLE, list_of(WHOLE, 4)), NUMBER)),
+        "margin": maybe(NUMBER),
         "normalize": NORMALIZATION,
     },
-    {"coefficients": List(Row((WHOLE, NUMBER)))},
+    {"coefficients": list_of(row(WHOLE, NUMBER))},
 )
-ENERGY = OpenTable({"kind": TEXT})
+ENERGY = Table({"kind": TEXT}, open=True)
 VERDICT = Table(
     {
         "claim": TEXT,
         "status": one_of([status.value for status in Status]),
         "reason": TEXT,
-        "witness": Maybe(List(REAL, 3)),
+        "witness": maybe(list_of(REAL, 3)),
         "measure": WHOLE,
     }
 )
-CERTIFICATE = Table({"contacts": List(VERDICT), "faces": List(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT})
+CERTIFICATE = Table(
+    {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
+    {"further": list_of(VERDICT)},
+)
 
 
-KEPT_VERDICTS = Maybe(List(VERDICT))
+KEPT_VERDICTS = maybe(list_of(VERDICT))
 """What somebody found of a shape, for people to read; null where nothing was kept."""
 
 
@@ -125,6 +142,8 @@ def normalization_record(normalization: Normalization) -> dict[str, Any]:
 def read_normalization(record: dict[str, Any]) -> Normalization:
     """The normalisation of `normalization_record`."""
     kind = record["kind"]
+    if kind not in NORMALIZATIONS:
+        raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(kind)}")
     if kind == "value-at":
         if "point" not in record:
             raise ValueError("a normalisation by a value needs its point")

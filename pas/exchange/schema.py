@@ -1,11 +1,21 @@
-"""What records must look like: a small language of forms, and the check that names the place where one does not fit.
+"""What records must look like: a small language of forms, whose checks name the place where one does not fit; and the
+forms of polynomials, partitions and surfaces.
 
-A form is a `Value` (one value), a `List`, a `Row` (a list of given entries), a `Table`, `Maybe` (or null), a `Choice`
-of forms told apart by a key or a type, or `Later` (for forms within themselves).  Records are checked whole before
-anything is made of them, so what reads them can take their form for granted; what the values mean, it still checks.
+A form is one value (`TEXT`, `NUMBER`, ...), a list, a row of given entries, a `Table`, a form or null, or a choice of
+forms told apart by a key or a type.  Records are checked whole before anything is made of them, so what reads them can
+take their form for granted; what the values mean, it still checks.
 
-    check({"order": 1, "point": ["0", "1/3"]}, Table({"order": WHOLE, "point": List(NUMBER, 3)}), "problem")
+    from pas.exchange.schema import NUMBER, WHOLE, Table, list_of
+
+    form = Table({"order": WHOLE, "point": list_of(NUMBER, 3)})
+    form.check({"order": 1, "point": ["0", "1/3"]}, "problem")
     # ValueError: problem.point must be a list of 3 entries, not of 2
+
+Libraries that check types (pydantic, msgspec) were weighed: exact numbers as texts, keys that are guessed ("is 'order'
+meant") and the one sentence with the place would all have to be added to them.
+
+Nothing but polynomials is made here, so that the independent checker reads files by the same rules and makes of them
+what it will.
 """
 
 from __future__ import annotations
@@ -14,110 +24,53 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from pas.algebra.inputs import shown
-from pas.algebra.rational import written
+from flint import fmpq
+
+from pas.algebra.inputs import HIGHEST_POWER, shown
+from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.rational import plain, rational, read_number
 from pas.errors import meant
 
 
 class Form(Protocol):
-    """Anything that a value can be held against."""
+    """Anything that a value can be held against; `words` say in a sentence what a value must be."""
 
     @property
     def words(self) -> str:
-        """What a value must be, in a sentence."""
+        """What a value must be."""
 
     def check(self, value: Any, place: str) -> None:
-        """Raise `ValueError`, naming the place, unless the value fits."""
+        """Raise `ValueError`, naming the place within the record, unless the value fits."""
 
     def fits(self, value: Any, /) -> bool:
         """Whether a value is of this sort at first sight: enough to choose among forms."""
 
 
-def check(value: Any, form: Form, place: str) -> None:
-    """Raise `ValueError`, naming the place within the record, unless a value fits a form."""
-    form.check(value, place)
-
-
 @dataclass(frozen=True)
 class Value:
-    """One value: `words` say what it must be ("a whole number")."""
+    """A value that `fits`; `inside` checks its entries."""
 
     words: str
     fits: Callable[[Any], bool]
+    inside: Callable[[Any, str], None] = lambda value, place: None
 
     def check(self, value: Any, place: str) -> None:
         """See `Form`."""
         if not self.fits(value):
             raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
-
-
-def one_of(values: Sequence[str]) -> Value:
-    """One of several words."""
-    return Value(f"one of {', '.join(map(repr, values))}", lambda value: isinstance(value, str) and value in values)
-
-
-def _is_number(value: Any) -> bool:
-    try:
-        return WHOLE.fits(value) or (isinstance(value, str) and bool(written(value) is not None))
-    except (ValueError, ZeroDivisionError):
-        return False
-
-
-TEXT = Value("a text", lambda value: isinstance(value, str))
-FLAG = Value("true or false", lambda value: isinstance(value, bool))
-WHOLE = Value("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
-REAL = Value("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
-NUMBER = Value('an exact number such as "1/3"', _is_number)
-ANYTHING = Value("anything", lambda value: True)
-
-
-@dataclass(frozen=True)
-class List:
-    """A list of any number of entries of one form, or of `size` of them."""
-
-    entry: Form
-    size: int | None = None
-    words: str = "a list"
-
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return isinstance(value, list)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        _require(self, value, place)
-        if self.size is not None and len(value) != self.size:
-            raise ValueError(f"{place} must be a list of {self.size} entries, not of {len(value)}")
-        for i, entry in enumerate(value):
-            self.entry.check(entry, f"{place}[{i}]")
-
-
-@dataclass(frozen=True)
-class Row:
-    """A list of given entries, each of its own form."""
-
-    entries: tuple[Form, ...]
-    words: str = "a list"
-
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return isinstance(value, list)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        _require(self, value, place)
-        if len(value) != len(self.entries):
-            raise ValueError(f"{place} must be a list of {len(self.entries)} entries, not of {len(value)}")
-        for i, (entry, form) in enumerate(zip(value, self.entries, strict=True)):
-            form.check(entry, f"{place}[{i}]")
+        self.inside(value, place)
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table with the keys that it `needs`, those that it `may` have, and no others."""
+    """A table with the keys that it `needs` and those that it `may` have.
+
+    It has no others, unless it is `open`: these are the business of what reads its kind then.
+    """
 
     needs: Mapping[str, Form]
     may: Mapping[str, Form] = field(default_factory=dict)
+    open: bool = False
     words: str = "a table"
 
     def fits(self, value: Any) -> bool:
@@ -127,108 +80,142 @@ class Table:
     def check(self, value: Any, place: str) -> None:
         """See `Form`."""
         if not isinstance(value, dict):
-            _require(self, value, place, fitting=False)
+            raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
         forms = {**self.needs, **self.may}
-        for key in value:
-            if key not in forms:
-                near = meant(key, forms) or f"; known are {', '.join(sorted(forms))}"
-                raise ValueError(f"{place} has an unknown key {shown(key)}{near}")
+        strange = [] if self.open else [key for key in value if key not in forms]
+        for key in strange[:1]:
+            near = meant(key, forms) or f"; known are {', '.join(sorted(forms))}"
+            raise ValueError(f"{place} has an unknown key {shown(key)}{near}")
         for key in self.needs:
             if key not in value:
                 raise ValueError(f"{place} has no {key!r}, which it needs")
         for key, entry in value.items():
-            forms[key].check(entry, f"{place}.{key}")
+            if key in forms:
+                forms[key].check(entry, f"{place}.{key}")
 
 
-@dataclass(frozen=True)
-class OpenTable(Table):
-    """A table whose other keys are the business of what reads its kind."""
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Shape`."""
-        if isinstance(value, dict):
-            value = {key: entry for key, entry in value.items() if key in {**self.needs, **self.may}}
-        super().check(value, place)
+def _is_number(value: Any) -> bool:
+    try:
+        return WHOLE.fits(value) or (isinstance(value, str) and bool(read_number(value) is not None))
+    except (ValueError, ZeroDivisionError):
+        return False
 
 
-@dataclass(frozen=True)
-class TableOf:
+def _anything(value: Any) -> bool:
+    return True
+
+
+TEXT = Value("a text", lambda value: isinstance(value, str))
+FLAG = Value("true or false", lambda value: isinstance(value, bool))
+WHOLE = Value("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
+REAL = Value("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
+NUMBER = Value('an exact number such as "1/3"', _is_number)
+ANYTHING = Value("anything", _anything)
+
+
+def one_of(values: Sequence[Any]) -> Value:
+    """One of several words or whole numbers."""
+    kind = type(values[0])
+    return Value(f"one of {', '.join(map(repr, values))}", lambda value: type(value) is kind and value in values)
+
+
+def list_of(entry: Form, size: int | None = None, words: str = "a list") -> Value:
+    """A list of any number of entries of one form, or of `size` of them."""
+
+    def inside(value: Any, place: str) -> None:
+        _check_size(value, len(value) if size is None else size, place)
+        for i, part in enumerate(value):
+            entry.check(part, f"{place}[{i}]")
+
+    return Value(words, lambda value: isinstance(value, list), inside)
+
+
+def row(*entries: Form) -> Value:
+    """A list of given entries, each of its own form."""
+
+    def inside(value: Any, place: str) -> None:
+        _check_size(value, len(entries), place)
+        for i, (part, entry) in enumerate(zip(value, entries, strict=True)):
+            entry.check(part, f"{place}[{i}]")
+
+    return Value("a list", lambda value: isinstance(value, list), inside)
+
+
+def _check_size(value: Sequence[Any], size: int, place: str) -> None:
+    if len(value) != size:
+        raise ValueError(f"{place} must be a list of {size} entries, not of {len(value)}")
+
+
+def table_of(entry: Form) -> Value:
     """A table of any keys with entries of one form."""
 
-    entry: Form
-    words: str = "a table"
+    def inside(value: Any, place: str) -> None:
+        for key, part in value.items():
+            entry.check(part, f"{place}.{key}")
 
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return isinstance(value, dict)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        _require(self, value, place)
-        for key, entry in value.items():
-            self.entry.check(entry, f"{place}.{key}")
+    return Value("a table", lambda value: isinstance(value, dict), inside)
 
 
-@dataclass(frozen=True)
-class Maybe:
+def maybe(form: Form) -> Value:
     """A form, or null."""
-
-    form: Form
-
-    @property
-    def words(self) -> str:
-        """See `Form`."""
-        return f"{self.form.words} or null"
-
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return value is None or self.form.fits(value)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        if value is not None:
-            self.form.check(value, place)
+    return Value(form.words, _anything, lambda value, place: None if value is None else form.check(value, place))
 
 
-@dataclass(frozen=True)
-class Choice:
+def choice(words: str, *forms: Form) -> Value:
     """The first of several forms that fits at first sight; `words` say what there is to choose."""
 
-    forms: tuple[Form, ...]
-    words: str
+    def inside(value: Any, place: str) -> None:
+        next(form for form in forms if form.fits(value)).check(value, place)
 
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return any(form.fits(value) for form in self.forms)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        for form in self.forms:
-            if form.fits(value):
-                return form.check(value, place)
-        raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
+    return Value(words, lambda value: any(form.fits(value) for form in forms), inside)
 
 
-@dataclass(frozen=True)
-class Later:
+def later(find: Callable[[], Form]) -> Value:
     """A form that is looked up when it is needed, for forms within themselves."""
-
-    form: Callable[[], Form]
-
-    @property
-    def words(self) -> str:
-        """See `Form`."""
-        return self.form().words
-
-    def fits(self, value: Any) -> bool:
-        """See `Form`."""
-        return self.form().fits(value)
-
-    def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
-        self.form().check(value, place)
+    return Value("", _anything, lambda value, place: find().check(value, place))
 
 
-def _require(form: Form, value: Any, place: str, *, fitting: bool | None = None) -> None:
-    if not (form.fits(value) if fitting is None else fitting):
-        raise ValueError(f"{place} must be {form.words}, not {shown(value)}")
+POLYNOMIAL = list_of(row(WHOLE, WHOLE, WHOLE, NUMBER), words="a list of terms")
+EQUATION = choice("a polynomial", TEXT, POLYNOMIAL)
+POINT = list_of(NUMBER, 3, words="a point of three numbers")
+_PARTITION_DATA = {"legs": list_of(POINT, 3), "lower": POINT, "upper": POINT, "vertices": list_of(POINT)}
+PARTITION = Table(
+    {"kind": TEXT, "center": maybe(POINT)},
+    {**_PARTITION_DATA, "cells": list_of(list_of(WHOLE, 4)), "pieces": list_of(list_of(WHOLE))},
+    open=True,
+)
+SURFACE = Table(
+    {
+        "partition": PARTITION,
+        "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION})),
+        "order": WHOLE,
+        "degree": WHOLE,
+        "patches": list_of(POLYNOMIAL),
+    }
+)
+LONGEST_EQUATION = 1000
+"""Characters up to which a contact is written as a formula, for people to read; longer ones as terms."""
+
+
+def polynomial_record(polynomial: Polynomial) -> list[list[Any]]:
+    """Terms [i, j, k, "p/q"] of x^i y^j z^k."""
+    return [[*map(int, e), plain(c)] for e, c in polynomial.raw.to_dict().items()]
+
+
+def read_polynomial(record: Any) -> Polynomial:
+    """The polynomial of `polynomial_record`, of any degree that can be evaluated, or of a formula."""
+    if isinstance(record, str):
+        return Polynomial(record)
+    terms: dict[tuple[int, ...], fmpq] = {}
+    for i, j, k, coefficient in record:
+        if min(i, j, k) < 0 or i + j + k > HIGHEST_POWER or (i, j, k) in terms:
+            wrong = "stands twice" if (i, j, k) in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
+            raise ValueError(f"the term {shown([i, j, k, coefficient])} of a polynomial {wrong}")
+        terms[i, j, k] = rational(coefficient, "a coefficient")
+    return Polynomial.from_raw(RING.from_dict(terms))
+
+
+def equation_record(polynomial: Polynomial) -> str | list[list[Any]]:
+    """A formula for people where it is short, else terms."""
+    text = str(polynomial)
+    return text if len(text) <= LONGEST_EQUATION else polynomial_record(polynomial)

@@ -17,44 +17,55 @@ from typing import Any, TypeVar
 from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
-from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Choice, Later, List, Table, check
-from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
+from pas.exchange.schema import (
+    ANYTHING,
+    FLAG,
+    NUMBER,
+    PARTITION,
+    POINT,
+    POLYNOMIAL,
+    REAL,
+    TEXT,
+    WHOLE,
+    Table,
+    Value,
+    choice,
+    later,
+    list_of,
+    polynomial_record,
+    read_polynomial,
+)
 from pas.partition.kinds import read_partition
-from pas.solid.distance import Distance, Moved
+from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.pieces import Pieces
-from pas.solid.shell import Near
+from pas.solid.shell import FaceDistance, Hollowable
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
-TREE: Choice = Choice(
-    (
-        Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
-        Table({"union": List(Later(lambda: TREE))}),
-        Table({"intersection": List(Later(lambda: TREE))}),
-    ),
+TREE: Value = choice(
     "a tree: a table with a function, a union or an intersection",
+    Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
+    Table({"union": list_of(later(lambda: TREE))}),
+    Table({"intersection": list_of(later(lambda: TREE))}),
 )
-FUNCTION: Choice = Choice(
-    (
-        Table({"polynomial": POLYNOMIAL}),
-        Table({"moved": Later(lambda: FUNCTION), "matrix": List(POINT, 3), "shift": POINT}),
-        Table({"pieces": List(POLYNOMIAL), "partition": PARTITION}),
-        Table({"near": Later(lambda: RECORD), "faces": List(TEXT), "thickness": REAL, "tolerance": REAL}),
-        Table({"class": TEXT, "data": ANYTHING}),
-    ),
+FUNCTION: Value = choice(
     "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
+    Table({"polynomial": POLYNOMIAL}),
+    Table({"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT}),
+    Table({"pieces": list_of(POLYNOMIAL), "partition": PARTITION}),
+    Table({"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL}),
+    Table({"class": TEXT, "data": ANYTHING}),
 )
 RECORD: Table = Table(
     {
-        "functions": List(FUNCTION),
+        "functions": list_of(FUNCTION),
         "tree": TREE,
-        "joints": List(Table({"first": TEXT, "second": TEXT, "along": List(POLYNOMIAL, 2), "order": WHOLE})),
-        "special_points": List(List(REAL, 3)),
+        "joints": list_of(Table({"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE})),
+        "special_points": list_of(list_of(REAL, 3)),
     }
 )
 
-_TUBE = Table({"curve": List(TEXT, 3), "interval": List(NUMBER, 2), "radius": NUMBER})
+_TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER})
 _DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
 """The data of functions by class, where it is known."""
 
@@ -76,7 +87,7 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def solid_record(solid: Solid) -> dict[str, Any]:
+def solid_record(solid: Hollowable) -> dict[str, Any]:
     """Everything that defines a solid, exact; each function is written once."""
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
@@ -136,7 +147,7 @@ def function_record(function: Function) -> dict[str, Any]:
     if isinstance(function, Pieces):
         polynomials = [polynomial_record(p) for p in function.polynomials]
         return {"pieces": polynomials, "partition": function.partition.to_record()}
-    if isinstance(function, Near):
+    if isinstance(function, FaceDistance):
         return {
             "near": solid_record(function.solid),
             "faces": list(function.faces),
@@ -172,11 +183,13 @@ def read_function(record: dict[str, Any]) -> Function:
     if "pieces" in record:
         return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
     if "near" in record:
-        return Near(read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"]))
+        return FaceDistance(
+            read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"])
+        )
     kind: Any = _class_named(record["class"])
     if kind is None:
         raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")
-    check(record["data"], _DATA.get(record["class"], ANYTHING), "data")
+    _DATA.get(record["class"], ANYTHING).check(record["data"], "data")
     return kind.from_record(record["data"])
 
 

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, TypeVar
 
 from pas.algebra.inputs import DEEPEST, depth, shown
-from pas.algebra.rational import rational, to_float, to_fraction, written
-from pas.errors import ProblemFileError, meant
+from pas.algebra.rational import rational, read_number, to_float, to_fraction
+from pas.errors import LimitError, PasError, ProblemFileError, meant
 from pas.exchange.files import read_text, source
 
 MOST_BYTES = 1 << 22
 """Of a problem file: the longest example has 5000, and tomllib reads about a million a second."""
+
+WORDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a string", list: "a list"}
+
+T = TypeVar("T")
 
 
 def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
@@ -41,59 +45,76 @@ def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
     return file, text, data
 
 
-class TableReader:
-    """What readers of problem files share.
+Keys = Mapping[str, bool]
+"""The keys that a table may have, and whether it must have them."""
 
-    By section ("" is the whole file): the `keys` that there are and those `required`; `lists` are keys of lists of
-    tables.
+
+class TableReader:
+    """Reads the tables of a problem file; what is wrong becomes a `ProblemFileError` with the line.
+
+    `keys` are those of each section, "" for the whole file; `lists` are sections that are lists of tables.
     """
 
-    keys: ClassVar[Mapping[str, set[str]]]
-    required: ClassVar[Mapping[str, set[str]]]
-    lists: ClassVar[set[str]]
+    def __init__(self, file: Path, text: str, keys: Mapping[str, Keys], lists: Collection[str] = ()) -> None:
+        self.file, self.lines, self.keys, self.lists = file, text.splitlines(), keys, lists
 
-    def __init__(self, file: Path, text: str) -> None:
-        self.file, self.lines = file, text.splitlines()
-
-    def check(self, table: Any, section: str, index: int) -> None:
+    def check(self, table: Any, section: str = "", index: int = 0) -> None:
         """That a table is one, has only known keys and all that it needs, of the right shape."""
-        name = f"[{section}]" if section else "the file"
+        name, known = f"[{section}]" if section else "the file", self.keys[section]
         if not isinstance(table, dict):
-            raise self.error(f"{section} must be a table, written [{section}] or [[{section}]]", "", 0, section)
+            raise self.error(f"{section} must be a table, written [{section}] or [[{section}]]", key=section)
         for key, value in table.items():
-            if key not in self.keys[section]:
-                near = meant(key, self.keys[section]) or f"; known are {', '.join(sorted(self.keys[section]))}"
+            if key not in known:
+                near = meant(key, known) or f"; known are {', '.join(sorted(known))}"
                 raise self.error(f"unknown key {key!r} in {name}{near}", section, index, key)
             if not section and key in self.lists and not isinstance(value, list):
-                raise self.error(f"{key} must be a list of tables, written [[{key}]]", "", 0, key)
-        for key in sorted(self.required.get(section, set()) - set(table)):
+                raise self.error(f"{key} must be a list of tables, written [[{key}]]", key=key)
+        for key in sorted(key for key, needed in known.items() if needed and key not in table):
             raise self.error(f"{name} has no {key!r}, which it needs", section, index)
 
-    def name(self, data: dict[str, Any]) -> str:
-        """The problem's name, by default that of the file."""
-        name: str = self.typed(data, "name", str, self.file.name.removesuffix(".toml"))
-        if Path(name).name != name or name in ("", ".", "..") or not name.isprintable():
-            raise self.error(f"name must be a plain file name without folders, not {shown(name)}", "", 0, "name")
-        return name
-
-    def typed(self, data: dict[str, Any], key: str, kind: Any, default: Any) -> Any:
-        """A value of the whole file, of the right type."""
-        value = data.get(key, default)
-        if key in data and (not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)):
-            words = {int: "a whole number", str: "a string", bool: "true or false"}.get(kind, "a number")
-            raise self.error(f"{key} must be {words}, not {shown(_as_written(value))}", "", 0, key)
+    def typed(self, data: dict[str, Any], key: str, kind: type, default: Any, section: str = "") -> Any:
+        """A value of the right type: bool, int, float (any number), str or list."""
+        if key not in data:
+            return default
+        value = data[key]
+        number = isinstance(value, int | float | Fraction) and not isinstance(value, bool)
+        if not (number if kind is float else isinstance(value, kind) and (kind is bool) == isinstance(value, bool)):
+            raise self.error(f"{key} must be {WORDS[kind]}, not {shown(_as_written(value))}", section, key=key)
         return value
 
-    def checked(self, data: dict[str, Any], key: str, door: Callable[[Any], Any], default: Any) -> Any:
-        """A value of the whole file as a door of `pas.algebra.inputs` lets it in."""
+    def checked(self, data: dict[str, Any], key: str, door: Callable[[Any], Any], default: Any = None) -> Any:
+        """A value of the whole file as a door, such as those of `pas.algebra.inputs`, lets it in."""
         if key not in data:
             return default
         try:
             return door(_as_written(data[key]))
-        except (ValueError, TypeError) as error:
-            raise self.error(str(error), "", 0, key) from None
+        except (LimitError, ProblemFileError):
+            raise
+        except (ValueError, TypeError, PasError) as error:
+            raise self.error(str(error), key=key) from None
 
-    def error(self, reason: str, section: str, index: int, key: str | None = None) -> ProblemFileError:
+    def made(self, make: Callable[[dict[str, Any]], T], table: Any, section: str, index: int = 0, title: str = "") -> T:
+        """What is made of one table; what that raises is placed at the first key of the table that it names."""
+        self.check(table, section, index)
+        try:
+            return make(table)
+        except (LimitError, ProblemFileError):
+            raise
+        except (ValueError, TypeError, PasError) as error:
+            places = {key: found.start() for key in table if (found := re.search(rf"\b{key}\b", str(error)))}
+            key = min(places, key=places.__getitem__) if places else None
+            raise self.error(f"{title}{error}", section, index, key) from None
+
+    def table(self, data: dict[str, Any], section: str, make: Callable[[dict[str, Any]], T]) -> T | None:
+        """What is made of a table that need not be there."""
+        return self.made(make, data[section], section, 0, f"[{section}]: ") if section in data else None
+
+    def each(self, data: dict[str, Any], section: str, make: Callable[[dict[str, Any]], T], noun: str) -> list[T]:
+        """What is made of each table of a list."""
+        entries = enumerate(data.get(section, []))
+        return [self.made(make, entry, section, i, f"{noun} {i + 1}: ") for i, entry in entries]
+
+    def error(self, reason: str, section: str = "", index: int = 0, key: str | None = None) -> ProblemFileError:
         """An error that names the file and, where it can be found, the line."""
         line = self._line(section, index, key)
         place = f", line {line}" if line else ""
@@ -126,7 +147,7 @@ def _decimal(text: str) -> Fraction | float:
     if text.strip("+-") in ("nan", "inf"):
         return float(text)
     try:
-        return to_fraction(written(text))
+        return to_fraction(read_number(text))
     except ValueError as error:
         raise ValueError(f"the number {shown(text)} {error}", text) from None
 

@@ -20,14 +20,16 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.errors import GeometryError
-from pas.exchange.formats.format import Content, Request
+from pas.exchange.files import target
+from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, face_names, parts_of
 from pas.exchange.tetwild import require_library, tetrahedralize
-from pas.exchange.write import write_volume
+from pas.exchange.write import write
 from pas.limits import Report, limited
 from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.topology import is_closed_manifold
+from pas.settings import MeshSettings
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
 
@@ -131,7 +133,8 @@ class VolumeMesh:
         Gmsh's physical groups are the faces and the parts, by name; VTK's arrays are `face` and
         `region`, -1 where a cell has none.  Raises `ValueError` for another suffix.
         """
-        return write_volume(self, path)
+        target(path, (".vtu", ".msh"), "tetrahedra")
+        return write(self, path)
 
 
 @limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")
@@ -162,7 +165,7 @@ def volume_mesh(
     if not 0 < volume_tolerance < 1:
         raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
     require_library()
-    parts = parts_of(shape, Request("solid", tolerance))
+    parts = parts_of(shape, Request("solid", MeshSettings(tolerance)))
     for part in parts:
         _require_fillable(part, edge_length)
     filled = [_filled(p, edge_length, tolerance, volume_tolerance, settings or VolumeSettings()) for p in parts]
@@ -172,8 +175,8 @@ def volume_mesh(
 def tetrahedra_of(thing: Any, request: Request) -> VolumeMesh:
     """A volume mesh itself, else what fills a solid, a closed mesh or an assembly within the request's tolerance."""
     if not isinstance(thing, VolumeMesh):
-        return volume_mesh(thing, tolerance=request.tolerance)
-    if request.tolerance is not None:
+        return volume_mesh(thing, tolerance=request.mesh.tolerance)
+    if request.mesh.tolerance is not None:
         raise ValueError("tolerance is for solids; a mesh has it behind it")
     return thing
 

@@ -23,22 +23,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
+from pas.settings import MeshSettings
 from pas.shape import Shape
 
-if TYPE_CHECKING:
-    from pas.exchange.volume import VolumeMesh
 
-Writable: TypeAlias = "Shape | VolumeMesh | Sequence[Shape]"
+class Filled(Protocol):
+    """Tetrahedra, as a `pas.VolumeMesh` has them."""
+
+    @property
+    def tetrahedra(self) -> Any:
+        """Numbers of points (M, 4)."""
+
+
+Writable: TypeAlias = "Shape | Filled | Sequence[Shape]"
 """What can be written, each in the formats that hold such."""
-
-CLOSED = {".3mf": "; a blend's solid can, see `pas convert` and blend.solid()"}
-"""Formats for closed bodies only, and what to do for a surface."""
 
 
 @limited("writing a file", "a coarser tolerance")
@@ -65,25 +69,29 @@ def write(
     files, `TypeError` for what no such file holds, `MissingLibraryError` where a package for the format is absent,
     and what meshing raises.
     """
-    check_suffix(path)
-    return _written(thing, path, tolerance=tolerance, domain=domain, unit=unit, sew=sew)
+    return write_as(thing, path, MeshSettings(tolerance, domain=domain), unit=unit, sew=sew)
 
 
-def check_suffix(path: str | Path) -> str:
-    """The suffix of a file that `write` can write; raises what `pas.exchange.files.target` raises."""
-    return target(path, tuple(FORMATS), "a shape")
-
-
-def _written(thing: Writable, path: str | Path, **options: Any) -> Path:
+def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Path:
+    """`write` by settings of the mesh; `options` are the others of a `Request`."""
+    target(path, tuple(FORMATS), "a shape")
     place = Path(path)
     format_ = FORMATS[place.suffix.lower()]
-    request = Request(place.stem, **options)
+    request = Request(place.stem, mesh, **options)
     format_.check(request)
     content = format_.content.of(thing, request)
     with replacing(place) as temporary:
         checkpoint(f"writing {place.name}")
         format_.write(content, temporary, request)
     return place
+
+
+def check_open(path: str | Path) -> str:
+    """The suffix of a file that holds surfaces with edges as triangles; raises what `target` raises."""
+    hint = "; a blend's solid can, see `pas convert` and blend.solid()"
+    triangles = suffixes_of("triangles")
+    closed = {suffix: hint for suffix in triangles if FORMATS[suffix].closed}
+    return target(path, tuple(s for s in triangles if s not in closed), "a mesh", closed)
 
 
 @limited("writing a mesh", "a coarser tolerance")
@@ -96,17 +104,9 @@ def write_mesh(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of surfaces and meshes within `tolerance` (the model's units); returns the path.
-
-    Raises what that raises.
-    """
-    check_mesh_suffix(path)
-    return _written(shape, path, tolerance=tolerance, domain=domain)
-
-
-def check_mesh_suffix(path: str | Path) -> str:
-    """The suffix of a file of a surface's triangles; raises what `pas.exchange.files.target` raises."""
-    return target(path, tuple(s for s in suffixes_of("triangles") if s not in CLOSED), "a mesh", CLOSED)
+    """`write` for triangles of surfaces and meshes, within `tolerance` (the model's units)."""
+    check_open(path)
+    return write(shape, path, tolerance=tolerance, domain=domain)
 
 
 @limited("writing a solid", "a coarser tolerance")
@@ -119,12 +119,9 @@ def write_solid(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes within `tolerance` (the model's units).
-
-    Returns the path, and raises what that raises.
-    """
+    """`write` for triangles of solids, assemblies and their meshes, within `tolerance` (the model's units)."""
     target(path, suffixes_of("triangles"), "a solid")
-    return _written(shape, path, tolerance=tolerance, unit=unit)
+    return write(shape, path, tolerance=tolerance, unit=unit)
 
 
 @limited("writing a STEP file", "fewer patches")
@@ -149,19 +146,13 @@ def write_step(
     that Open Cascade refuses or a surface with a pole, `MissingLibraryError` without Open Cascade.
     """
     target(path, suffixes_of("patches"), "STEP")
-    return _written(patches, path, domain=domain, sew=sew, unit=unit)
+    return write(patches, path, domain=domain, sew=sew, unit=unit)
 
 
 def write_cells(surface: Shape, path: str | Path) -> Path:
     """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
 
-    The arrays are those of `pas.exchange.cell_grid.cell_grid`.  Raises what `write` raises.
+    The arrays are those of `pas.exchange.formats.vtu.cell_grid`.  Raises what `write` raises.
     """
     target(path, (".vtu",), "cells")
-    return _written(surface, path)
-
-
-def write_volume(mesh: VolumeMesh, path: str | Path) -> Path:
-    """`write` for tetrahedra with their boundary; returns the path."""
-    target(path, (".vtu", ".msh"), "tetrahedra")
-    return _written(mesh, path)
+    return write(surface, path)

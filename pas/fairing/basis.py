@@ -19,13 +19,13 @@ from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from pas.algebra.affine import Frame
 from pas.algebra.monomials import Floats, exponents, monomial_values, positions
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.products import Products
 from pas.algebra.rational import to_float
 from pas.fairing.quadrature import tetrahedra_rule
 from pas.partition.cells import Partition
-from pas.partition.frame import Frame
 
 CONDITION = 1e4
 """A basis this well conditioned is used as it is: it costs 4 of 16 digits."""

@@ -16,12 +16,13 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import count
 from pas.algebra.rational import Vector, cross, dot, plain
+from pas.contacts.joins import Join
 from pas.errors import InfeasibleError
 from pas.fairing.functionals import b_coefficient, value_at
 from pas.fairing.wishes import ValueAt, Wishes
-from pas.partition.cells import OuterFace, Partition
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
+from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 INSIDE, ON, OUTSIDE = -1, 0, 1

@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from fractions import Fraction
 from math import sqrt
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -27,11 +27,10 @@ from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, plain, rational, to_float
-from pas.described import constructor_keys, described
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.surface_points import Sizes, SurfacePoints, differences
 from pas.partition.cells import Partition
-from pas.registry import Registry
+from pas.registry import Registry, Serialisable, read_record
 
 QUADRATIC = "thin-plate"
 """The kind of energy that is made small where nobody says which and it must be a quadratic form."""
@@ -53,7 +52,7 @@ class Members(Protocol):
         """The members: one polynomial for each piece."""
 
 
-class Energy:
+class Energy(Serialisable):
     """What is made small: a quadratic form on piecewise polynomials f, `1/2 q^T H q`, plus an integral over f = 0.
 
     A class of energies gives `hessian`, or `residuals`, or both, in the user's units.  Energies are immutable and
@@ -95,16 +94,6 @@ class Energy:
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         written = {name: plain(v) if isinstance(v, fmpq | Fraction) else v for name, v in values.items()}
         return {"kind": self.kind, **written}
-
-    @classmethod
-    def keys(cls) -> Mapping[str, bool]:
-        """The keys that its tables have besides the kind, and whether they must have them."""
-        return constructor_keys(cls)
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """The energy of a table, without its kind; raises `ValueError` or `TypeError` for wrong values."""
-        return cls(**record)
 
     def __add__(self, other: Energy) -> Combination:
         return Combination((*terms_of(self), *terms_of(other))) if isinstance(other, Energy) else NotImplemented
@@ -206,7 +195,7 @@ def read_energy(record: Mapping[str, Any]) -> Energy:
 
     Raises `ValueError` or `TypeError`, in sentences that begin with the key at fault.
     """
-    return described(ENERGIES, record, QUADRATIC)
+    return read_record(ENERGIES, record, QUADRATIC)
 
 
 def as_energy(energy: Any) -> Energy:

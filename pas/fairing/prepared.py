@@ -15,7 +15,7 @@ from pas.fairing.basis import WorkingBasis
 from pas.fairing.energy import Energy
 from pas.fairing.rays import RayLattice
 from pas.fairing.sampled import SampledConstraints
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
 

@@ -16,7 +16,7 @@ from pas.fairing.prepared import PreparedSpace
 from pas.fairing.sampled import Inequalities
 from pas.fairing.solver import Conditions, FitSolver, FittedMember, Iterate, coordinates
 from pas.fairing.wishes import Wishes
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 TOUCHED = 1e-6
 """How near an inequality a member is on it, over the lengths of both: solvers leave 1e-9."""

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import to_float
+from pas.contacts.joins import Join
 from pas.fairing.basis import WorkingBasis
-from pas.surface.joins import Join
 from pas.surface.placed import PlacedContacts
 
 EDGE_LATTICE = 8

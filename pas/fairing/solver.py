@@ -32,7 +32,7 @@ from pas.fairing.programme import MemberProgramme
 from pas.fairing.sampled import Inequalities, Margins
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 
 @dataclass(frozen=True)

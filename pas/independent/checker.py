@@ -1,7 +1,7 @@
 """`pas check --independent`: the claims of a blend, proved again from its project file by other means.
 
 Exact rational arithmetic alone.  Each claim is stated here as a definition, with why what is computed implies it; the
-claims are those of `pas.surface.proofs`, and one more on the region.  Terms: R is the union of the cells, o the centre,
+claims are those of `pas.certify.proofs`, and one more on the region.  Terms: R is the union of the cells, o the centre,
 g the patch of each cell; contact i has a surface f and a clip h.  Its clip faces are the faces of R in the plane h = 0.
 A contact without clip faces may be the opening: then h = q is a cone with apex o, and Q is the set q <= 0.  The surface
 is S, the zeros of g in R, or in R and Q where there is an opening.

@@ -12,8 +12,7 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.inputs import check_order, check_surface_degree, shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
-from pas.exchange.schema import check
-from pas.exchange.shapes import SURFACE, read_polynomial
+from pas.exchange.schema import SURFACE, read_polynomial
 from pas.independent.signs import RING, Point, on_simplex
 
 CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))
@@ -45,7 +44,7 @@ class Surface:
     """What a project file says; `ValueError` or `TypeError` for what makes no sense.  Patches are of one degree."""
 
     def __init__(self, record: Any) -> None:
-        check(record, SURFACE, "content.surface")
+        SURFACE.check(record, "content.surface")
         self.order = check_order(record["order"])
         given = [(read_polynomial(c["surface"]), read_polynomial(c["clip"])) for c in record["contacts"]]
         if any(f.degree < 1 or h.degree < 1 or not f.raw.gcd(h.raw).is_constant() for f, h in given):

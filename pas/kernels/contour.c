@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 #define CLASSES 8
 

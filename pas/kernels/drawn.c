@@ -1,4 +1,4 @@
-/* Points drawn towards a surface, with gradients and curvatures there, as in pas/surface/patch_field.py, and onto the
+/* Points drawn towards a surface, with gradients and curvatures there, as in pas/surface/local_surface.py, and onto the
    curves on which it ends, for pas/surface/rings.py and local_field.py.
 
    Compiled together with forms.c and pas/algebra/horner.c.  A function that finds no memory returns -1. */
@@ -38,12 +38,23 @@ static void transposed(whole count, const double *columns, double *rows)
         for (int i = 0; i < 3; i++) rows[3 * p + i] = columns[i * count + p];
 }
 
+/* The pieces (count) that points (count, 3) are in, or nearest to. */
+int pas_pieces_of(const whole *sizes, const double *maps, const whole *piece_of, whole count, const double *points,
+               whole *pieces)
+{
+    const Field field = {sizes, maps, piece_of, 0, 0, 0};
+    double *room = malloc((count + 1) * sizeof(double));
+    if (room) find_pieces(&field, count, points, room, pieces);
+    free(room);
+    return room ? 0 : -1;
+}
+
 /* Values (count), gradients (count, 3) and curvatures (count) at points (count, 3). */
-int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_bent(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
              const whole *starts, const double *tables, whole count, const double *points, double *values,
              double *gradients, double *bends)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *room = malloc((BENDS * count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = room && piece ? 0 : -1;
@@ -61,12 +72,12 @@ int pas_bent(whole faces, const double *weights, const whole *piece_of, whole pi
 /* Points moved by a step along the gradient (count, 3), gradients and curvatures there, and which were not near: of
    what is left of the way more than a share, whose square is `left`, and than a distance, whose square is `close`.  Points
    that are `still` stay. */
-int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_drawn(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
               const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
               const double *all_tables, whole count, const double *points, const char *still, double left, double close,
               double *moved, double *gradients, double *bends, char *lost)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *values = malloc((count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = jets && values && piece ? 0 : -1;
@@ -79,7 +90,7 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
             for (int i = 0; i < 3; i++) moved[3 * p + i] = still[p] ? points[3 * p + i] : points[3 * p + i] + way[i];
             jets[p] = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
         }
-        state = pas_bent(faces, weights, piece_of, pieces, all_degrees, all_starts, all_tables, count, moved, values,
+        state = pas_bent(sizes, maps, piece_of, all_degrees, all_starts, all_tables, count, moved, values,
                          gradients, bends);
     }
     for (whole p = 0; state == 0 && p < count; p++) {
@@ -93,10 +104,10 @@ int pas_drawn(whole faces, const double *weights, const whole *piece_of, whole p
 }
 
 /* The distances (count) of points from the surface, to first order. */
-int pas_distances(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_distances(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
                   const whole *starts, const double *tables, whole count, const double *points, double *distances)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double));
     whole *piece = malloc((count + 1) * sizeof(whole));
     int state = jets && piece ? 0 : -1;
@@ -112,11 +123,11 @@ int pas_distances(whole faces, const double *weights, const whole *piece_of, who
 
 /* Points moved onto the surface along gradients in at most so many steps, the last one shorter than `close`, and the
    gradients there (count, 3). */
-int pas_closed(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_closed(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
                const whole *starts, const double *tables, whole count, whole steps, double close, double *points,
                double *gradients)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
     whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
     int state = jets && places && piece ? 0 : -1;
@@ -169,7 +180,7 @@ int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const d
             for (int i = 0; i < 3; i++)
                 places[3 * k + i] = middles[3 * own[k] + i] + share[rows[k]] * way[3 * rows[k] + i];
         }
-        state = pas_mixed(rings, JETS, degrees, starts, tables, left, places, own, jets);
+        state = pas_mixed(rings, JETS, degrees, starts, tables, left, places, 3, 1, own, jets);
         whole moving = 0;
         for (whole k = 0; state == 0 && k < left; k++) {
             const double *w = way + 3 * rows[k], before = share[rows[k]];
@@ -205,12 +216,12 @@ static void onto(const double *planes, const double *back, double *point)
 
 /* Points (count, 3) moved onto the surface along gradients, steps being no longer than `farthest`; where there are walls
    in planes (walls, 2, 4), those of given numbers (count) onto these and at right angles to `across` (walls, 2, 3). */
-int pas_slid(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_slid(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
              const whole *starts, const double *tables, whole walls, const double *planes, const double *across,
              const double *back, const whole *numbers, whole steps, double settled, double farthest, whole count,
              double *points)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *places = malloc((3 * count + 1) * sizeof(double));
     whole *piece = malloc((2 * count + 1) * sizeof(whole)), *rows = piece + count, left = count;
     int state = jets && places && piece ? 0 : -1;

@@ -1,8 +1,9 @@
-/* Bernstein forms of a polynomial and its gradient on many triangles, for pas/surface/triangle_forms.py, and the faces
-   through which rays leave a region, for pas/surface/radial_field.py.
+/* Bernstein forms of a polynomial and its gradient on many triangles, for pas/certify/triangle_forms.py, and the faces
+   through which rays leave a region, and the cells of points, for pas/surface/local_surface.py.
 
    Compiled together with pas/algebra/horner.c.  A function that finds no memory returns -1. */
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -50,7 +51,7 @@ static void gather(whole count, whole start, const double *corners, double *bloc
 
 /* The values (m, BLOCK) at the lattice points with barycentric coordinates (m, 3). */
 FAST
-static void at_lattice(int n, whole m, const double *lattice, const double *coefficients, const double *block,
+static void at_lattice(whole n, whole m, const double *lattice, const double *coefficients, const double *block,
                        double *values)
 {
     for (whole k = 0; k < m; k++) {
@@ -74,7 +75,7 @@ int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, w
     for (whole start = 0; start < count; start += BLOCK) {
         double *values = room, *forms = room + m * BLOCK, *raised = forms + m * BLOCK;
         gather(count, start, corners, block);
-        at_lattice((int)n, m, lattice, coefficients, block, values);
+        at_lattice(n, m, lattice, coefficients, block, values);
         times(m, m, inverse, values, forms);
         if (higher) times(higher, m, raising, forms, raised);
         extend(higher ? higher : m, higher ? raised : forms, least, most);
@@ -116,7 +117,7 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
             for (int i = 0; i < 3; i++)
                 unit[i * BLOCK + r] = normals[3 * (start + r < count ? start + r : count - 1) + i];
         for (int i = 0; i < 3; i++) {
-            at_lattice((int)n, m, lattice, coefficients + i * stride, block, room);
+            at_lattice(n, m, lattice, coefficients + i * stride, block, room);
             times(m, m, inverse, room, room + (i + 1) * m * BLOCK);
         }
         along(m, room + m * BLOCK, unit, some, large);
@@ -161,4 +162,34 @@ int pas_leaving(whole faces, const double *weights, whole count, const double *p
         }
     }
     return 0;
+}
+
+/* The cells in which points are deepest by their least barycentric coordinates, the first of several. */
+FAST
+void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell)
+{
+    for (whole start = 0; start < count; start += LANES) {
+        const whole size = count - start < LANES ? count - start : LANES;
+        double x[LANES] = {0}, y[LANES] = {0}, z[LANES] = {0}, best[LANES];
+        whole chosen[LANES] = {0};
+        for (whole r = 0; r < size; r++) {
+            x[r] = points[3 * (start + r)];
+            y[r] = points[3 * (start + r) + 1];
+            z[r] = points[3 * (start + r) + 2];
+        }
+        for (whole c = 0; c < cells; c++) {
+            const double *m = maps + 16 * c;
+            for (int r = 0; r < LANES; r++) {
+                double least = INFINITY;
+                for (int k = 0; k < 16; k += 4) {
+                    const double depth = m[k] * x[r] + m[k + 1] * y[r] + m[k + 2] * z[r] + m[k + 3];
+                    least = depth < least ? depth : least;
+                }
+                const int better = c == 0 || least > best[r];
+                best[r] = better ? least : best[r];
+                chosen[r] = better ? c : chosen[r];
+            }
+        }
+        for (whole r = 0; r < size; r++) cell[start + r] = chosen[r];
+    }
 }

@@ -3,6 +3,7 @@
    Coefficients stand in the order in which the rule meets them.  A block of points at once keeps the loops over
    points innermost, where the compiler makes vector instructions of them; every operation is rounded on its own. */
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -11,7 +12,7 @@
 #define BLOCK 64
 
 FAST
-void pas_horner(int n, ptrdiff_t points, const double *coefficients,
+int pas_horner(ptrdiff_t n, ptrdiff_t points, const double *coefficients,
                 const double *x, const double *y, const double *z, double *values)
 {
     for (ptrdiff_t start = 0; start < points; start += BLOCK) {
@@ -23,11 +24,11 @@ void pas_horner(int n, ptrdiff_t points, const double *coefficients,
             w[r] = z[start + r];
         }
         const double *c = coefficients;
-        for (int i = 0; i <= n; i++) {
-            for (int j = 0; j <= i; j++) {
+        for (ptrdiff_t i = 0; i <= n; i++) {
+            for (ptrdiff_t j = 0; j <= i; j++) {
                 for (int r = 0; r < BLOCK; r++) h[r] = *c;
                 c++;
-                for (int k = 1; k <= j; k++, c++)
+                for (ptrdiff_t k = 1; k <= j; k++, c++)
                     for (int r = 0; r < BLOCK; r++) h[r] = h[r] * w[r] + *c;
                 if (j == 0) for (int r = 0; r < BLOCK; r++) g[r] = h[r];
                 else for (int r = 0; r < BLOCK; r++) g[r] = g[r] * v[r] + h[r];
@@ -37,32 +38,42 @@ void pas_horner(int n, ptrdiff_t points, const double *coefficients,
         }
         for (int r = 0; r < size; r++) values[start + r] = f[r];
     }
+    return 0;
 }
 
-/* Values (count, points) of `count` polynomials on the piece that each point (a row of three) is in.
+/* Values (count, points) of `count` polynomials on the piece that each point is in.  From a point to the next it is
+   `stride` numbers, and `step` from a coordinate to the next.
 
-   The tables of a piece stand one behind the other where `starts` says, with degrees of its own. */
+   The tables of a piece stand one behind the other where `starts` says, with degrees of its own.  Points of piece -1 have
+   values that are none. */
 int pas_mixed(ptrdiff_t pieces, ptrdiff_t count, const ptrdiff_t *degrees, const ptrdiff_t *starts, const double *tables,
-              ptrdiff_t points, const double *places, const ptrdiff_t *piece_of, double *values)
+              ptrdiff_t points, const double *places, ptrdiff_t stride, ptrdiff_t step, const ptrdiff_t *piece_of,
+              double *values)
 {
     ptrdiff_t *ends = calloc(pieces + 1, sizeof(ptrdiff_t)), *order = malloc((points + 1) * sizeof(ptrdiff_t));
     double x[BLOCK], y[BLOCK], z[BLOCK], found[BLOCK];
     const int good = ends && order;
-    for (ptrdiff_t p = 0; good && p < points; p++) ends[piece_of[p] + 1]++;
+    for (ptrdiff_t p = 0; good && p < points; p++) {
+        if (piece_of[p] >= 0) ends[piece_of[p] + 1]++;
+        else
+            for (ptrdiff_t k = 0; k < count; k++) values[k * points + p] = NAN;
+    }
     for (ptrdiff_t i = 0; good && i < pieces; i++) ends[i + 1] += ends[i];
-    for (ptrdiff_t p = 0; good && p < points; p++) order[ends[piece_of[p]]++] = p;
+    for (ptrdiff_t p = 0; good && p < points; p++)
+        if (piece_of[p] >= 0) order[ends[piece_of[p]]++] = p;
     for (ptrdiff_t i = 0, start = 0; good && i < pieces; start = ends[i++])
         for (; start < ends[i]; start += BLOCK) {
             const ptrdiff_t size = ends[i] - start < BLOCK ? ends[i] - start : BLOCK, *rows = order + start;
             const double *table = tables + starts[i];
             for (ptrdiff_t r = 0; r < size; r++) {
-                x[r] = places[3 * rows[r]];
-                y[r] = places[3 * rows[r] + 1];
-                z[r] = places[3 * rows[r] + 2];
+                const double *place = places + stride * rows[r];
+                x[r] = place[0];
+                y[r] = place[step];
+                z[r] = place[2 * step];
             }
             for (ptrdiff_t k = 0; k < count; k++) {
                 const ptrdiff_t n = degrees[i * count + k];
-                pas_horner((int)n, size, table, x, y, z, found);
+                pas_horner(n, size, table, x, y, z, found);
                 table += (n + 1) * (n + 2) * (n + 3) / 6;
                 for (ptrdiff_t r = 0; r < size; r++) values[k * points + rows[r]] = found[r];
             }

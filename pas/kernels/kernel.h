@@ -1,21 +1,17 @@
-/* What compiled kernels share: vector instructions where the machine has them, and the functions of horner.c. */
+/* What compiled kernels share: vector instructions where the machine has them. */
 
 #ifndef PAS_KERNEL_H
 #define PAS_KERNEL_H
 
-#include <stddef.h>
+#include <stdlib.h> /* says which C library it is */
 
-#if defined(__x86_64__) && defined(__gnu_linux__) && (defined(__GNUC__) && !defined(__clang__))
+#include "pas.h"
+
+/* Functions that are compiled for several processors, of which one is chosen when the library is loaded. */
+#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__)
 #define FAST __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define FAST
 #endif
-
-typedef ptrdiff_t whole;
-
-void pas_horner(int n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
-                double *values);
-int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, const whole *piece_of, double *values);
 
 #endif

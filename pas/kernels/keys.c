@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 /* Places in `found` of numbers by their hashes, -1 where there is none; there are 2^(64 - shift) slots. */
 typedef struct {

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pas.h"
 #include "vectors.h"
-
-typedef ptrdiff_t whole;
 
 /* Half edges by their lower and then their higher vertex: number 3 t + k leads from corner k of triangle t to the next.
    `first` (size + 1) is where those of each lower vertex begin in `order`. */

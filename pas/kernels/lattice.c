@@ -3,7 +3,6 @@
    Blocks of tetrahedra at once keep the loops over these innermost.  A function that finds no memory returns -1. */
 
 #include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,13 +45,13 @@ static void span(whole m, const whole *taken, const double *rows, double *low, d
 }
 
 /* One of the eighths of a tetrahedron, with corners (4, 4) in halves: numbers (4) and places (12) of its corners. */
-static void corners_of(const whole *corners, const uint64_t *keys, const double *points, uint64_t *key, double *place)
+static void corners_of(const whole *corners, const size_t *keys, const double *points, size_t *key, double *place)
 {
     for (int k = 0; k < 4; k++) {
         key[k] = 0;
         for (int i = 0; i < 3; i++) place[3 * k + i] = 0;
         for (int j = 0; j < 4; j++) {
-            key[k] += (uint64_t)corners[4 * k + j] * keys[j];
+            key[k] += (size_t)corners[4 * k + j] * keys[j];
             for (int i = 0; i < 3; i++) place[3 * k + i] += (double)corners[4 * k + j] / 2 * points[3 * j + i];
         }
     }
@@ -61,7 +60,7 @@ static void corners_of(const whole *corners, const uint64_t *keys, const double 
 /* The eighths (number, m) of tetrahedra (count, m) that may hold zeros: not those whose coefficients all have one sign
    and are larger than `rounding`.  With places (12) of their corners and the numbers of these (4), which are linear. */
 int pas_eighths(whole count, whole m, whole means, const whole *halves, const whole *taken, const whole *corners,
-                double rounding, const uint64_t *keys, const double *points, const double *forms, uint64_t *new_keys,
+                double rounding, const whole *keys, const double *points, const double *forms, whole *new_keys,
                 double *new_points, double *new_forms, whole *number)
 {
     double *rows = malloc(means * BLOCK * sizeof(double)), low[PARTS][BLOCK], high[PARTS][BLOCK];
@@ -75,8 +74,8 @@ int pas_eighths(whole count, whole m, whole means, const whole *halves, const wh
                 if (low[e][r] > rounding || high[e][r] < -rounding) continue;
                 const whole t = start + r;
                 for (whole j = 0; j < m; j++) new_forms[found * m + j] = rows[taken[e * m + j] * BLOCK + r];
-                corners_of(corners + 16 * e, keys + 4 * t, points + 12 * t, new_keys + 4 * found,
-                           new_points + 12 * found);
+                corners_of(corners + 16 * e, (const size_t *)keys + 4 * t, points + 12 * t,
+                           (size_t *)new_keys + 4 * found, new_points + 12 * found);
                 found++;
             }
     }

@@ -1,23 +1,46 @@
 """The compiled library, loaded when it is first used, and calls of its functions with arrays.
 
 Its functions do products and sums in the order in which they stand, without contracting them (see `setup.py`), so that
-results are the same on every machine.
+results are the same on every machine.  What arguments they take is read from `pas.h`, which the sources include.
 """
 
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from pas.errors import MissingLibraryError
 
 PLACE = Path(__file__).with_name("_library.so")
+HEADER = Path(__file__).with_name("pas.h")
+
+SCALARS = {"whole": ctypes.c_ssize_t, "int": ctypes.c_int, "double": ctypes.c_double, "void": None}
+"""The types of arguments and of results, as the header calls them."""
+
+ENTRIES: dict[str, DTypeLike] = {"whole": np.intp, "double": np.float64, "char": np.bool_}
+"""Those of the entries of arrays."""
+
+
+class Array(NamedTuple):
+    """An argument that is an array: the code of its type in numpy, and whether the function writes to it."""
+
+    code: str
+    written: bool
+
+
+class Signature(NamedTuple):
+    """The arguments of a function in their order, with None for numbers, and its types for ctypes."""
+
+    arrays: tuple[Array | None, ...]
+    arguments: tuple[Any, ...]
+    result: Any
 
 
 @cache
@@ -29,6 +52,45 @@ def library() -> ctypes.CDLL:
         raise _missing(error) from None
 
 
+@cache
+def signatures() -> dict[str, Signature]:
+    """Those of all functions of the header, by name.  Raises `MissingLibraryError` where it is not there."""
+    try:
+        text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.DOTALL)
+    except OSError as error:
+        raise _missing(error) from None
+    found = {}
+    for result, name, arguments in re.findall(r"^(\w+) (pas_\w+)\(([^)]*)\);", text, re.MULTILINE):
+        parsed = [_argument(part.split()) for part in arguments.split(",")]
+        arrays, types = zip(*parsed, strict=True)
+        found[name] = Signature(arrays, types, SCALARS[result])
+    return found
+
+
+def _argument(words: list[str]) -> tuple[Array | None, Any]:
+    """An argument from `const double *points` or `whole count`; structures are given by addresses, as numbers."""
+    kind = words[-2]
+    if words[-1].startswith("*") and kind not in ENTRIES:
+        return None, ctypes.c_void_p
+    if words[-1].startswith("*"):
+        return Array(np.dtype(ENTRIES[kind]).char, words[0] != "const"), ctypes.c_void_p
+    return None, SCALARS[kind]
+
+
+def declared(name: str) -> Callable[..., Any]:
+    """A function of the library that takes what the header says, with addresses for arrays.
+
+    Raises `MissingLibraryError` where the library is missing, or of another version.
+    """
+    try:
+        function = getattr(library(), name)
+        signature = signatures()[name]
+    except (AttributeError, KeyError) as error:
+        raise _missing(error) from None
+    function.argtypes, function.restype = signature.arguments, signature.result
+    return function
+
+
 def _missing(error: Exception) -> MissingLibraryError:
     return MissingLibraryError(
         f"the compiled library of pas cannot be used ({error}); installing the package anew makes it: in its folder "
@@ -37,49 +99,58 @@ def _missing(error: Exception) -> MissingLibraryError:
 
 
 class Functions:
-    """The functions of a compiled library, which return 0, or else there was no memory."""
+    """The functions of the compiled library, which return 0, or else there was no memory."""
 
     def __init__(self) -> None:
-        self._library = library()
-        self._declared: dict[str, Callable[..., int]] = {}
+        library()
+        self._declared: dict[str, tuple[Callable[..., int], tuple[Array | None, ...]]] = {}
 
-    def call(self, name: str, *arguments: NDArray[Any] | float) -> None:
-        """Arrays by their addresses, whole numbers as large as pointers, and doubles: of the same kinds in all calls.
+    def call(self, name: str, *arguments: NDArray[Any] | float | None) -> None:
+        """Call a function with arrays, for which it takes their addresses (None for an array that is not there), and
+        numbers.
 
-        Arrays to be written must be contiguous.  Raises `MemoryError` where there was no room.
+        Arrays that it only reads are copied where they are not contiguous, or of a type that fits into the right one.
+        Raises `TypeError` for others, `MemoryError` where there was no room.
         """
+        function, arrays = self._declared.get(name) or self._declare(name)
+        if len(arguments) != len(arrays):
+            raise TypeError(f"{name} takes {len(arrays)} arguments, not {len(arguments)}")
         given: list[float] = []
         held = []  # copies, which live until the function is done
-        for value in arguments:  # in one pass without calls: meshes make a hundred such calls, each of microseconds
-            if isinstance(value, np.ndarray):
-                if not value.size:
-                    given.append(NOWHERE)
-                    continue
-                if value.dtype.char not in _TAKEN or not value.flags.c_contiguous:
-                    held.append(value := _held(value))
-                try:
-                    given.append(_addressof(_from_buffer(value)))  # type: ignore[arg-type]
-                except (TypeError, ValueError):
-                    given.append(address_of(value))
-            else:
-                given.append(value)
-        function = self._declared.get(name) or self._declare(name, arguments)
+        for value, array in zip(arguments, arrays, strict=True):  # without calls: meshes make a hundred of microseconds
+            if array is None:
+                given.append(value)  # type: ignore[arg-type]
+                continue
+            if value is None or not value.size:  # type: ignore[union-attr]
+                given.append(NOWHERE)
+                continue
+            if value.dtype.char != array.code or not value.flags.c_contiguous:  # type: ignore[union-attr]
+                held.append(value := _held(value, array, name))
+            try:
+                given.append(_addressof(_from_buffer(value)))  # type: ignore[arg-type]
+            except (TypeError, ValueError):
+                given.append(address_of(value))  # type: ignore[arg-type]
         if function(*given):
             raise MemoryError(f"there is no memory for {name}")
 
-    def _declare(self, name: str, arguments: tuple[NDArray[Any] | float, ...]) -> Callable[..., int]:
-        try:
-            function = getattr(self._library, name)
-        except AttributeError as error:  # one of another version
-            raise _missing(error) from None
-        function.argtypes = [_kind(value) for value in arguments]
-        self._declared[name] = function
-        return function
+    def _declare(self, name: str) -> tuple[Callable[..., int], tuple[Array | None, ...]]:
+        self._declared[name] = declared(name), signatures()[name].arrays
+        return self._declared[name]
 
 
-def _held(array: NDArray[Any]) -> NDArray[Any]:
-    """A copy of an array as the functions take it; those that they write to already are."""
-    return np.ascontiguousarray(array, dtype=np.intp if array.dtype.kind == "i" else None)
+@cache
+def compiled() -> Functions:
+    """The functions of the compiled library."""
+    return Functions()
+
+
+def _held(value: Any, array: Array, name: str) -> NDArray[Any]:
+    """A copy of what is only read, as the function takes it."""
+    given = np.asarray(value)
+    if array.written or not np.can_cast(given.dtype, array.code):
+        what = "writes to contiguous arrays of" if array.written else "takes"
+        raise TypeError(f"{name} {what} {np.dtype(array.code)}, not {given.dtype}")
+    return np.ascontiguousarray(given, dtype=array.code)
 
 
 _addressof, _from_buffer = ctypes.addressof, ctypes.c_char.from_buffer
@@ -87,14 +158,6 @@ _NOTHING = ctypes.c_double()
 
 NOWHERE = ctypes.addressof(_NOTHING)
 """The address that stands for that of an empty array, from which nothing is read."""
-
-_TAKEN = {np.dtype(kind).char for kind in (np.float64, np.intp, np.bool_)}
-
-
-def _kind(value: NDArray[Any] | float) -> Any:
-    if isinstance(value, np.ndarray):
-        return ctypes.c_void_p
-    return ctypes.c_double if isinstance(value, float) else ctypes.c_ssize_t
 
 
 def address_of(array: NDArray[Any]) -> int:

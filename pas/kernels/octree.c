@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 #define BITS 18
 #define MASK (((whole)1 << BITS) - 1)

@@ -3,9 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "pas.h"
 #include "vectors.h"
-
-typedef ptrdiff_t whole;
 
 typedef struct {
     whole count;

@@ -35,11 +35,11 @@ static double root_along(whole degree, const double *profile, whole stride, doub
 }
 
 /* Points (count, 3) moved along rays from 0 to where these meet the surface; `polynomials` are the parts of each degree. */
-int pas_met(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
+int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
             const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
             double *result)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *profiles = malloc((parts * count + 1) * sizeof(double)), *leave = malloc((count + 1) * sizeof(double));
     whole *own = malloc((count + 1) * sizeof(whole));
     int state = profiles && leave && own ? 0 : -1;
@@ -77,11 +77,11 @@ static void foot_of(whole rings, const double *middles, const double *squares, c
 /* Points (count, 3) moved along rays from the nearest points of the skeleton; those that do not meet the surface nearby
    are put where the `result` is before.  Steps outwards are at most `most` times the way there, and rays are followed
    over at most a distance from the skeleton whose square is `away`. */
-int pas_around(whole faces, const double *weights, const whole *piece_of, whole pieces, const whole *degrees,
+int pas_around(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
                const whole *starts, const double *tables, whole rings, const double *middles, const double *squares,
                whole count, const double *points, whole steps, double settled, double most, double away, double *result)
 {
-    const Field field = {faces, weights, piece_of, pieces, degrees, starts, tables};
+    const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *feet = malloc(((9 + 4 + JETS) * count + 1) * sizeof(double)), *ways = feet + 3 * count;
     double *places = ways + 3 * count, *low = places + 3 * count, *high = low + count, *share = high + count;
     double *leave = share + count, *jets = leave + count;
@@ -133,17 +133,17 @@ int pas_around(whole faces, const double *weights, const whole *piece_of, whole 
 /* Points (count, 3) moved along rays from 0, and which of them are on rays at a cosine with the surface's normal of at
    most `steep`, or further from the surface than a share `off` of their way; the first polynomials are the parts of each
    degree, the others values and gradients. */
-int pas_near(whole faces, const double *weights, const whole *piece_of, whole pieces, whole parts, const whole *degrees,
+int pas_near(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
              const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
              const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
              double off, double *result, char *grazed)
 {
-    const Field field = {faces, weights, piece_of, pieces, all_degrees, all_starts, all_tables};
+    const Field field = {sizes, maps, piece_of, all_degrees, all_starts, all_tables};
     double *jets = malloc((JETS * count + 1) * sizeof(double)), *leave = malloc((count + 1) * sizeof(double));
     whole *own = malloc((count + 1) * sizeof(whole));
     int state = jets && leave && own ? 0 : -1;
     if (state == 0)
-        state = pas_met(faces, weights, piece_of, pieces, parts, degrees, starts, tables, count, points, steps, settled,
+        state = pas_met(sizes, maps, piece_of, parts, degrees, starts, tables, count, points, steps, settled,
                         result);
     if (state == 0) state = values_at(&field, JETS, count, result, leave, own, jets);
     for (whole p = 0; state == 0 && p < count; p++) {

@@ -1,5 +1,5 @@
-/* Where rays cross a piecewise polynomial's zeros, as in pas/surface/crossings.py, ray_cells.py and ray_forms.py: the same
-   cells, forms and bounds on their rounding, ray by ray.
+/* Where rays cross a piecewise polynomial's zeros, ray by ray; see pas/surface/crossings.py for what counts, and
+   pas/surface/rays.py for the cells, the Bernstein forms and the bounds on their rounding.
 
    What doubles cannot decide of a ray is marked, to be worked out exactly.  A function that finds no memory returns
    -1. */
@@ -11,7 +11,7 @@
 
 #include "kernel.h"
 
-#define MOST 16    /* the highest degree but one */
+#define MOST 32    /* the highest degree but one */
 #define LANES 8    /* points at once */
 #define WIDE 4     /* of them in a register: of wider ones compilers make none where the machine has none */
 #define DEEPEST 40 /* halvings of a part */
@@ -69,6 +69,7 @@ static void four_at(whole n, const double *c, double x, double y, double z, doub
 
 typedef struct {
     double enter, first, last, leave; /* at most from enter to leave, certainly from first to last */
+    double length;                    /* leave - enter; of an endless one the t - enter of the share 1/2 */
     whole cell;
 } Span;
 
@@ -113,13 +114,19 @@ static void cross_cells(const Scene *s, const double *o, const double *d, double
     }
 }
 
-/* The stretches of a ray in cells, by where it enters them; how many. */
+/* The stretches of a ray in cells, by where it enters them, or in all of space where there are none; how many. */
 static whole stretches(const Scene *s, const double *o, const double *d)
 {
     const whole cells = s->cells;
     double *enter = s->bounds, *leave = enter + cells, *first = leave + cells, *last = first + cells, size = 0;
     whole count = 0;
     for (int i = 0; i < 3; i++) size = fabs(o[i]) > size ? fabs(o[i]) : size;
+    if (!cells) {
+        double most = 0;
+        for (int i = 0; i < 3; i++) most = fabs(d[i]) > most ? fabs(d[i]) : most;
+        s->spans[0] = (Span){0, 0, INFINITY, INFINITY, (1 + size) / most, 0};
+        return 1;
+    }
     const double longest = 2 * (size + s->farthest), wide = 1 + size + s->reach;
     cross_cells(s, o, d, longest, wide, 1, enter, leave);
     cross_cells(s, o, d, longest, wide, -1, first, last);
@@ -127,12 +134,18 @@ static whole stretches(const Scene *s, const double *o, const double *d)
         if (leave[c] < enter[c] || size + leave[c] <= s->clear[c]) continue;
         whole i = count++;
         for (; i > 0 && s->spans[i - 1].enter > enter[c]; i--) s->spans[i] = s->spans[i - 1];
-        s->spans[i] = (Span){enter[c], first[c], last[c], leave[c], c};
+        s->spans[i] = (Span){enter[c], first[c], last[c], leave[c], leave[c] - enter[c], c};
     }
     return count;
 }
 
-/* The Bernstein form on a stretch. */
+/* Where the ray is at a share of a stretch. */
+static double at_share(const Scene *s, const Span *span, double share)
+{
+    return span->enter + (s->cells ? share : share / (1 - share)) * span->length;
+}
+
+/* The Bernstein form on a stretch; on an endless one that of (1 - share)^n f. */
 FAST
 static void form_on(const Scene *s, const Span *span, const double *o, const double *d, double *form)
 {
@@ -140,8 +153,8 @@ static void form_on(const Scene *s, const Span *span, const double *o, const dou
     const double *table = s->tables + piece * ((n + 1) * (n + 2) * (n + 3) / 6);
     double values[MOST];
     for (whole part = 0; part * LANES <= n; part++) {
-        const Lanes t = span->enter + s->nodes[2 * part] * (span->leave - span->enter);
-        const Lanes u = span->enter + s->nodes[2 * part + 1] * (span->leave - span->enter);
+        const Lanes t = span->enter + s->nodes[2 * part] * span->length;
+        const Lanes u = span->enter + s->nodes[2 * part + 1] * span->length;
         const Lanes points[3][2] = {{o[0] + t * d[0], o[0] + u * d[0]},
                                     {o[1] + t * d[1], o[1] + u * d[1]},
                                     {o[2] + t * d[2], o[2] + u * d[2]}};
@@ -154,13 +167,26 @@ static void form_on(const Scene *s, const Span *span, const double *o, const dou
     }
 }
 
-/* By how much its coefficients may be off: by the polynomial's size there, or, where not `close`, in the cells. */
+/* By how much its coefficients may be off: by the polynomial's size there, or, where not `close`, in the cells.
+
+   With P the polynomial with coefficients |c|, Horner's rule errs by at most g P(|x|), where g = (2n + 8) UNIT: the
+   last 2 are for the coefficients' own rounding and that of the nodes; what underflows is made up for by adding to
+   coefficients.  A point that is off by d <= h changes the value by at most d P(|x| + h) / h, since P is convex and
+   grows; here h is half of MARGIN, and the other half is for |x| itself.  For larger d the bound is above P and so above
+   all forms, which decides nothing.  A point is off by at most ROUNDINGS of |origin| + t |way| + |the region's place|:
+   two of the local origin, and of t |way| four in t and two in product and sum.  On endless stretches the points'
+   roundings are relative to what Horner's rule multiplies, and add 7n to g with those of the powers of 1 - share;
+   (1 - share)^n P(|x|) is at most P(|o| + length |d|). */
 static double error_on(const Scene *s, const Span *span, const double *o, const double *d, int close)
 {
     const whole n = s->degree, piece = s->piece_of[span->cell], count = (n + 1) * (n + 2) * (n + 3) / 6;
     double far[3], off = 0, size = s->largest[piece];
-    int within = 1;
+    int within = s->cells > 0;
     for (int i = 0; i < 3; i++) {
+        if (!s->cells) {
+            far[i] = fabs(o[i]) + span->length * fabs(d[i]);
+            continue;
+        }
         const double begin = fabs(o[i] + span->enter * d[i]), end = fabs(o[i] + span->leave * d[i]);
         const double wide = s->reach + fabs(o[i]) + span->leave * fabs(d[i]);
         far[i] = (begin > end ? begin : end) + MARGIN;
@@ -174,6 +200,7 @@ static double error_on(const Scene *s, const Span *span, const double *o, const 
         at_points(n, s->sizes + piece * count, points, values);
         size = values[0];
     }
+    if (!s->cells) return s->growth * ((9 * n + 8) * UNIT) * size;
     return s->growth * ((2 * n + 8) * UNIT + 2 * ROUNDINGS * UNIT * off / MARGIN) * size;
 }
 
@@ -213,8 +240,8 @@ static double polished(const Scene *s, const Span *span, const double *o, const 
                        double share, int rising)
 {
     const whole n = s->degree, count = (n + 1) * (n + 2) * (n + 3) / 6;
-    const double way = span->leave - span->enter, t = span->enter + (low + width * share) * way;
-    const double begin = span->enter + low * way, end = span->enter + (low + width) * way;
+    const double t = at_share(s, span, low + width * share);
+    const double begin = at_share(s, span, low), end = at_share(s, span, low + width);
     double jet[4];
     four_at(n, s->jets + 4 * count * s->piece_of[span->cell], o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2], jet);
     const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2];
@@ -308,7 +335,6 @@ static int on_stretch(const Scene *s, const Span *span, const double *o, const d
 /* What is on a stretch: 0 no root, 1 none near its ends, where the ray may be outside the cell, 2 it cannot be decided. */
 static int ends_of(whole n, const Span *span, const double *form, double error)
 {
-    const double length = span->leave - span->enter;
     double low = form[0], high = form[0], slope = 0;
     for (whole i = 1; i <= n; i++) {
         const double step = fabs(form[i] - form[i - 1]);
@@ -318,7 +344,8 @@ static int ends_of(whole n, const Span *span, const double *form, double error)
     }
     if (low > error || high < -error) return 0;
     if (!(span->first < span->last)) return 2;
-    const double begin = 2 * (span->first - span->enter) / length, end = 2 * (span->leave - span->last) / length;
+    const double begin = 2 * (span->first - span->enter) / span->length;
+    const double end = isinf(span->leave) ? 0 : 2 * (span->leave - span->last) / span->length;
     slope = n * (slope + 2 * error); /* at most, in shares */
     return fabs(form[0]) > error + slope * (begin < 1 ? begin : 1) && fabs(form[n]) > error + slope * (end < 1 ? end : 1)
                ? 1
@@ -342,8 +369,9 @@ static int shoot(const Scene *s, whole count, const double *o, const double *d, 
     return 0;
 }
 
-/* `numbers` holds how many cells, the degree, and whether only first crossings are wanted; `bounds` the growth of errors,
-   the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are
+/* `numbers` holds how many cells (none for a polynomial in all of space), the degree, and whether only first crossings
+   are wanted; `bounds` the growth of errors, the reach, and how large coordinates are for which polynomials have their
+   `largest` sizes.  The crossings found are
    counted in `number`; there is `room` for so many. */
 int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,
              const whole *piece_of, const double *tables, const double *sizes, const double *jets, const double *nodes,

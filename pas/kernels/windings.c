@@ -1,10 +1,10 @@
-/* How often segments cross an oriented mesh: see pas/surface/windings.py.  Only triangles are looked at whose directions
+/* How often segments cross an oriented mesh: see pas/certify/windings.py.  Only triangles are looked at whose directions
    from the origin are in a cone with that of the end. */
 
 #include <math.h>
 #include <stddef.h>
 
-typedef ptrdiff_t whole;
+#include "pas.h"
 
 static inline double dot(const double *u, const double *v)
 {

@@ -13,7 +13,7 @@ from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
 from pas.exchange.container import check_name, read, understood, write
-from pas.exchange.schema import TEXT, Table, check
+from pas.exchange.schema import TEXT, Table
 from pas.limits import Report, limited
 from pas.shape import KINDS, Shape, kind_of
 from pas.solid.assembly import Assembly
@@ -78,7 +78,7 @@ def _made(content: dict[str, Any], name: str) -> Shape:
         )
     kind = KINDS[title]
     with understood(name):
-        check(content, Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}), "content")
+        Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}).check(content, "content")
         shape: Shape = kind.read(content)
         return shape
 

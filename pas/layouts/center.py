@@ -9,9 +9,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.lengths import unit
-from pas.algebra.rational import Vector, cross, dot, to_float, to_floats
-from pas.layouts.seen import power_of_two
-from pas.surface.rims import Rim
+from pas.algebra.rational import Vector, cross, dot, minus, to_float, to_floats
+from pas.contacts.rims import Rim
+from pas.layouts.discs import power_of_two, rounded
 
 ROUNDED = 32
 """Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the algebra
@@ -19,6 +19,8 @@ short."""
 
 LONG = 24
 """Binary digits up to which a point on all axes is kept as it is."""
+
+UNIT = fmpq_mat(3, 3, [1, 0, 0, 0, 1, 0, 0, 0, 1])
 
 TOWARDS_BEND, INSIDE, FINE = 0.45, 0.266, 64
 """How far the centre of a bend lies towards the middle of the arc that fits between its curves, as a share of that; at
@@ -40,9 +42,8 @@ def center_of_bend(rims: Sequence[Rim]) -> Vector | None:
     cosine = float(np.linalg.norm(first + second)) / 2  # of half of the angle between them
     arc = clip * (1 - sqrt(max(0.0, 1 - cosine**2))) / cosine
     step = power_of_two(radius / FINE)
-    towards = min(TOWARDS_BEND * arc / (2 * cosine), INSIDE * radius) * (first + second) / to_float(step)
-    x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(middle, towards, strict=True))
-    return x, y, z
+    inwards = rounded(min(TOWARDS_BEND * arc / (2 * cosine), INSIDE * radius) * (first + second), step)
+    return middle[0] + inwards[0], middle[1] + inwards[1], middle[2] + inwards[2]
 
 
 def center_of(rims: Sequence[Rim]) -> Vector:
@@ -51,25 +52,22 @@ def center_of(rims: Sequence[Rim]) -> Vector:
     Of several, as for rims on one line, the one next to the middle of these.  It is exact where it lies on all lines,
     else rounded.
     """
-    count = len(rims)
-    middle = tuple(sum((rim.center[i] for rim in rims), fmpq(0)) / count for i in range(3))
-    matrix, right = fmpq_mat(3, 3), [fmpq(0)] * 3
+    middle = tuple(sum((rim.center[i] for rim in rims), fmpq(0)) / len(rims) for i in range(3))
+    matrix, right = fmpq_mat(3, 3), fmpq_mat(3, 1)
     for rim in rims:
-        n, length2 = rim.normal, dot(rim.normal, rim.normal)
-        off = [c - m for c, m in zip(rim.center, middle, strict=True)]
-        along = dot(n, off) / length2
-        for i in range(3):
-            right[i] += off[i] - along * n[i]
-            for j in range(3):
-                matrix[i, j] += (fmpq(i == j)) - n[i] * n[j] / length2
+        normal = fmpq_mat(3, 1, list(rim.normal))
+        across = UNIT - normal * normal.transpose() * (1 / dot(rim.normal, rim.normal))  # the projection along the line
+        matrix += across
+        right += across * fmpq_mat(3, 1, [c - m for c, m in zip(rim.center, middle, strict=True)])
     # the shortest solution of M x = r for a symmetric M is M y with M^2 y = r
-    augmented = fmpq_mat(3, 4, [v for i in range(3) for v in (*((matrix * matrix)[i, j] for j in range(3)), right[i])])
+    square = matrix * matrix
+    augmented = fmpq_mat([[*row, value] for row, value in zip(square.tolist(), right.entries(), strict=True)])
     reduced, rank = augmented.rref()
-    y = [fmpq(0)] * 3
+    y = fmpq_mat(3, 1)
     for row in range(rank):
         lead = next(j for j in range(4) if reduced[row, j] != 0)
-        y[lead] = reduced[row, 3]
-    found = [m + sum((matrix[i, j] * y[j] for j in range(3)), fmpq(0)) for i, m in enumerate(middle)]
+        y[lead, 0] = reduced[row, 3]
+    found = [m + offset for m, offset in zip(middle, (matrix * y).entries(), strict=True)]
     if max(int(v.q).bit_length() for v in found) <= LONG and all(_on_line(found, rim) for rim in rims):
         return found[0], found[1], found[2]
     step = power_of_two(min(rim.radii[0] for rim in rims) / ROUNDED)
@@ -78,6 +76,4 @@ def center_of(rims: Sequence[Rim]) -> Vector:
 
 
 def _on_line(point: Sequence[fmpq], rim: Rim) -> bool:
-    off = [p - c for p, c in zip(point, rim.center, strict=True)]
-    n = rim.normal
-    return off[0] * n[1] == off[1] * n[0] and off[1] * n[2] == off[2] * n[1] and off[0] * n[2] == off[2] * n[0]
+    return not any(cross(minus(point, rim.center), rim.normal))

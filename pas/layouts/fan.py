@@ -18,8 +18,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
-from pas.layouts.fits import check_fits
-from pas.layouts.seen import Seen, across, turn, whole_ray
+from pas.layouts.discs import Disc, across, check_fits, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4
@@ -67,7 +66,7 @@ class Gaps:
         return [n - m - h - g for m, n, h, g in zip(self.middles, after, self.halves, widths, strict=True)]
 
 
-def fan(discs: Sequence[Seen], center: Vector, each: int = 2) -> Layout:
+def fan(discs: Sequence[Disc], center: Vector, each: int = 2) -> Layout:
     """The fan around the axis with the largest smallest gap, with so many half-planes in `each` gap.
 
     Raises `GeometryError` where no axis has room between all discs.
@@ -83,7 +82,7 @@ def fan(discs: Sequence[Seen], center: Vector, each: int = 2) -> Layout:
     raise failure
 
 
-def best_gaps(discs: Sequence[Seen]) -> Gaps:
+def best_gaps(discs: Sequence[Disc]) -> Gaps:
     """The axis with the largest smallest gap between discs; raises `GeometryError` where there is none."""
     axes, poles, frames = _axes()
     directions, angles = np.array([disc.direction for disc in discs]), np.array([disc.angle for disc in discs])
@@ -113,7 +112,7 @@ def _axes() -> tuple[list[Ray], Floats, Floats]:
     return axes, poles, np.array([across(pole) for pole in poles])
 
 
-def _with_rays(discs: Sequence[Seen], center: Vector, gaps: Gaps, each: int, longest: int) -> Layout:
+def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, longest: int) -> Layout:
     rays = [whole_ray(np.array([cos(a), sin(a)]) @ gaps.frame, longest) for a in _azimuths(gaps, each)]
     axis = gaps.axis
     back = (-axis[0], -axis[1], -axis[2])

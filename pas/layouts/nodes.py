@@ -2,87 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations
 from math import degrees
 
-import numpy as np
-
 from pas.algebra.inputs import short
-from pas.algebra.rational import Vector, cross, plain, to_floats
+from pas.algebra.rational import Vector, cross, plain
+from pas.contacts.contact import Contact
+from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
 from pas.layouts.center import center_of, center_of_bend
-from pas.layouts.fan import fan
-from pas.layouts.planes import planes
-from pas.layouts.region import WALLS, region
-from pas.layouts.seen import Seen, angle_between
-from pas.layouts.strips import strips
+from pas.layouts.discs import Disc, angle_between, rim_of
+from pas.layouts.kinds import NEAR_WALLS, Maker, trials
+from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.surface.contact import Contact
-from pas.surface.movable import Movable
-from pas.surface.rims import Rim, outlook
-
-CURVE_POINTS = 96
-"""Points of a contact's curve by which a layout is fitted to it."""
 
 SPREAD, ROOMY = 0.95, 0.8
 """Share of the angle between two contacts that their curves may take up, and around the centre of a bend."""
 
-Maker = Callable[[Sequence[Seen], Vector], Layout]
+MANY = 5
+"""So many contacts of order 2 are served better by near walls: they get these first, and the usual ones last."""
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One way to lay out a node: the layout's kind, what makes it, and how far out its walls are."""
-
-    kind: str
-    make: Maker
-    walls: float = WALLS
-
-
-def _fan(each: int) -> Maker:
-    return lambda discs, center: fan(discs, center, each)
-
-
-NEAR_WALLS, MANY = 1.15, 5
-"""How far out walls are that serve so many contacts of order 2 better than the usual ones: they get these first,
-and the usual ones last."""
-
-LADDERS: dict[int, tuple[Rung, ...]] = {
-    1: (
-        Rung("planes", planes),
-        Rung("fan", _fan(2)),
-        Rung("fan", _fan(3)),
-        Rung("strips", strips),
-        Rung("strips", strips, 1.6),
-    ),
-    2: (
-        Rung("planes", planes, NEAR_WALLS),
-        Rung("fan", _fan(2)),
-        Rung("fan", _fan(2), NEAR_WALLS),
-        Rung("fan", _fan(3)),
-    ),
-}
-"""By the order of contact, that of 2 for higher ones too: full planes where the node is symmetric, then fans; strips
-where no fan has room, as around five and six contacts with near clips.  Strips have too few members of higher order:
-they are tried there only where they are asked for."""
-
-KINDS = tuple(dict.fromkeys(rung.kind for rungs in LADDERS.values() for rung in rungs))
-"""What layouts may be asked for by name."""
-
-
-@dataclass(frozen=True)
-class Node:
+class ContactNode:
     """Contacts as they are seen from their centre."""
 
     center: Vector
-    discs: tuple[Seen, ...]
+    discs: tuple[Disc, ...]
 
     @classmethod
-    def of(cls, contacts: Sequence[Contact], center: Vector | None = None) -> Node:
+    def of(cls, contacts: Sequence[Contact], center: Vector | None = None) -> ContactNode:
         """The node of contacts with closed plane curves; around `center` where that is given.
 
         Raises `GeometryError` for a contact without such a curve, curves that are seen across one another, or a
@@ -90,7 +43,7 @@ class Node:
         """
         for number, contact in enumerate(contacts, start=1):
             _check_flat(number, contact)
-        rims = [rim_of_contact(number, contact) for number, contact in enumerate(contacts, start=1)]
+        rims = [rim_of(number, contact) for number, contact in enumerate(contacts, start=1)]
         if center is not None:
             return cls._around(contacts, rims, center)
         _check_planes(rims)
@@ -101,10 +54,12 @@ class Node:
         return cls._around(contacts, rims, center_of(rims))
 
     @classmethod
-    def _around(cls, contacts: Sequence[Contact], rims: Sequence[Rim], place: Vector, spread: float = SPREAD) -> Node:
+    def _around(
+        cls, contacts: Sequence[Contact], rims: Sequence[Rim], place: Vector, spread: float = SPREAD
+    ) -> ContactNode:
         for number, (contact, rim) in enumerate(zip(contacts, rims, strict=True), start=1):
             check_outlook(number, contact, rim, place)
-        discs = tuple(seen(number, rim, place) for number, rim in enumerate(rims, start=1))
+        discs = tuple(Disc.of(number, rim, place) for number, rim in enumerate(rims, start=1))
         _check_apart(discs, spread)
         return cls(place, discs)
 
@@ -113,52 +68,32 @@ class Node:
 
         Raises `GeometryError` where none does, with the reason of the last.
         """
-        failure: GeometryError | None = None
-        found = False
-        hopeless: list[Maker] = []  # rungs that differ in their walls have the same layout
-        rungs = _rungs(order, kind)
+        todo = trials(order, kind)
         if order > 1 and len(self.discs) >= MANY:
-            rungs = tuple(sorted(rungs, key=lambda rung: rung.walls > NEAR_WALLS))  # stable
-        for rung in rungs:
-            if rung.make in hopeless:
-                continue
+            todo = tuple(sorted(todo, key=lambda trial: trial.walls > NEAR_WALLS))  # stable
+        made: dict[Maker, Layout | GeometryError] = {}  # what differs in its walls alone has one layout
+        failures: list[GeometryError] = []
+        for trial in todo:
+            if trial.make not in made:
+                made[trial.make] = self._layout(trial.make)
+            layout = made[trial.make]
             try:
-                layout = rung.make(self.discs, self.center)
+                if isinstance(layout, GeometryError):
+                    raise layout
+                found = region(layout, self.discs, trial.walls)
             except GeometryError as error:
-                failure = error
-                hopeless.append(rung.make)
+                failures.append(error)
                 continue
-            try:
-                made = region(layout, self.discs, rung.walls)
-            except GeometryError as error:
-                failure = error
-                continue
-            found = True
-            yield made
-        if not found and failure is not None:
+            yield found
+        if len(failures) == len(todo):
             none = f"no layout keeps these {len(self.discs)} contacts apart: "
-            raise GeometryError(f"{'' if kind else none}{failure}")
+            raise GeometryError(f"{'' if kind else none}{failures[-1]}")
 
-
-def _rungs(order: int, kind: str | None) -> tuple[Rung, ...]:
-    """The rungs of an order; of one kind only where that is said, those of the lower orders where this one has none."""
-    ladders = [LADDERS[n] for n in sorted(LADDERS, reverse=True) if n <= max(order, 1)]
-    if kind is None:
-        return ladders[0]
-    return next(found for rungs in ladders if (found := tuple(rung for rung in rungs if rung.kind == kind)))
-
-
-def seen(number: int, rim: Rim, center: Vector) -> Seen:
-    """A contact's curve as seen from the centre; raises `GeometryError` where that is in its plane."""
-    return Seen.of(number, rim.normal, rim.center, rim.points(CURVE_POINTS), np.array(to_floats(rim.center)), center)
-
-
-def rim_of_contact(number: int, contact: Movable) -> Rim:
-    """The curve of contact `number` (from 1); raises `GeometryError` with that number where there is none."""
-    try:
-        return contact.rim
-    except GeometryError as error:
-        raise GeometryError(f"contact {number}: {error}") from None
+    def _layout(self, make: Maker) -> Layout | GeometryError:
+        try:
+            return make(self.discs, self.center)
+        except GeometryError as error:
+            return error
 
 
 def _check_flat(number: int, contact: Contact) -> None:
@@ -202,7 +137,7 @@ def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> No
         )
 
 
-def _check_apart(discs: Sequence[Seen], spread: float) -> None:
+def _check_apart(discs: Sequence[Disc], spread: float) -> None:
     """That no two curves are seen across one another from the centre."""
     for a, b in combinations(discs, 2):
         between = angle_between(a.direction, b.direction)

@@ -12,19 +12,18 @@ from itertools import pairwise
 from math import ceil, cos, degrees, pi
 
 import numpy as np
-from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, plain, to_float
+from pas.algebra.rational import Vector, plain
+from pas.contacts.cones import first_met, nappe
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
-from pas.layouts.ring import between, clip_polygon
-from pas.layouts.seen import Seen, power_of_two
+from pas.layouts.discs import Disc, power_of_two, rounded
+from pas.layouts.region import Corners, around_clip
 from pas.partition.layout import primitive
-from pas.partition.open_region import OpenRegion
-from pas.surface.cones import first_met, nappe
-from pas.surface.contact import Contact
+from pas.partition.regions import OpenRegion
 
 CORNERS, LARGER = 12, 1.05
 """Of the polygon round the opening, and how much larger than the smallest one it is."""
@@ -47,8 +46,6 @@ WIDEST, APART = 2 * pi / 3, 0.02
 SAMPLES = 256
 """Places on the axis where it is looked at which contacts it is inside of."""
 
-Triangle = tuple[Vector, Vector, Vector]
-
 
 @dataclass(frozen=True)
 class Nappe:
@@ -69,7 +66,7 @@ class Nappe:
 
 
 def open_cone(
-    opening: Contact, number: int, discs: Sequence[Seen], surfaces: Sequence[Polynomial], center: Vector
+    opening: Contact, number: int, discs: Sequence[Disc], surfaces: Sequence[Polynomial], center: Vector
 ) -> OpenRegion:
     """The region for contact `number` as the opening and the others, as they are seen from the centre.
 
@@ -109,21 +106,20 @@ def open_cone(
     else:
         top = _rounded(_top(axis, others, far, float(met.max())) * axis)
         places = [int(np.argmin(np.abs(angles - start))) for start, _ in ends]
-        pieces = []
+        pieces = list[list[Corners]]()
         for (_, held), first, last in zip(ends, places, [*places[1:], places[0] + len(outer)], strict=True):
             ring = [outer[i % len(outer)] for i in range(first, last + 1)]
             pieces.append(_with_face(held, [top, *ring]) if held else [(top, a, b) for a, b in pairwise(ring)])
     sides = f" and {len(pieces)} sectors" if len(pieces) > 1 else ""
-    return _assembled(pieces, center, f"open cone of {len(outer)} sides{sides}")
+    return OpenRegion.of_triangles(pieces, center, f"open cone of {len(outer)} sides{sides}")
 
 
-def _with_face(disc: Seen, rim: Sequence[Vector]) -> list[Triangle]:
+def _with_face(disc: Disc, rim: Sequence[Vector]) -> list[Corners]:
     """The far triangles of a piece around a contact's clip face."""
-    inner = clip_polygon(disc, [primitive(corner) for corner in rim])
-    return [(inner[0], a, b) for a, b in pairwise(inner[1:])] + between(disc, inner, rim)
+    return around_clip(disc, [primitive(corner) for corner in rim], rim)
 
 
-def _sectors(cone: Nappe, discs: Sequence[Seen]) -> list[tuple[float, Seen | None]]:
+def _sectors(cone: Nappe, discs: Sequence[Disc]) -> list[tuple[float, Disc | None]]:
     """Where sectors begin, by rising angles, and whose they are: one around each contact, others without."""
     found = []
     for disc in discs:
@@ -135,7 +131,7 @@ def _sectors(cone: Nappe, discs: Sequence[Seen]) -> list[tuple[float, Seen | Non
             )
         found.append((middle + float(away.min()), middle + float(away.max()), disc))
     found.sort(key=lambda one: one[0] % (2 * pi))
-    ends: list[tuple[float, Seen | None]] = []
+    ends: list[tuple[float, Disc | None]] = []
     for (start, end, disc), (after, _, other) in zip(found, [*found[1:], found[0]], strict=True):
         gap = (after - end) % (2 * pi)
         if not APART < gap < 2 * pi - (end - start):
@@ -150,7 +146,7 @@ def _sectors(cone: Nappe, discs: Sequence[Seen]) -> list[tuple[float, Seen | Non
     return sorted(ends, key=lambda one: one[0])
 
 
-def _angles(ends: Sequence[tuple[float, Seen | None]]) -> Floats:
+def _angles(ends: Sequence[tuple[float, Disc | None]]) -> Floats:
     """The angles of the polygon's corners: where sectors begin, and between."""
     starts = [start for start, _ in ends] or [0.0]
     found: list[float] = []
@@ -170,28 +166,8 @@ def _top(axis: Floats, others: Sequence[Polynomial], far: float, least: float) -
     return ABOVE * max(leave, least)
 
 
-def _assembled(pieces: Sequence[Sequence[Triangle]], center: Vector, title: str) -> OpenRegion:
-    places: dict[tuple[str, ...], int] = {}
-    vertices, cells, numbers = [center], list[tuple[int, ...]](), []
-    for triangles in pieces:
-        numbers.append(list(range(len(cells), len(cells) + len(triangles))))
-        for triangle in triangles:
-            cell = [0]
-            for corner in triangle:
-                key = tuple(map(str, corner))
-                if key not in places:
-                    places[key] = len(vertices)
-                    x, y, z = (a + b for a, b in zip(center, corner, strict=True))
-                    vertices.append((x, y, z))
-                cell.append(places[key])
-            cells.append(tuple(cell))
-    return OpenRegion(vertices, cells, center, numbers, title)
-
-
 def _rounded(corner: Floats) -> Vector:
-    step = power_of_two(float(np.linalg.norm(corner)) / ROUND)
-    x, y, z = (fmpq(round(float(c) / to_float(step))) * step for c in corner)
-    return x, y, z
+    return rounded(corner, power_of_two(float(np.linalg.norm(corner)) / ROUND))
 
 
 def _within(points: Floats, polygon: Floats) -> bool:

@@ -1,7 +1,7 @@
 """Contacts of nodes that are open towards a plate, or along a cone out of another surface.
 
 The blend is seen from below, through the opening that the plate's edge is, up to the other contacts' curves.  See
-`pas.layouts.open_cone` for the region and `pas.surface.openings` for what is proved in it.
+`pas.layouts.open_cone` for the region and `pas.certify.openings` for what is proved in it.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from flint import fmpq
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, minus, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.contacts.cones import apex
+from pas.contacts.contact import Contact, as_contact
+from pas.contacts.endless import Endless
+from pas.contacts.rims import Rim
 from pas.errors import GeometryError
-from pas.layouts.arms import is_free
-from pas.layouts.nodes import check_outlook, rim_of_contact, seen
+from pas.layouts.discs import Disc, power_of_two, rim_of
+from pas.layouts.nodes import check_outlook
 from pas.layouts.open_cone import open_cone
-from pas.layouts.seen import power_of_two
-from pas.partition.open_region import OpenRegion
-from pas.surface.cones import apex
-from pas.surface.contact import Contact, as_contact
-from pas.surface.endless import Endless
-from pas.surface.rims import Rim
+from pas.layouts.spacing import is_free
+from pas.partition.regions import OpenRegion
 
 DEPTH = 0.5
 """How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27
@@ -73,13 +73,13 @@ def with_cone(items: Sequence[Any]) -> list[Any]:
             f"{len(items) - len(plates)}"
         )
     number, result = plates[0], list(items)
-    plate, edge = bound[number], rim_of_contact(number + 1, bound[number])
+    plate, edge = bound[number], rim_of(number + 1, bound[number])
     others = [i for i in range(len(items)) if i != number]
     for other in others:
         if is_free(items[other]):
             result[other] = _ended(items[other], scaled(plate.surface), edge, other + 1)
     if apex(plate.clip) is None:
-        rims = {other + 1: rim_of_contact(other + 1, as_contact(result[other])) for other in others}
+        rims = {other + 1: rim_of(other + 1, as_contact(result[other])) for other in others}
         result[number] = Contact(plate.surface, _cone(plate, _center(scaled(plate.surface), edge, rims, number + 1)))
     return result
 
@@ -127,9 +127,9 @@ def open_region(contacts: Sequence[Contact]) -> OpenRegion:
     discs = []
     for other, contact in enumerate(contacts, start=1):
         if other != number + 1:
-            rim = rim_of_contact(other, contact)
+            rim = rim_of(other, contact)
             check_outlook(other, contact, rim, center)
-            discs.append(seen(other, rim, center))
+            discs.append(Disc.of(other, rim, center))
     surfaces = [contact.scaled.surface for i, contact in enumerate(contacts) if i != number]
     return open_cone(opening, number + 1, discs, surfaces, center)
 

@@ -14,17 +14,16 @@ from math import atan2
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, cross
 from pas.errors import GeometryError
-from pas.layouts.fits import check_fits
-from pas.layouts.seen import Seen, across
-from pas.partition.layout import Layout, Ray, normal_of, primitive, reduced
+from pas.layouts.discs import Disc, across, check_fits
+from pas.partition.layout import Layout, Ray, primitive, reduced
 
 SQUARE = 1e-9
 """How far directions may be off from those of a cube."""
 
 
-def planes(discs: Sequence[Seen], center: Vector) -> Layout:
+def planes(discs: Sequence[Disc], center: Vector) -> Layout:
     """The four planes between six contacts along the axes of a cube, of whole numbers in the node's coordinates.
 
     Raises `GeometryError` for other nodes.
@@ -45,7 +44,7 @@ def planes(discs: Sequence[Seen], center: Vector) -> Layout:
     return layout
 
 
-def symmetric(discs: Sequence[Seen]) -> bool:
+def symmetric(discs: Sequence[Disc]) -> bool:
     """Whether they are six along the axes of a cube."""
     units = np.array([disc.direction for disc in discs])
     dots = np.abs(units @ units.T)
@@ -61,7 +60,7 @@ def arrangement(normals: Sequence[Ray], center: Vector) -> Layout:
         dict.fromkeys(
             reduced((s * c[0], s * c[1], s * c[2]))
             for a, b in combinations(normals, 2)
-            for c in [normal_of(a, b)]
+            for c in [cross(a, b)]
             if any(c)
             for s in (1, -1)
         )

@@ -15,11 +15,10 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
-from pas.layouts.fits import check_fits, room
-from pas.layouts.seen import Seen, across, angle_between, whole_ray
-from pas.partition.layout import Layout, Ray, turns
+from pas.layouts.discs import Disc, across, angle_between, check_fits, room, whole_ray
+from pas.partition.layout import Layout, Ray
 from pas.surface.fairness import spiral
 
 FARTHEST = (62, 70, 80, 40)
@@ -55,12 +54,12 @@ class Site:
     angle: float
 
 
-def strips(discs: Sequence[Seen], center: Vector) -> Layout:
+def strips(discs: Sequence[Disc], center: Vector) -> Layout:
     """The layout of strips for contacts; raises `GeometryError` where none fits."""
     failure: GeometryError | None = None
     for farthest in FARTHEST:
         try:
-            net = Net.of([Site(d.direction, d.angle) for d in discs], farthest)
+            net = SiteTriangulation.of([Site(d.direction, d.angle) for d in discs], farthest)
         except GeometryError as error:
             failure = error
             continue
@@ -76,7 +75,7 @@ def strips(discs: Sequence[Seen], center: Vector) -> Layout:
 
 
 @dataclass(frozen=True)
-class Net:
+class SiteTriangulation:
     """Sites, the first `contacts` of which are contacts', with their triangles, counterclockwise, and the directions
     (T, 3) that are equally far from the three discs of each."""
 
@@ -86,7 +85,7 @@ class Net:
     nodes: Floats
 
     @classmethod
-    def of(cls, contacts: Sequence[Site], farthest: float) -> Net:
+    def of(cls, contacts: Sequence[Site], farthest: float) -> SiteTriangulation:
         """The net of contacts, with empty sites until no direction is farther than that (degrees) from one."""
         sites = list(contacts)
         looked = spiral(LOOKED_AT)
@@ -206,4 +205,4 @@ def _distance(a: Floats, b: Floats) -> float:
 def _volume(rays: Sequence[Ray]) -> float:
     """The volume of the unit vectors of three rays; 0 where two are one."""
     lengths = [float(np.linalg.norm(ray)) for ray in rays]
-    return float(turns(*rays)) / (lengths[0] * lengths[1] * lengths[2])
+    return float(determinant(*rays)) / (lengths[0] * lengths[1] * lengths[2])

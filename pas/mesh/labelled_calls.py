@@ -46,7 +46,7 @@ class LabelledCalls:
         See `pas.mesh.remesh.flip`.
         """
         result, rows, labels = (t.copy() for t in triangles)
-        straight, limit = (labels, 0.0) if lines is None else lines
+        straight, limit = (None, 0.0) if lines is None else lines
         marked = np.zeros(len(points), dtype=bool) if near is None else near.copy()
         number = np.empty(1, dtype=np.intp)
         mesh = (len(result), result, rows, labels, len(points), room_for(6 * len(result) + len(points) + 1), points)
@@ -83,10 +83,9 @@ class LabelledCalls:
         """
         (most, slenderest), (every, labels), (removed, kept) = limits, edges, collapses
         mesh = (len(triangles[0]), *triangles, len(points), points, normals, len(every), every, labels)
-        off = points if most is None else most
-        heights, span = (points, 0) if slenderest is None else (slenderest, slenderest.shape[1])
+        span = 0 if slenderest is None else slenderest.shape[1]
         chosen = np.empty(len(removed), dtype=bool)
-        given = (len(removed), removed, kept, off, most is not None, heights, span)
+        given = (len(removed), removed, kept, most, most is not None, slenderest, span)
         self._call("pas_merged_faces", *mesh, *given, *least, chosen)
         return chosen
 

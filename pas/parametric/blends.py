@@ -12,29 +12,28 @@ blend, too: see `BlendingData.isolated_points`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from pas.algebra.brief import brief
 from pas.algebra.callables import Values
-from pas.algebra.inputs import check_order, short
+from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.rational import Exact, plain
-from pas.algebra.rational_function import RationalFunction, total
+from pas.algebra.rational_function import total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.domain import DomainLike
-from pas.parametric.evaluation import hermite_values
-from pas.parametric.interpolation import exact_hermite
+from pas.parametric.evaluation import HermiteValues
+from pas.parametric.hermite import exact_hermite
 from pas.parametric.meshing import mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.regularity import regularity
-from pas.parametric.series import univariate
+from pas.parametric.series import Components
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
@@ -130,9 +129,12 @@ def hermite_blend(
     """
     k = check_order(order)
     _require_data(data)
-    names = data.surfaces[0].parameters
-    source = (lambda: exact_hermite(data, k, names)) if data.is_exact else None
-    return ParametricBlend(data, k, _surface(data, hermite_values(data, k), source))
+
+    def source() -> Components:
+        expansions = [data.expansions(i, k) for i in range(len(data.surfaces))]
+        return exact_hermite(data.values, expansions, k, data.surfaces[0].parameters)
+
+    return ParametricBlend(data, k, _surface(data, HermiteValues(data, k), source))
 
 
 @limited("finding a parametric blend", "a lower order")
@@ -161,8 +163,20 @@ def weighted_blend(
             data.require_defined(i, value)
     if exponent is not None and exponent % 2 and len(data.values) > 2:
         _require_no_pole(weights)
-    source = (lambda: _exact_sum(data, weights)) if data.is_exact else None
-    return ParametricBlend(data, k, _surface(data, _weighted_values(data, weights), source), weights)
+
+    def values(t: Any, h: Any) -> tuple[Any, ...]:
+        sums: list[Any] = [0.0, 0.0, 0.0]
+        for f, surface in zip(weights(h), data.surfaces, strict=True):
+            sums = [s + f * part for s, part in zip(sums, surface.values(t, h), strict=True)]
+        return tuple(sums)
+
+    def source() -> Components:
+        checkpoint("expanding the weighted blend")
+        pairs = list(zip(weights.functions, data.surfaces, strict=True))
+        x, y, z = (total([f * surface.components[axis] for f, surface in pairs]) for axis in range(3))
+        return x, y, z
+
+    return ParametricBlend(data, k, _surface(data, values, source), weights)
 
 
 def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriterion:
@@ -179,7 +193,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
             if part.denominator.degree() > 0:
                 j = next(j for j in range(k + 1) if part.denominator.gcd(part.numerators[j]) != part.denominator)
                 what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
-                below = RationalFunction.quotient(univariate(part.numerators[j], 0), univariate(part.denominator, 0))
+                below = part.functions[j]
                 where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {short(plain(value))}"
                 return PolynomialCriterion(
                     False, f"{what} of {where} is no polynomial; its denominator is {short(str(below.denominator))}"
@@ -187,28 +201,11 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
     return PolynomialCriterion(True, f"all derivatives up to order {k} at the values are polynomials")
 
 
-def _surface(data: BlendingData, values: Values, source: Any) -> ParametricSurface:
+def _surface(data: BlendingData, values: Values, source: Callable[[], Components]) -> ParametricSurface:
+    """The surface over the data's common domain; `source` is asked only where all of them are exact."""
     reason = next((f"surfaces[{i}]: {s.inexact}" for i, s in enumerate(data.surfaces) if not s.is_exact), "")
-    return ParametricSurface.from_parts(values, source, data.surfaces[0].parameters, data.ends, reason)
-
-
-def _weighted_values(data: BlendingData, weights: Weights) -> Values:
-    def values(t: Any, h: Any) -> tuple[Any, ...]:
-        sums: list[Any] = [0.0, 0.0, 0.0]
-        for f, surface in zip(weights(h), data.surfaces, strict=True):
-            sums = [s + f * part for s, part in zip(sums, surface.values(t, h), strict=True)]
-        return tuple(sums)
-
-    return values
-
-
-def _exact_sum(data: BlendingData, weights: Weights) -> Components:
-    checkpoint("expanding the weighted blend")
-    x, y, z = (
-        total([f * surface.components[axis] for f, surface in zip(weights.functions, data.surfaces, strict=True)])
-        for axis in range(3)
-    )
-    return x, y, z
+    made = source if data.is_exact else None
+    return ParametricSurface.from_parts(values, made, data.surfaces[0].parameters, data.ends, reason)
 
 
 def _require_no_pole(weights: Weights) -> None:
@@ -224,3 +221,40 @@ def _require_data(data: Any) -> None:
     if not isinstance(data, BlendingData):
         kind = "a sequence" if isinstance(data, Sequence) else repr(data)
         raise TypeError(f"data must be BlendingData(surfaces, values), not {kind}")
+
+
+@dataclass(frozen=True)
+class BlendMethod:
+    """`build(data, order, **options)` makes a blend; `options` names those that there are.
+
+    They come with their types (`Any` for exact numbers and lists of them).
+    """
+
+    build: Callable[..., ParametricBlend]
+    options: Mapping[str, Any]
+
+
+METHODS: dict[str, BlendMethod] = {
+    "hermite": BlendMethod(hermite_blend, {}),
+    "weighted": BlendMethod(weighted_blend, {"balance": Any, "normalized": bool, "exponent": int}),
+}
+"""By name, for files and the command line."""
+
+
+def blend_by(method: str, data: BlendingData, order: int, options: Mapping[str, Any]) -> ParametricBlend:
+    """The blend of a method by its name; raises `ValueError` for another name or option, and what the method raises."""
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(map(repr, METHODS))}, not {shown(method)}")
+    for name in options:
+        if name not in METHODS[method].options:
+            known = ", ".join(METHODS[method].options) or "none"
+            raise ValueError(f"{name!r} is no option of the method {method!r}; its options: {known}")
+    return METHODS[method].build(data, order, **options)
+
+
+def method_of(blend: ParametricBlend) -> tuple[str, dict[str, Any]]:
+    """The name of the method that made a blend, and its options."""
+    w = blend.weights
+    if w is None:
+        return "hermite", {}
+    return "weighted", {"balance": [plain(u) for u in w.balance], "normalized": w.normalized, "exponent": w.exponent}

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -21,30 +20,16 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.parametric.framed import Framed
-from pas.parametric.nets import SMALLEST, Nets
+from pas.parametric.maps import ParametricMap
+from pas.parametric.nets import SMALLEST, Nets, bernstein_at
 from pas.parametric.tiling import GRID, Placing
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
-
-SAMPLES = 5
-"""Points a side of a cell at which a surface that is not exact is compared."""
-
-SAFETY = 1.1
-"""On what is measured at them: of a parabola they may miss a sixteenth."""
 
 PRODUCT = 32 * UNIT_ROUNDOFF
 """Relative error of a coefficient of a product of nets by bilinear ones: some 20 operations."""
 
-OPERATIONS = 24
-"""Operations behind a term of a Bernstein sum besides those that grow with the degrees; powers err by some units."""
-
-ROWS = 1 << 13
-"""Points at once."""
-
 
 @dataclass(frozen=True)
-class Look:
+class CellErrors:
     """What was seen of C cells: P - B (C, a, b, 3), first and last rows on the sides, and corners (C, 2, 2, 3).
 
     `slack` (C,) is what rounding may add to |P - B|, `least` the part of it that no halving takes away.
@@ -56,7 +41,7 @@ class Look:
     least: Floats
 
     @property
-    def judged(self) -> tuple[Floats, Integers]:
+    def bounds_and_axes(self) -> tuple[Floats, Integers]:
         """The bound 2 e + q/4 of each cell, infinite where there is none, and the axis across which to halve it."""
         away = lengths(self.errors)
         corners = self.corners
@@ -70,11 +55,11 @@ class Look:
         return np.where(np.isfinite(bounds), bounds, np.inf), wider.astype(np.intp)
 
 
-Looking = Callable[[Any, Integers], Look]
+Examination = Callable[[Any, Integers], CellErrors]
 """From nets (None where there are none) and cells."""
 
 
-def bounded(nets: Nets, _: Integers) -> Look:
+def bounded(nets: Nets, _: Integers) -> CellErrors:
     """Of exact surfaces: coefficients of P - B over the least weight, infinite where that is not positive."""
     points, weights = nets.table[..., :3], nets.table[..., 3:]
     with np.errstate(all="ignore"):
@@ -89,14 +74,17 @@ def bounded(nets: Nets, _: Integers) -> Look:
         slack = 2 * far * (nets.off + PRODUCT * greatest) / least  # 2 > sqrt(3) coordinates
         errors = np.where(positive[:, None, None, None], errors / least[:, None, None, None], np.inf)
         floor = 2 * nets.off / weights.max(axis=(1, 2, 3))
-    return Look(errors, corners, np.where(positive, slack, np.inf), np.where(positive, floor, 0.0))
+    return CellErrors(errors, corners, np.where(positive, slack, np.inf), np.where(positive, floor, 0.0))
 
 
-def measured(surface: ParametricSurface) -> Looking:
-    """Of other surfaces over the unit square: P - B at points of each cell."""
-    share = np.linspace(0.0, 1.0, SAMPLES)
+def measured(surface: ParametricMap) -> Examination:
+    """Of other surfaces over the unit square: P - B at 5 x 5 points of each cell, and a tenth more.
 
-    def look(_: None, cells: Integers) -> Look:
+    Of a parabola these may miss a sixteenth.
+    """
+    share = np.linspace(0.0, 1.0, 5)
+
+    def examine(_: None, cells: Integers) -> CellErrors:
         places = cells / GRID
         t, h = (places[:, i, None] * (1 - share) + places[:, i + 1, None] * share for i in (0, 2))
         points = np.stack(np.broadcast_arrays(t[:, :, None], h[:, None, :]), axis=-1)
@@ -105,12 +93,12 @@ def measured(surface: ParametricSurface) -> Looking:
         hats = np.stack([1 - share, share])
         errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, corners)
         none = np.zeros(len(cells))
-        return Look(np.where(np.isfinite(errors), SAFETY * errors, np.inf), np.nan_to_num(corners), none, none)
+        return CellErrors(np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(corners), none, none)
 
-    return look
+    return examine
 
 
-def surface_points(surface: ParametricSurface) -> Placing:
+def surface_points(surface: ParametricMap) -> Placing:
     """Points of a surface over the unit square as it is evaluated."""
     return lambda places: (surface(places / GRID), np.zeros(len(places)))
 
@@ -119,8 +107,9 @@ def surface_points(surface: ParametricSurface) -> Placing:
 class NetPoints:
     """Points of an exact surface at parameters of its frame that are multiples of 1 / GRID, and bounds on their errors.
 
-    A Bernstein sum of degrees (m, n) errs by (2 m + 2 n + OPERATIONS) 2^-53 of the same sum of absolute values at most
-    (Higham 2002, section 3.1).  Where that is more than `allowed` the point is worked out exactly.
+    A Bernstein sum of degrees (m, n) errs by (2 m + 2 n + 24) 2^-53 of the same sum of absolute values at most, 24
+    being the operations that do not grow with the degrees (Higham 2002, section 3.1).  Where that is more than
+    `allowed` the point is worked out exactly.
     """
 
     framed: Framed
@@ -130,9 +119,10 @@ class NetPoints:
     def __call__(self, places: Integers) -> tuple[Floats, Floats]:
         """Points (N, 3) at places (N, 2) on the grid, and what they may be off by (N,)."""
         points, off = np.empty((len(places), 3)), np.empty(len(places))
-        for start in range(0, len(places), ROWS):
+        step = 1 << 13
+        for start in range(0, len(places), step):
             checkpoint("placing the vertices of a mesh", start / len(places))
-            rows = slice(start, start + ROWS)
+            rows = slice(start, start + step)
             points[rows], off[rows] = self._summed(places[rows] / GRID)
         for number in np.flatnonzero(~(off <= self.allowed)):
             checkpoint("placing vertices exactly")
@@ -141,13 +131,13 @@ class NetPoints:
         return points, off
 
     def _summed(self, shares: Floats) -> tuple[Floats, Floats]:
-        bases = [_bernstein(size - 1, shares[:, axis]) for axis, size in enumerate(self.table.shape[:2])]
+        bases = [bernstein_at(size - 1, shares[:, axis]) for axis, size in enumerate(self.table.shape[:2])]
         m, n = (size - 1 for size in self.table.shape[:2])
         four, most = (
             np.einsum("nj,njx->nx", bases[1], np.tensordot(bases[0], table, 1))
             for table in (self.table, np.abs(self.table))
         )
-        error = (2 * m + 2 * n + OPERATIONS) * UNIT_ROUNDOFF * most + SMALLEST
+        error = (2 * m + 2 * n + 24) * UNIT_ROUNDOFF * most + SMALLEST
         with np.errstate(all="ignore"):
             points = four[:, :3] / four[:, 3:]
             least = four[:, 3] - error[:, 3]
@@ -160,8 +150,3 @@ class NetPoints:
         return [
             to_float(c.numerator(*at) / c.denominator(*at) / self.framed.unit) for c in self.framed.bounded.components
         ]
-
-
-def _bernstein(degree: int, t: Floats) -> Floats:
-    """The Bernstein polynomials at t (n,): (n, degree + 1)."""
-    return np.stack([comb(degree, i) * t**i * (1.0 - t) ** (degree - i) for i in range(degree + 1)], axis=-1)

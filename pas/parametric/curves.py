@@ -1,4 +1,4 @@
-"""Curves on parametric surfaces: iso-curves, and any curve in the plane of the parameters.
+"""Curves on parametric surfaces, iso-curves and any curve in the plane of the parameters, and curvatures.
 
 A path s -> (t(s), h(s)) gives the curve P(t(s), h(s)); with it come the surface's normals along the
 curve and the direction across the curve in the tangent plane, which is what a blend starts from.
@@ -21,7 +21,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, plain, rational
 from pas.algebra.rational_function import RationalFunction
-from pas.parametric.components import Components
+from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 
 
@@ -46,7 +46,9 @@ class SurfaceCurve:
         if not isinstance(parameter, str) or not parameter.isidentifier():
             raise ValueError(f"parameter must be a name such as 's', not {shown(parameter)}")
         names: Names = (parameter, "")
-        first, second = (component(_of_two(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True))
+        first, second = (
+            component(one_parameter(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True)
+        )
         exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
         object.__setattr__(self, "surface", surface)
         object.__setattr__(self, "parameter", parameter)
@@ -114,12 +116,61 @@ def iso_curve(surface: ParametricSurface, t: Exact | None = None, h: Exact | Non
     return SurfaceCurve(surface, free if fixed else value, value if fixed else free, free)
 
 
-def _of_two(expression: Any) -> Any:
-    """A callable of one array as one of two."""
-    if (
-        callable(expression)
-        and not hasattr(expression, "free_symbols")
-        and not isinstance(expression, RationalFunction)
-    ):
-        return lambda s, _: expression(s)
-    return expression
+def one_parameter(expression: Any) -> Any:
+    """A callable of one array as one of two; an expression as it is."""
+    symbolic = hasattr(expression, "free_symbols") or isinstance(expression, RationalFunction)
+    return (lambda s, _: expression(s)) if callable(expression) and not symbolic else expression
+
+
+@dataclass(frozen=True)
+class Forms:
+    """First and second forms (N, 2, 2) and unit normals (N, 3) of a surface at N places; nan at poles.
+
+    With P_t, P_h and the normal N = P_t x P_h / |P_t x P_h| these are I = [P_i . P_j] and II = -[P_ij . N], whose sign
+    is that of a ball with its normals outwards: the principal curvatures are the eigenvalues of I^-1 II, the normal
+    curvature in a direction u is II(u, u) / I(u, u) (do Carmo 1976, chapter 3).
+    """
+
+    first: Floats
+    second: Floats
+    normals: Floats
+
+    @classmethod
+    def at(cls, surface: ParametricSurface, parameters: Floats) -> Forms:
+        """The forms at parameters (N, 2)."""
+        p, q = (surface.derivative(parameters, *orders) for orders in ((1, 0), (0, 1)))
+        bends = [surface.derivative(parameters, *orders) for orders in ((2, 0), (1, 1), (0, 2))]
+        cross = np.cross(p, q)
+        length = np.linalg.norm(cross, axis=-1)
+        sizes = np.linalg.norm(p, axis=-1) * np.linalg.norm(q, axis=-1)
+        with np.errstate(all="ignore"):
+            normals = cross / np.where(length > 1e-12 * sizes, length, np.nan)[:, None]
+        first = _symmetric(*((u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))))
+        return cls(first, _symmetric(*(-(b * normals).sum(axis=-1) for b in bends)), normals)
+
+    @property
+    def principal(self) -> Floats:
+        """Principal curvatures (N, 2), the larger first, positive where it bends like a ball with normals outwards."""
+        (a, b, c), (e, f, g) = ((m[:, 0, 0], m[:, 0, 1], m[:, 1, 1]) for m in (self.first, self.second))
+        with np.errstate(all="ignore"):
+            area = a * c - b * b
+            mean = (e * c - 2 * f * b + g * a) / (2 * area)
+            gauss = (e * g - f * f) / area
+            half = np.sqrt(np.maximum(mean * mean - gauss, 0.0))
+        return np.stack([mean + half, mean - half], axis=1)
+
+    def along(self, directions: Floats) -> Floats:
+        """Normal curvatures (N,) in directions (2,) or (N, 2) of the parameters."""
+        ways = np.broadcast_to(directions, (len(self.normals), 2))
+        with np.errstate(all="ignore"):
+            above, below = (np.einsum("ni,nij,nj->n", ways, form, ways) for form in (self.second, self.first))
+            return np.asarray(above / below)
+
+    def principal_for(self, normals: Floats) -> Floats:
+        """`principal` as seen from the side to which `normals` (N, 3) point."""
+        turned = (self.normals * normals).sum(axis=1) < 0
+        return np.where(turned[:, None], -self.principal[:, ::-1], self.principal)
+
+
+def _symmetric(a: Floats, b: Floats, c: Floats) -> Floats:
+    return np.stack([np.stack([a, b], axis=-1), np.stack([b, c], axis=-1)], axis=-2)

@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
@@ -23,9 +22,8 @@ from pas.algebra.rational import Exact, plain, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.domain import Domain, ExactDomain, read_domain
-from pas.parametric.hermite import distinct
-from pas.parametric.roots import real_roots
-from pas.parametric.series import taylor, univariate
+from pas.parametric.hermite import Expansion, distinct
+from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
 AXES = "xyz"
@@ -55,17 +53,6 @@ class IsolatedPoint:
     def __str__(self) -> str:
         where = f"({self.t:.6g}, {short(plain(self.value))}), where {short(str(self.factor))} = 0"
         return f"surfaces[{self.surface}].{self.axis} has a {self.kind.value} at {where}"
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Taylor coefficients in h of one component: `numerators[j] / denominator` as functions of t.
-
-    The denominator is the least common one of all j (in lowest terms, monic).
-    """
-
-    numerators: tuple[fmpq_poly, ...]
-    denominator: fmpq_poly
 
 
 @dataclass(frozen=True, init=False)
@@ -120,7 +107,7 @@ class BlendingData:
 
     @property
     def domain(self) -> Domain:
-        """The same in doubles."""
+        """Where a blend is defined, in doubles."""
         return read_domain(self.ends, self.surfaces[0].parameters)[0]
 
     @property
@@ -133,23 +120,17 @@ class BlendingData:
         """The degree of each curve surfaces[i](t, values[i])."""
         return tuple(max(c.degree for c in self.curve(i)) for i in range(len(self.surfaces)))
 
-    def curve(self, number: int) -> tuple[RationalFunction, RationalFunction, RationalFunction]:
+    def curve(self, number: int) -> Components:
         """The exact curve surfaces[number](t, values[number])."""
-        x, y, z = self.coefficients(number, 0)[0]
-        return x, y, z
+        return self.coefficients(number, 0)[0]
 
-    def coefficients(self, number: int, order: int) -> list[tuple[RationalFunction, ...]]:
+    def coefficients(self, number: int, order: int) -> list[Components]:
         """Exact Taylor coefficients in h of one surface at its value, j = 0..order, as functions of t."""
-        parts = self.expansions(number, order)
-        return [
-            tuple(
-                RationalFunction.quotient(univariate(p.numerators[j], 0), univariate(p.denominator, 0)) for p in parts
-            )
-            for j in range(order + 1)
-        ]
+        x, y, z = (p.functions for p in self.expansions(number, order))
+        return list(zip(x, y, z, strict=True))
 
     def expansions(self, number: int, order: int) -> tuple[Expansion, ...]:
-        """The same of each component over its least common denominator."""
+        """Exact Taylor coefficients in h of each component over their least common denominator."""
         return _expansions(self.surfaces[number].components, self.values[number], order)
 
     def isolated_points(self, everywhere: bool = False) -> tuple[IsolatedPoint, ...]:
@@ -182,7 +163,11 @@ class BlendingData:
             for axis, component in zip(AXES, surface.components, strict=True):
                 if not component.is_polynomial and taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
-        elif not np.isfinite(surface.with_domain(None).on_grid(_samples(surface), to_float(value))).all(axis=-1).any():
+            return
+        low, high = surface.domain[0]
+        start = low if math.isfinite(low) else high - 1 if math.isfinite(high) else -1.0
+        places = start + ((high if math.isfinite(high) else start + 2) - start) * np.array([1, 2, 3, 5, 6]) / 7
+        if not np.isfinite(surface.with_domain(None).on_grid(places, to_float(value))).all(axis=-1).any():
             raise GeometryError(f"{name}: it has no finite value there")
 
     def __str__(self) -> str:
@@ -190,9 +175,7 @@ class BlendingData:
 
 
 @lru_cache(maxsize=256)
-def _expansions(
-    components: tuple[RationalFunction, RationalFunction, RationalFunction], value: fmpq, order: int
-) -> tuple[Expansion, ...]:
+def _expansions(components: Components, value: fmpq, order: int) -> tuple[Expansion, ...]:
     return tuple(_expansion(component, value, order) for component in components)
 
 
@@ -226,16 +209,8 @@ def _isolated(
     found = []
     for factor, _ in below.factor()[1] if below.degree() > 0 else ():
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
-        for root in real_roots(factor):
+        for root in rounded_roots(factor):
             if domain[0] <= root <= domain[1]:
                 text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
                 found.append(IsolatedPoint(number, axis, root, value, text, kind))
     return sorted(found, key=lambda p: p.t)
-
-
-def _samples(surface: ParametricSurface) -> list[float]:
-    """A few t of the domain."""
-    low, high = surface.domain[0]
-    start = low if math.isfinite(low) else (high - 1 if math.isfinite(high) else -1.0)
-    stop = high if math.isfinite(high) else start + 2
-    return [start + (stop - start) * float(Fraction(i, 7)) for i in (1, 2, 3, 5, 6)]

@@ -1,84 +1,157 @@
 """Evaluation of the Hermite blend in doubles, without expanding it: fast and stable.
 
-`T = sum_i w_i(h) S_i(t, h - s_i)`, w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor
-polynomial of degree k of P_i / w_i at s_i.  The factors w_i stay factored; the S_i come from the Taylor
-polynomials of numerators and denominators, or from Taylor arithmetic for surfaces that are not exact.
+`T = sum_i w_i(h) S_i(t, h - s_i)`, w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor polynomial of
+degree k of P_i / w_i at s_i.  The factors w_i stay factored.  Where the denominator of a component does not depend on
+h, S_i is a combination of t^a (h - s_i)^j over it, and those of all surfaces with one denominator are added before
+anything is evaluated (`Group`); else its coefficients come from the Taylor polynomials of numerator and denominator,
+or from Taylor arithmetic for surfaces that are not exact.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from math import prod
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_mpoly, fmpq_poly
 
-from pas.algebra.callables import Values
-from pas.algebra.horner import as_arrays, combinations, dense, horner
-from pas.algebra.jets import Jet, along, constant, nilpotency, variables
+from pas.algebra.horner import Bundle, as_arrays, dense, horner, product
+from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.data import BlendingData
 from pas.parametric.hermite import inverse_series
-from pas.parametric.kernel import FactoredGroup, Group, GroupBuilder, functions_of_h, stacked
-from pas.parametric.series import taylor
+from pas.parametric.series import taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
 _Series = Callable[[Any], list[tuple[int, list[Any]]]]
 """Maps t to pairs of an axis and the coefficients j = 0..k of (h - s_i)^j, arrays or jets; None for zero."""
 
 
-def hermite_values(data: BlendingData, order: int) -> Values:
-    """Evaluation of the Hermite blend from the given surfaces, prepared when first asked for."""
-    nodes = [to_float(s) for s in data.values]
-    prepared: list[tuple[tuple[Group | FactoredGroup, ...], list[tuple[int, _Series]]]] = []
+@dataclass(frozen=True, eq=False)
+class HermiteValues:
+    """The coordinates of the Hermite blend at two arrays or jets, prepared when first asked for."""
 
-    def values(t: Any, h: Any) -> tuple[Any, ...]:
-        if not prepared:
-            prepared.append(_prepared(data, order))
-        groups, series = prepared[0]
+    data: BlendingData
+    order: int
+
+    def __call__(self, t: Any, h: Any) -> tuple[Any, ...]:
+        groups, series = self._parts
         if isinstance(t, Jet) or isinstance(h, Jet):
-            t, h = (x if isinstance(x, Jet) else constant(x, h if x is t else t) for x in (t, h))
+            like = t if isinstance(t, Jet) else h
+            t, h = (x if isinstance(x, Jet) else constant(x, like) for x in (t, h))
         else:
             t, h = as_arrays(t, h)
+        nodes = [to_float(s) for s in self.data.values]
         total: list[Any] = [0.0, 0.0, 0.0]
         with np.errstate(all="ignore"):
-            functions = functions_of_h(h, nodes, order)
-            matrix = stacked(functions)
+            functions = _functions_of_h(h, nodes, self.order)
+            stacked = functions if isinstance(functions, np.ndarray) else np.stack([f.coefficients for f in functions])
             for group in groups:
-                for axis, value in zip(group.axes, group.values(t, matrix), strict=True):
+                for axis, value in zip(group.axes, group.values(t, stacked), strict=True):
                     total[axis] = value if isinstance(total[axis], float) else total[axis] + value
             for number, part in series:
-                outer = functions[number * (order + 1)]
+                outer = functions[number * (self.order + 1)]
                 for axis, coefficients in part(t):
                     inner = _polynomial(coefficients, h - nodes[number])
                     total[axis] = total[axis] if inner is None else total[axis] + inner * outer
         return tuple(total)
 
-    return values
+    @cached_property
+    def _parts(self) -> tuple[list[Group], list[tuple[int, _Series]]]:
+        """What can be added over denominators in t alone, and the rest by the number of the surface."""
+        data, order = self.data, self.order
+        columns: dict[str, tuple[fmpq_poly, dict[tuple[int, int], list[fmpq_poly]]]] = {}
+        series: list[tuple[int, _Series]] = []
+        for i, (surface, value) in enumerate(zip(data.surfaces, data.values, strict=True)):
+            inverse = inverse_series(data.values, i, order)
+            if not surface.is_exact:
+                series.append((i, _NumericSeries(surface, to_float(value), [to_float(v) for v in inverse])))
+                continue
+            left = []
+            for axis, component in enumerate(surface.components):
+                below, *more = taylor(component.denominator, value, order)
+                if any(not p.is_zero() for p in more):
+                    left.append(axis)
+                    continue
+                lead = below.leading_coefficient()
+                _, found = columns.setdefault(str(below / lead), (below / lead, {}))
+                found[axis, i * (order + 1)] = [p / lead for p in _mixed(component, value, inverse)]
+            if left:
+                series.append((i, _ExactSeries.of(surface, value, inverse, tuple(left))))
+        number = len(data.surfaces) * (order + 1)
+        return [Group.of(below, found, number) for below, found in columns.values()], series
 
 
-def _prepared(data: BlendingData, order: int) -> tuple[tuple[Group | FactoredGroup, ...], list[tuple[int, _Series]]]:
-    """What can be added over denominators in t alone, and the rest surface by surface."""
-    builder = GroupBuilder(len(data.surfaces) * (order + 1))
-    series: list[tuple[int, _Series]] = []
-    for i, (surface, value) in enumerate(zip(data.surfaces, data.values, strict=True)):
-        inverse = inverse_series(data.values, i, order)
-        if not surface.is_exact:
-            series.append((i, _NumericSeries(surface, to_float(value), [to_float(v) for v in inverse])))
-            continue
-        left = []
-        for axis, component in enumerate(surface.components):
-            below = taylor(component.denominator, value, order)
-            if all(p.is_zero() for p in below[1:]):
-                builder.add(axis, below[0], i * (order + 1), _mixed(component, value, inverse))
-            else:
-                left.append(axis)
-        if left:
-            series.append((i, _ExactSeries.of(surface, value, inverse, tuple(left))))
-    return builder.groups(), series
+@dataclass(frozen=True)
+class Group:
+    """Components (numbers `axes`) over one denominator (coefficients in t, None for 1).
+
+    `matrix[a, c, m]` is the coefficient of t^a times function m of h in component `axes[c]`.
+    """
+
+    axes: tuple[int, ...]
+    matrix: Floats
+    below: Floats | None
+
+    @classmethod
+    def of(cls, below: fmpq_poly, columns: dict[tuple[int, int], list[fmpq_poly]], number: int) -> Group:
+        """The sums of columns[axis, first][j](t) / below(t) times function first + j of the `number` there are."""
+        scale = max(abs(c) for c in below.coeffs())
+        axes = tuple(sorted({axis for axis, _ in columns}))
+        length = max(p.length() for polynomials in columns.values() for p in polynomials)
+        matrix = np.zeros((max(length, 1), len(axes), number))
+        for (axis, first), polynomials in columns.items():
+            table = dense(polynomials, scale)
+            matrix[: len(table), axes.index(axis), first : first + len(polynomials)] = table
+        return cls(axes, matrix, None if below.degree() == 0 else dense([below], scale)[:, 0])
+
+    def values(self, t: Any, functions: Floats) -> list[Any]:
+        """Values of the components `axes`; `functions` are stacked (of jets, the coefficients)."""
+        rows = product(self.matrix, functions)
+        inverse = None if self.below is None else 1.0 / horner(self.below, t)
+        if isinstance(t, Jet):
+            parts = [_along_t([Jet(row) for row in rows[:, c]], t) for c in range(len(self.axes))]
+            return parts if inverse is None else [part * inverse for part in parts]
+        whole = _along_t(rows, t)
+        if inverse is not None:
+            whole = np.multiply(whole, inverse, out=whole if whole.shape[1:] == inverse.shape else None)
+        return list(whole)
+
+
+def _along_t(rows: Sequence[Any] | Floats, t: Any) -> Any:
+    """Horner's rule in t, in place once the shape is the full one."""
+    value = rows[-1]
+    for row in rows[-2::-1]:
+        if isinstance(value, np.ndarray) and value.shape[1:] == t.shape:
+            np.multiply(value, t, out=value)
+        else:
+            value = value * t
+        value += row
+    return value
+
+
+def _functions_of_h(h: Any, nodes: Sequence[float], order: int) -> Any:
+    """w_i(h) (h - s_i)^j, i outer, j inner: one array, these along its first axis, or a list for a jet."""
+    steps = [h - node for node in nodes]
+    ahead, behind = [steps[0]], [steps[-1]]
+    for step, back in zip(steps[1:-1], steps[-2:0:-1], strict=True):
+        ahead.append(ahead[-1] * step)
+        behind.append(behind[-1] * back)
+    result: Any = [None] * (len(nodes) * (order + 1))
+    if not isinstance(h, Jet):
+        result = np.empty((len(result), *h.shape))
+    for i, (node, step) in enumerate(zip(nodes, steps, strict=True)):
+        others = behind[-1] if i == 0 else ahead[-1] if i == len(nodes) - 1 else ahead[i - 1] * behind[-1 - i]
+        first = i * (order + 1)
+        result[first] = power(others * (1.0 / prod(node - other for j, other in enumerate(nodes) if j != i)), order + 1)
+        for place in range(first + 1, first + order + 1):
+            result[place] = result[place - 1] * step
+    return result
 
 
 def _mixed(component: RationalFunction, value: fmpq, inverse: Sequence[fmpq]) -> list[fmpq_poly]:
@@ -89,14 +162,13 @@ def _mixed(component: RationalFunction, value: fmpq, inverse: Sequence[fmpq]) ->
 
 @dataclass(frozen=True)
 class _ExactSeries:
-    """Taylor coefficients of P_i / w_i at s_i from polynomials in t (columns of `table`).
+    """Taylor coefficients of P_i / w_i at s_i from those of numerators and denominators, n_j / d_0 and d_j / d_0.
 
-    `above[c][j]`, `below[c][j]` are the columns of the j-th coefficient of numerator and denominator of
-    component `axes[c]`, None where it is zero.
+    `above[c][j]`, `below[c][j]` are the numbers of these quotients for component `axes[c]`, None where zero.
     """
 
     axes: tuple[int, ...]
-    table: Floats
+    quotients: Bundle
     above: tuple[tuple[int | None, ...], ...]
     below: tuple[tuple[int | None, ...], ...]
 
@@ -105,50 +177,44 @@ class _ExactSeries:
         cls, surface: ParametricSurface, value: fmpq, inverse: Sequence[fmpq], axes: tuple[int, ...]
     ) -> _ExactSeries:
         """Of the components `axes` of an exact surface; `inverse` are the Taylor coefficients of 1 / w_i."""
-        columns: list[Floats] = []
-        known: dict[str, tuple[int | None, ...]] = {}
+        pairs: list[tuple[fmpq_mpoly, fmpq_mpoly]] = []
+        known: dict[tuple[str, str], int] = {}
+
+        def number(top: fmpq_poly, bottom: fmpq_poly) -> int | None:
+            key = str(top), str(bottom)
+            if key not in known and not top.is_zero():
+                known[key] = len(pairs)
+                pairs.append((univariate(top, 0), univariate(bottom, 0)))
+            return known.get(key)
+
         above, below = [], []
         for component in (surface.components[axis] for axis in axes):
             bottom = taylor(component.denominator, value, len(inverse) - 1)
-            scale = max(abs(c) for p in bottom for c in p.coeffs())
-            above.append(_stored(_mixed(component, value, inverse), scale, columns))
-            key = str(component.denominator)
-            if key not in known:
-                known[key] = _stored(bottom, scale, columns)
-            below.append(known[key])
-        table = np.zeros((max((len(c) for c in columns), default=1), len(columns)))
-        for i, column in enumerate(columns):
-            table[: len(column), i] = column
-        return cls(axes, table, tuple(above), tuple(below))
+            above.append(tuple(number(p, bottom[0]) for p in _mixed(component, value, inverse)))
+            below.append((None, *(number(p, bottom[0]) for p in bottom[1:])))
+        return cls(axes, Bundle.of_pairs(pairs), tuple(above), tuple(below))
 
     def __call__(self, t: Any) -> list[tuple[int, list[Any]]]:
-        if isinstance(t, Jet):
-            rows: Sequence[Any] = [horner(column, t) for column in self.table.T]
-        else:
-            rows = list(combinations(t, self.table))
-        inverses = {columns: 1.0 / rows[_first(columns)] for columns in set(self.below)}
+        rows = self.quotients.quotients(t, 0.0)
         parts = zip(self.axes, self.above, self.below, strict=True)
-        return [(axis, self._divided(rows, a, b, inverses)) for axis, a, b in parts]
+        return [(axis, _divided(rows, a, b)) for axis, a, b in parts]
 
-    @staticmethod
-    def _divided(
-        rows: Sequence[Any], above: tuple[int | None, ...], below: tuple[int | None, ...], inverses: dict[Any, Any]
-    ) -> list[Any]:
-        result: list[Any] = [None if i is None else rows[i] for i in above]
-        for j in range(len(result)):
-            for m in range(1, j + 1):
-                column, earlier = below[m], result[j - m]
-                if column is not None and earlier is not None:
-                    step = rows[column] * earlier
-                    result[j] = -step if result[j] is None else result[j] - step
-            if result[j] is not None:
-                result[j] = result[j] * inverses[below]
-        return result
+
+def _divided(rows: Sequence[Any], above: Sequence[int | None], below: Sequence[int | None]) -> list[Any]:
+    """The quotient of two series: c_j = n_j / d_0 - sum_m d_m / d_0 c_(j-m)."""
+    result: list[Any] = [None if i is None else rows[i] for i in above]
+    for j in range(len(result)):
+        for m in range(1, j + 1):
+            column, earlier = below[m], result[j - m]
+            if column is not None and earlier is not None:
+                step = rows[column] * earlier
+                result[j] = -step if result[j] is None else result[j] - step
+    return result
 
 
 @dataclass(frozen=True)
 class _NumericSeries:
-    """The same for a surface that can only be evaluated, by its derivatives in h."""
+    """Taylor coefficients of P_i / w_i at s_i for a surface that can only be evaluated, by its derivatives in h."""
 
     surface: ParametricSurface
     value: float
@@ -166,23 +232,6 @@ class _NumericSeries:
         table = part.coefficients
         rows = [along(t, list(table[:, j])) if isinstance(t, Jet) else table[0, j] for j in range(order + 1)]
         return [sum(rows[m] * self.inverse[j - m] for m in range(j + 1)) for j in range(order + 1)]
-
-
-def _stored(polynomials: Sequence[fmpq_poly], scale: fmpq, columns: list[Floats]) -> tuple[int | None, ...]:
-    places: list[int | None] = []
-    for p in polynomials:
-        places.append(None if p.is_zero() else len(columns))
-        if not p.is_zero():
-            columns.append(dense([p], scale)[:, 0])
-    return tuple(places)
-
-
-def _first(columns: tuple[int | None, ...]) -> int:
-    """The column of the constant coefficient; it is not zero where the surface is defined."""
-    place = columns[0]
-    if place is None:
-        raise ValueError("the surface is not defined at its value")
-    return place
 
 
 def _polynomial(coefficients: Sequence[Any], step: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Surfaces in a frame of their own: over the unit square, and about as large as 1.
+"""Finite rectangles of parameters, and surfaces in a frame of their own: over the unit square, and about as large as 1.
 
 Bounds and meshes are made there, so that they do not depend on the units of space or parameters: squares of distances
 neither vanish nor overflow, and the parameters of halved rectangles are exact.  Space is scaled by a power of two,
@@ -10,49 +10,76 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
+from pas.algebra.rational import rational, to_float
 from pas.errors import GeometryError
-from pas.parametric.domain import Interval
+from pas.parametric.domain import Domain, DomainLike, Interval
+from pas.parametric.maps import ParametricMap
 
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
+Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 
-UNIT_SQUARE = ((0, 1), (0, 1))
-POINTS = 17
-"""Points a side by which the extent is judged."""
 
-SMALLEST = math.ulp(0.0)
-"""The step of the smallest doubles, by which points of the smallest surfaces are rounded."""
+def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:
+    """The finite rectangle to mesh, exact as its ends are given: `domain`, completed by the surface's own.
+
+    An interval None, or an end None, is that of the surface.  Raises `ValueError` naming a parameter that has no
+    finite interval or one outside the surface's domain.
+    """
+    given, result = surface.with_domain(domain), []
+    for axis, name in enumerate(surface.parameters):
+        own = surface.domain[axis]
+        low, high = (e if math.isfinite(e) else o for e, o in zip(given.domain[axis], own, strict=True))
+        if not math.isfinite(high - low):
+            sides = ["(-1, 1)" if not np.isfinite(side).all() else "None" for side in surface.domain]
+            raise ValueError(
+                f"the domain of {name} is infinite ({low:g} to {high:g}); "
+                f"give a finite one, such as domain=({', '.join(sides)})"
+            )
+        if not own[0] <= low < high <= own[1]:
+            raise ValueError(
+                f"the interval [{low:g}, {high:g}] of {name} is not within the surface's domain "
+                f"[{own[0]:g}, {own[1]:g}]"
+            )
+        lows, highs = zip(surface.ends[axis], given.ends[axis], strict=True)
+        ends = max(rational(e) for e in lows if e is not None), min(rational(e) for e in highs if e is not None)
+        result.append(ends)  # a double given for an end may lie outside by its rounding
+    return result[0], result[1]
+
+
+def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
+    """The finite rectangle to mesh in doubles; raises as `exact_rectangle` does."""
+    first, second = ((to_float(low), to_float(high)) for low, high in exact_rectangle(surface, domain))
+    return first, second
 
 
 @dataclass(frozen=True)
 class Framed:
     """`surface` is P(low + (high - low) u, ...) / 2^exponent over [0, 1]^2, with `bounded` P and its finite domain."""
 
-    bounded: ParametricSurface
-    surface: ParametricSurface
+    bounded: ParametricMap
+    surface: ParametricMap
     exponent: int
     size: float
 
     @classmethod
-    def of(cls, bounded: ParametricSurface) -> Framed:
+    def of(cls, bounded: ParametricMap) -> Framed:
         """Of a surface with a finite domain; raises as `extent` does."""
-        exponent = math.frexp(extent(bounded))[1] - 1
+        size = extent(bounded)
+        exponent = math.frexp(size)[1] - 1
         first, second = bounded.domain
 
         def values(u: Any, v: Any) -> tuple[Any, ...]:
             parts = bounded.values(_moved(u, first), _moved(v, second))
             return tuple(_scaled(part, -exponent) for part in parts)
 
-        made = type(bounded).from_parts(values, None, bounded.parameters, UNIT_SQUARE, "it is framed")
-        return cls(bounded, made, exponent, math.ldexp(extent(bounded), -exponent))
+        made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
+        return cls(bounded, made, exponent, math.ldexp(size, -exponent))
 
     @property
     def unit(self) -> fmpq:
@@ -65,7 +92,7 @@ class Framed:
 
     def outside(self, length: float) -> float:
         """A bound of this frame in the model's lengths, rounded upwards, points being rounded to doubles."""
-        return math.nextafter(_ldexp(length, self.exponent), math.inf) + 2 * SMALLEST
+        return math.nextafter(_ldexp(length, self.exponent), math.inf) + 2 * math.ulp(0.0)
 
     def points_outside(self, points: Floats) -> Floats:
         """Points of this frame in space."""
@@ -85,12 +112,12 @@ class Framed:
         return np.stack(parts, axis=-1)
 
 
-def extent(surface: ParametricSurface) -> float:
+def extent(surface: ParametricMap) -> float:
     """The longest side of the box around a few points of a surface on a finite domain.
 
     Raises `GeometryError` where that is zero or infinite.
     """
-    t, h = (_moved(np.linspace(0.0, 1.0, POINTS), interval) for interval in surface.domain)
+    t, h = (_moved(np.linspace(0.0, 1.0, 17), interval) for interval in surface.domain)
     points = surface.on_grid(t, h).reshape(-1, 3)
     points = points[np.isfinite(points).all(axis=1)]
     with np.errstate(over="ignore"):

@@ -1,24 +1,48 @@
-"""The Hermite basis: polynomials L_ij whose derivatives up to order k at given values are unit vectors.
+"""Hermite interpolation: the basis L_ij whose derivatives up to order k at given values are unit vectors, and blends.
 
 With W = prod (h - s_l)^(k+1) and i, j fixed, L_ij is the Taylor polynomial of (h - s_i)^(k+1) / W at
 s_i, cut off at degree k - j, times (h - s_i)^j / j! and W / (h - s_i)^(k+1) (Spitzbart 1960; used
 for blending by Perez-Diaz and Sendra 2003).  The degree is n(k+1) - 1 at most, and the basis is
 unique since the confluent Vandermonde determinant does not vanish.
+
+The Hermite blend is T = sum_i sum_{j<=k} (d^j P_i/dh^j)(t, s_i) L_ij(h) (Perez-Diaz and Sendra 2003, algorithm 1).  The
+denominators are polynomials in t alone, so the sum is a product of two matrices of rationals, and lowest terms need
+greatest common divisors in t only.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 from math import factorial, prod
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_mat, fmpq_poly
 
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.rational import Exact, plain, rational, to_fraction
-from pas.algebra.rational_function import ONE, RationalFunction
-from pas.parametric.series import univariate
+from pas.algebra.rational_function import ONE, RING, RationalFunction
+from pas.limits import checkpoint
+from pas.parametric.series import Components, padded, univariate
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Taylor coefficients in h of one component: `numerators[j] / denominator` as functions of t.
+
+    The denominator is the least common one of all j (in lowest terms, monic).
+    """
+
+    numerators: tuple[fmpq_poly, ...]
+    denominator: fmpq_poly
+
+    @property
+    def functions(self) -> list[RationalFunction]:
+        """The coefficients, each in lowest terms."""
+        below = univariate(self.denominator, 0)
+        return [RationalFunction.quotient(univariate(n, 0), below) for n in self.numerators]
 
 
 def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
@@ -82,8 +106,7 @@ def inverse_series(values: Sequence[fmpq], number: int, order: int) -> list[fmpq
     power = fmpq_poly([1])
     for _ in range(order + 1):
         power = power.mul_low(series, order + 1)
-    coefficients = power.coeffs()
-    return [*coefficients, *[fmpq(0)] * (order + 1 - len(coefficients))]
+    return padded(power, order + 1)
 
 
 def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
@@ -99,3 +122,35 @@ def distinct(values: Sequence[Exact]) -> tuple[fmpq, ...]:
         if a == b:
             raise ValueError(f"values[{i}] and values[{j}] are both {short(plain(a))}; give each surface its own value")
     return exact
+
+
+def exact_hermite(
+    values: Sequence[fmpq], expansions: Sequence[Sequence[Expansion]], order: int, names: Names
+) -> Components:
+    """The blend in lowest terms from the expansions of the three components of each surface."""
+    rows = [p for i in range(len(values)) for p in taylor_basis(values, i, order)]
+    width = max(p.length() for p in rows)
+    basis = fmpq_mat(len(rows), width, [c for p in rows for c in padded(p, width)])
+    x, y, z = (_summed([parts[axis] for parts in expansions], basis, names) for axis in range(3))
+    return x, y, z
+
+
+def _summed(parts: Sequence[Expansion], basis: fmpq_mat, names: Names) -> RationalFunction:
+    """One component: coefficients in t (columns) times the basis (rows) is a matrix of coefficients."""
+    checkpoint("adding up the Hermite blend")
+    below = fmpq_poly([1])
+    for part in parts:
+        below = below * (part.denominator / below.gcd(part.denominator))
+    tops = [n * (below / part.denominator) for part in parts for n in part.numerators]
+    height = max(p.length() for p in tops)
+    if height == 0:
+        return RationalFunction(0, names)
+    table = fmpq_mat(len(tops), height, [c for p in tops for c in padded(p, height)]).transpose() * basis
+    columns = [fmpq_poly([table[a, b] for a in range(height)]) for b in range(table.ncols())]
+    common = below
+    for column in columns:
+        common = common.gcd(column)
+    terms: dict[tuple[int, ...], fmpq] = {
+        (a, b): c for b, column in enumerate(columns) for a, c in enumerate((column / common).coeffs()) if c != 0
+    }
+    return RationalFunction.from_lowest_terms(RING.from_dict(terms), univariate(below / common, 0), names)

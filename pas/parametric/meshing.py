@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -28,53 +27,26 @@ from numpy.typing import NDArray
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.bounds import Looking, NetPoints, bounded, measured, surface_points
-from pas.parametric.domain import Domain, DomainLike
-from pas.parametric.framed import Framed
-from pas.parametric.nets import Nets, Rectangle, exact_net
+from pas.parametric.bounds import Examination, NetPoints, bounded, measured, surface_points
+from pas.parametric.domain import DomainLike
+from pas.parametric.framed import Framed, Rectangle, exact_rectangle
+from pas.parametric.maps import ParametricMap
+from pas.parametric.nets import Nets, exact_net
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
 
 RELATIVE = 1e-3
 """The tolerance over the surface's extent where none is given."""
 
-WHOLE = np.array([[0, GRID, 0, GRID]])
-"""The cell of all of the rectangle."""
-
-FIRST = 3
-"""Halvings each way before anything measured is believed."""
-
-LOST = 32
-"""Halvings after which a cell that still has no bound is reported as a pole: it is then 2e-5 wide each way."""
-
-DEEPEST = 40
-"""Halvings after which any cell is: smooth surfaces have run out of triangles before."""
-
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
 
-HIGHEST, LONGEST = 3000, 500
-"""Bernstein coefficients of one coordinate, and of these along one parameter, up to which bounds are worked out; above,
-they are measured."""
-
-ROUNDED = 1 + 2.0**-40
-"""On a sum of bounds, for its own rounding."""
-
-BATCH = 1 << 21
-"""Numbers held in one batch of cells."""
-
-
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
-
 
 PARTS = ((1, 1), (3, 1), (1, 3), (3, 3))
 """Into how many parts each way the rectangle is cut first, before parts are halved; usually there is one."""
@@ -86,15 +58,9 @@ WAYS = {
 }
 """Such parts, and whether long cells are halved as well: the best of these meshes is kept."""
 
-LONG = 1.5
-"""Length over width of a cell above which it is halved for good angles."""
-
-FINE = 1 << 13
-"""Steps of the grid of which first cuts are multiples, so that parts can be halved that often."""
-
 
 def mesh_surface(
-    surface: ParametricSurface,
+    surface: ParametricMap,
     tolerance: float | None = None,
     domain: DomainLike = None,
     quality: Quality | str = Quality.BALANCED,
@@ -103,25 +69,19 @@ def mesh_surface(
     how = Quality.of(quality)
     rectangle = exact_rectangle(surface, domain)
     framed = Framed.of(surface.with_domain(rectangle))
-    wanted = (
-        RELATIVE * framed.size
-        if tolerance is None
-        else framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
-    )
+    wanted = RELATIVE * framed.size
+    if tolerance is not None:
+        wanted = framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
     welding = min(SEAM * framed.size, wanted / 16)
     aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
-    nets = _nets(framed, rectangle, WHOLE)
-    look: Looking
-    place: Placing
-    if nets is None:
-        look, place = measured(framed.surface), surface_points(framed.surface)
-    else:
-        look, place = bounded, NetPoints(framed, nets.table[0], welding)
+    nets = _nets(framed, rectangle, np.array([0, GRID, 0, GRID]))
+    place: Placing = surface_points(framed.surface) if nets is None else NetPoints(framed, nets.table[0], welding)
+    examine = measured(framed.surface) if nets is None else bounded
     found: list[Mesh] = []
     for parts, even in WAYS[how]:
-        starts = [(_nets(framed, rectangle, cell), cell) for cell in _first_cells(parts)]
+        starts = [(_nets(framed, rectangle, cell), cell[None]) for cell in _first_cells(parts)]
         try:
-            leaves, worst = _leaves(starts, look, aim, framed, even)
+            leaves, worst = _leaves(starts, examine, aim, framed, even)
             found.append(_assembled(framed, leaves, worst, place, wanted, nets is not None))
         except MeshError:  # too many triangles, or cells too fine for the grid: there is a mesh already
             if not found:
@@ -134,82 +94,45 @@ def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, w
     tiles = assemble(framed.surface, leaves, place, framed.size)
     if not len(tiles.triangles):
         raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-    deviation = framed.outside((worst + tiles.away) * ROUNDED)
     if tiles.away > wanted - worst:
-        raise MeshError(too_fine(framed.outside(wanted)))
+        raise MeshError(_too_fine(framed.outside(wanted)))
     return Mesh.smooth(
         framed.points_outside(tiles.points),
         tiles.triangles,
         tiles.normals,
         parameters=framed.parameters_outside(tiles.shares),
-        deviation=deviation,
+        deviation=framed.outside((worst + tiles.away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
         proved=proved,
     )
 
 
 def _first_cells(parts: tuple[int, int]) -> Integers:
-    """The cells (n m, 1, 4) into which the rectangle is cut first."""
-    first, second = ([round(GRID / FINE * k / n) * FINE for k in range(n + 1)] for n in parts)
-    return np.array([[[*a, *b]] for a in pairwise(first) for b in pairwise(second)])
+    """The cells (n m, 4) into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""
+    fine = 1 << 13
+    first, second = ([round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in parts)
+    return np.array([[*a, *b] for a in pairwise(first) for b in pairwise(second)])
 
 
 def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
-    """The net of an exact surface on a cell (1, 4), unless it is too large to work with."""
+    """The net of an exact surface on a cell (4,), unless it is too large to work with: then it is measured."""
     if not framed.bounded.is_exact:
         return None
-    places = cell[0].tolist()
-    sides = zip(rectangle, (places[:2], places[2:]), strict=True)
-    part = [(low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides]
-    exact = exact_net(framed.bounded, (part[0], part[1]))
+    sides = zip(rectangle, cell.reshape(2, 2).tolist(), strict=True)
+    first, second = (
+        (low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides
+    )
+    exact = exact_net(framed.bounded, (first, second))
     size = len(exact.below), len(exact.below[0])
-    return exact.rounded(framed.unit) if size[0] * size[1] <= HIGHEST and max(size) <= LONGEST else None
-
-
-def finite_domain(surface: ParametricSurface, domain: DomainLike = None) -> Domain:
-    """The finite rectangle to mesh: `domain`, completed by the surface's own.
-
-    An interval None, or an end None, is that of the surface.  Raises `ValueError` naming a parameter that has no
-    finite interval or one outside the surface's domain.
-    """
-    given = surface.with_domain(domain).domain
-    result = []
-    for name, own, (low, high) in zip(surface.parameters, surface.domain, given, strict=True):
-        ends = own[0] if math.isinf(low) else low, own[1] if math.isinf(high) else high
-        if not math.isfinite(ends[1] - ends[0]):
-            raise ValueError(
-                f"the domain of {name} is infinite ({ends[0]:g} to {ends[1]:g}); "
-                f"give a finite one, such as domain={_example(surface)}"
-            )
-        if not own[0] <= ends[0] < ends[1] <= own[1]:
-            raise ValueError(
-                f"the interval [{ends[0]:g}, {ends[1]:g}] of {name} is not within the surface's domain "
-                f"[{own[0]:g}, {own[1]:g}]"
-            )
-        result.append(ends)
-    return result[0], result[1]
-
-
-def exact_rectangle(surface: ParametricSurface, domain: DomainLike = None) -> Rectangle:
-    """The same in exact numbers, as they are given."""
-    finite_domain(surface, domain)
-    result = []
-    for own, given in zip(surface.ends, surface.with_domain(domain).ends, strict=True):
-        lows, highs = ([rational(e[side]) for e in (own, given) if e[side] is not None] for side in (0, 1))
-        result.append((max(lows), min(highs)))  # a double given for an end may lie outside by its rounding
-    return result[0], result[1]
-
-
-def _example(surface: ParametricSurface) -> str:
-    sides = ["(-1, 1)" if math.isinf(low) or math.isinf(high) else "None" for low, high in surface.domain]
-    return f"({', '.join(sides)})"
+    return exact.rounded(framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
 
 def _leaves(
-    starts: Sequence[tuple[Nets | None, Integers]], look: Looking, aim: float, framed: Framed, even: bool
+    starts: Sequence[tuple[Nets | None, Integers]], examine: Examination, aim: float, framed: Framed, even: bool
 ) -> tuple[Integers, float]:
     """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
 
-    Where they are to be `even` none is long that has four sides.
+    Where they are to be `even` none is long that has four sides.  Nothing measured is believed before three halvings
+    each way.
     """
     pending = [(nets, cells, 0) for nets, cells in starts]
     leaves: list[Integers] = []
@@ -218,38 +141,37 @@ def _leaves(
         nets, cells, depth = pending.pop()
         checkpoint(f"meshing a surface ({count} cells)")
         with np.errstate(all="ignore"):
-            seen = look(nets, cells)
-            bounds, axes = seen.judged
-        if nets is None and depth < 2 * FIRST:
+            errors = examine(nets, cells)
+            bounds, axes = errors.bounds_and_axes
+        if nets is None and depth < 6:
             bounds[:] = math.inf
         axes[~np.isfinite(bounds)] = depth % 2
         good = bounds <= aim
         if even:
-            good &= ~_long(seen.corners, axes, good)
+            good &= ~_long(errors.corners, axes, good)
         leaves.append(cells[good])
         worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
-        if good.all():
-            continue
         far = bounds > aim
-        if 2 * float(seen.least[far].max(initial=0.0)) > aim:
-            raise MeshError(too_fine(framed.outside(aim)))
-        _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
+        if 2 * float(errors.least[far].max(initial=0.0)) > aim:
+            raise MeshError(_too_fine(framed.outside(aim)))
+        if not good.all():
+            _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
         for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile
             rest = np.flatnonzero(~good & (axes == axis) & (np.isfinite(bounds) == finite))
-            step = max(1, BATCH // ((4 if nets is None else nets.table[0].size) * 8))
-            for start in range(0, len(rest), step):
-                part = rest[start : start + step]
+            step = max(1, (1 << 21) // ((4 if nets is None else nets.table[0].size) * 8))  # numbers in a batch
+            for part in (rest[start : start + step] for start in range(0, len(rest), step)):
                 children = None if nets is None else nets.part(part).halves(axis)
                 pending.append((children, _halves(cells[part], axis), depth + 1))
     return np.concatenate(leaves), worst
 
 
 def _long(corners: Floats, axes: Integers, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are long, and halved across: written to `axes`."""
+    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are over 1.5 times as long as wide, and are to be halved
+    across, which is written to `axes`."""
     sides = [lengths(np.diff(corners, axis=axis)).reshape(-1, 2) for axis in (1, 2)]
     whole = np.min([side.min(axis=1) for side in sides], axis=0) > SEAM
     first, second = (side.sum(axis=1) for side in sides)
-    result = chosen & whole & ((first > LONG * second) | (second > LONG * first))
+    result = chosen & whole & ((first > 1.5 * second) | (second > 1.5 * first))
     axes[result] = np.where(first > second, 0, 1)[result]
     return np.asarray(result)
 
@@ -264,17 +186,19 @@ def _halves(cells: Integers, axis: int) -> Integers:
     return np.concatenate([left, right])
 
 
-def too_fine(tolerance: float) -> str:
-    """That a tolerance cannot be met in doubles."""
+def _too_fine(tolerance: float) -> str:
     return f"the tolerance {tolerance:.3g} is finer than doubles resolve on this surface; give a larger one"
 
 
 def _require_hope(bounds: Floats, cells: Integers, depth: int, count: int, framed: Framed, aim: float) -> None:
-    """Raise the error that says why halving on would be in vain."""
-    lost = cells if depth >= DEEPEST else cells[~np.isfinite(bounds)]
-    if len(lost) and (depth >= LOST or count > LARGEST):
-        middle = np.array([(lost[0, 2 * i] + lost[0, 2 * i + 1]) / (2 * GRID) for i in (0, 1)])
-        values = framed.parameters_outside(middle)
+    """Raise the error that says why halving on would be in vain.
+
+    A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is, since
+    smooth surfaces have run out of triangles before.
+    """
+    lost = cells if depth >= 40 else cells[~np.isfinite(bounds)]
+    if len(lost) and (depth >= 32 or count > LARGEST):
+        values = framed.parameters_outside(lost[0].reshape(2, 2).mean(axis=1) / GRID)
         place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(framed.bounded.parameters, values, strict=True))
         what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
         raise GeometryError(f"{what} near {place}; give a domain that avoids it")

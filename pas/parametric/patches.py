@@ -14,11 +14,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
@@ -30,7 +28,8 @@ from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalF
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.components import Components
+from pas.parametric.nets import bernstein_at, bernstein_polynomials
+from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
 from pas.verdicts import Findings
@@ -143,7 +142,7 @@ class RationalPatch(Shape):
         table = np.concatenate([self.points * self.weights[..., None], self.weights[..., None]], axis=-1)
         if self.is_bezier and orders == (0, 0):
             shares = ((x - k[0]) / (k[-1] - k[0]) for x, k in zip((u, v), self.knots, strict=True))
-            first, second = (_bernstein(d, share) for d, share in zip(self.degrees, shares, strict=True))
+            first, second = (bernstein_at(d, share) for d, share in zip(self.degrees, shares, strict=True))
             return np.asarray(np.einsum("...i,...ix->...x", first, np.einsum("...j,ijx->...ix", second, table)))
         if any(order > degree for order, degree in zip(orders, self.degrees, strict=True)):
             return np.zeros((*u.shape, 4))
@@ -172,7 +171,10 @@ class RationalPatch(Shape):
         exact = self.exact
         points, weights = (self.points, self.weights) if exact is None else (exact.points, exact.weights)
         ends = np.array(self.domain) if exact is None else exact.rectangle
-        bases = [_polynomials(d, g, *map(rational, e)) for d, g, e in zip(self.degrees, GENERATORS, ends, strict=True)]
+        bases = [
+            bernstein_polynomials(d, g, *map(rational, e))
+            for d, g, e in zip(self.degrees, GENERATORS, ends, strict=True)
+        ]
         sums = [ONE * 0] * 4
         for i, first in enumerate(bases[0]):
             rows = [ONE * 0] * 4
@@ -194,13 +196,3 @@ def _checked(knots: Any, size: int, name: str) -> Floats:
     if not (np.isfinite(array).all() and (np.diff(array) >= 0).all() and clamped and array[0] < array[-1]):
         raise ValueError(f"the knots of {name} must not fall, with each end {degree + 1} times")
     return array
-
-
-def _bernstein(degree: int, t: Floats) -> Floats:
-    return np.stack([comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(degree + 1)], axis=-1)
-
-
-def _polynomials(degree: int, generator: fmpq_mpoly, low: fmpq, high: fmpq) -> list[fmpq_mpoly]:
-    """The exact Bernstein polynomials of [low, high]."""
-    ahead, behind = (generator - low) / (high - low), (high - generator) / (high - low)
-    return [comb(degree, i) * ahead**i * behind ** (degree - i) for i in range(degree + 1)]

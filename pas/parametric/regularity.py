@@ -1,46 +1,45 @@
-"""Whether the normal dP/dt x dP/dh of an exact surface vanishes somewhere, by Bernstein branch and bound.
+"""Where an exact surface is singular: whether its normal vanishes or it has poles, and its base points.
 
-With P = (X_a / W_a) the tangents are (X_a' W_a - X_a W_a') / W_a^2, so the normal vanishes iff three polynomials
-do (numerators over the positive W_a^2 W_b^2).  Their common factor and the denominators are examined by themselves,
-each without its multiple factors, so that it changes sign where it vanishes along a curve.
+By Bernstein branch and bound it is decided whether dP/dt x dP/dh vanishes.  With P = (X_a / W_a) the tangents are
+(X_a' W_a - X_a W_a') / W_a^2, so the normal vanishes iff three polynomials do (numerators over the positive
+W_a^2 W_b^2).  Their common factor and the denominators are examined by themselves, each without its multiple factors,
+so that it changes sign where it vanishes along a curve.
 
 PROVED: no vanishing normal and no pole on the whole domain.  REFUTED: the three polynomials, or a denominator, are
 exactly zero at a point, or one of them changes sign near.  UNDECIDED: the effort ran out.  For surfaces that are not
 exact, and for high degrees, tangents are measured on a grid.
+
+Base points are isolated parameters at which a component is 0/0, numerator and denominator in lowest terms.  Resultants
+give the candidates for each parameter; real roots are isolated exactly, and a pair of them is kept unless interval
+arithmetic shows that one of the two polynomials is not zero there.  Guaranteed: no base point is missed.  Not
+guaranteed: that a pair at which both vanish to the precision of 256 bits is one.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
-from flint import fmpq_mpoly
+from flint import arb, ctx, fmpq_mpoly
 
 from pas.algebra.lengths import lengths, scaled
 from pas.algebra.rational import plain, to_float
-from pas.algebra.rational_function import ONE, RationalFunction
+from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction
+from pas.algebra.roots import exact, real_roots
 from pas.limits import Report, limited
-from pas.parametric.common_zeros import UNIT_SQUARE, Outcome, pieces_of, without_common_zero
+from pas.parametric.common_zeros import UNIT_SQUARE, ZeroSearch, charts_of, without_common_zero
+from pas.parametric.maps import ParametricMap
+from pas.parametric.series import in_one
 from pas.verdicts import Status, Verdict
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
-
-GRID = 33
-"""Points a side at which tangents are tried where there is no proof."""
 
 LARGEST = 600
 """Bernstein coefficients (of one polynomial) up to which a proof is attempted."""
 
 
-STILL, FLAT = 1e-9, 1e-6
-"""A tangent below this share of the median one, and an angle below these degrees, count as zero where measured."""
-
-
 @limited("proving that a surface is regular", "less effort or a smaller domain")
 def regularity(
-    surface: ParametricSurface, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
+    surface: ParametricMap, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
 ) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
@@ -53,8 +52,8 @@ def regularity(
         return _sampled(surface, claim, f"the degree {surface.degree} is too high for a proof")
     examined, doubts = 0, list[str]()
     for what, polynomials in _systems(surface):
-        for piece in pieces_of(surface.ends):
-            outcome = without_common_zero(polynomials, piece, effort - examined)
+        for chart in charts_of(surface.ends):
+            outcome = without_common_zero(polynomials, chart, effort - examined)
             examined += outcome.cells
             if outcome.status is Status.REFUTED:
                 return Verdict(Status.REFUTED, claim, what + _where(surface, outcome), measure=examined)
@@ -74,19 +73,18 @@ def positive_on_unit_square(function: RationalFunction, effort: int = 20_000) ->
     return proved and function.at("1/2", "1/2") > 0
 
 
-def _systems(surface: ParametricSurface) -> list[tuple[str, list[fmpq_mpoly]]]:
+def _systems(surface: ParametricMap) -> list[tuple[str, list[fmpq_mpoly]]]:
     """Sets of polynomials without a common zero; a common factor of the normal stands by itself."""
     below = {str(c.denominator): c.denominator for c in surface.components if not c.is_polynomial}
     systems = [("a denominator vanishes", [_radical(d)]) for _, d in sorted(below.items())]
     normal = normal_numerators(surface)
     common = normal[0].gcd(normal[1]).gcd(normal[2])
     if not common.is_zero() and not common.is_constant():
-        for _, d in below.items():  # its zeros are those of the denominators, already examined
+        normal = [n / common for n in normal]
+        for d in below.values():  # its zeros are those of the denominators, already examined
             while not (shared := common.gcd(d)).is_constant():
                 common = common / shared
         systems.append(("the normal vanishes", [_radical(common)]))
-        whole = normal[0].gcd(normal[1]).gcd(normal[2])
-        normal = [n / whole for n in normal]
     return [*systems, ("the normal vanishes", normal)]
 
 
@@ -95,27 +93,24 @@ def _radical(polynomial: fmpq_mpoly) -> fmpq_mpoly:
     return math.prod((factor for factor, _ in polynomial.factor_squarefree()[1]), start=ONE)
 
 
-def _where(surface: ParametricSurface, outcome: Outcome) -> str:
+def _where(surface: ParametricMap, outcome: ZeroSearch) -> str:
     if outcome.place is None:
         return ""
     t, h = ((plain(x) if outcome.exact else f"{to_float(x):.6g}") for x in outcome.place)
     return f" {'at' if outcome.exact else 'near'} {surface.parameters[0]} = {t}, {surface.parameters[1]} = {h}"
 
 
-def _expected_size(surface: ParametricSurface) -> int:
+def _expected_size(surface: ParametricMap) -> int:
     """A bound on the number of coefficients of the normal's numerators."""
-    degrees = [[int(a + b) for a, b in zip(*_tops(c), strict=True)] for c in surface.components]
-    return math.prod(1 + sum(sorted(d[axis] for d in degrees)[1:]) for axis in (0, 1))
+    parts = [(c.numerator, c.denominator) for c in surface.components]
+    sizes = [[sum(0 if p.is_zero() else int(p.degrees()[axis]) for p in pair) for pair in parts] for axis in (0, 1)]
+    return math.prod(1 + sum(sorted(size)[1:]) for size in sizes)
 
 
-def _tops(component: RationalFunction) -> list[tuple[int, ...]]:
-    return [p.degrees() if not p.is_zero() else (0, 0) for p in (component.numerator, component.denominator)]
-
-
-def _sampled(surface: ParametricSurface, claim: str, why: str) -> Verdict:
+def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     """What the tangents on a grid say: how small the sine between them and their lengths become."""
     ends = [(max(low, min(-1.0, high - 2)), min(high, max(1.0, low + 2))) for low, high in surface.domain]
-    t, h = (np.linspace(low, high, GRID) for low, high in ends)
+    t, h = (np.linspace(low, high, 33) for low, high in ends)
     tangents = surface.tangents(np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1))
     known = tangents[np.isfinite(tangents).all(axis=(-1, -2))]
     if not len(known):
@@ -124,22 +119,63 @@ def _sampled(surface: ParametricSurface, claim: str, why: str) -> Verdict:
     across = lengths(np.cross(ways[:, 0], ways[:, 1]))
     sines = across / np.maximum(lengths(ways).prod(axis=-1), 1 / 8)  # at least 1/4 but for zero vectors
     angle = math.degrees(math.asin(min(1.0, float(sines.min()))))
-    still = bool((sizes <= STILL * np.median(sizes, axis=0)).any())
+    still, flat = bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any()), angle < 1e-6  # beyond what rounding makes
     reason = f"{why}; at {len(known)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
     if still:
         reason += ", and at some of them one of the two vanishes"
-    return Verdict(Status.FAILS_MEASURED if still or angle < FLAT else Status.HOLDS_MEASURED, claim, reason)
+    return Verdict(Status.FAILS_MEASURED if still or flat else Status.HOLDS_MEASURED, claim, reason)
 
 
-def normal_numerators(surface: ParametricSurface) -> list[fmpq_mpoly]:
+def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:
     """Three polynomials that vanish together exactly where the normal does, away from poles."""
-    slopes = [[_slope(c, index) for c in surface.components] for index in (0, 1)]
-    return [
-        slopes[0][(i + 1) % 3] * slopes[1][(i + 2) % 3] - slopes[0][(i + 2) % 3] * slopes[1][(i + 1) % 3]
-        for i in range(3)
-    ]
+    parts = [(c.numerator, c.denominator) for c in surface.components]
+    p, q = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
+    return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 
 
-def _slope(component: RationalFunction, index: int) -> fmpq_mpoly:
-    n, d = component.numerator, component.denominator
-    return n.derivative(index) * d - n * d.derivative(index)
+@dataclass(frozen=True)
+class BasePoint:
+    """Parameters at which component `axis` of a surface is not defined, being 0/0."""
+
+    axis: str
+    t: float
+    h: float
+
+    def __str__(self) -> str:
+        return f"{self.axis} is 0/0 at ({self.t:.6g}, {self.h:.6g})"
+
+
+def base_points(surface: ParametricMap) -> tuple[BasePoint, ...]:
+    """The base points of an exact surface in its domain, by component (resultants: Cox, Little and O'Shea 2015, 3.6).
+
+    Near one the surface has no limit, whatever a blend does.  Raises `ValueError` for a surface that is not exact.
+    """
+    return tuple(
+        BasePoint(axis, t, h)
+        for axis, component in zip("xyz", surface.components, strict=True)
+        for t, h in _base_points(component)
+        if all(low <= x <= high for x, (low, high) in zip((t, h), surface.domain, strict=True))
+    )
+
+
+def _base_points(component: RationalFunction) -> list[tuple[float, float]]:
+    both = component.numerator, component.denominator
+    if any(p.is_constant() for p in both):
+        return []
+    with ctx.workprec(256):
+        firsts, seconds = _roots(*both, 0), _roots(*both, 1)
+        pairs = [(t, h) for t in firsts for h in seconds if all(_may_vanish(p, t, h) for p in both)]
+    return [(to_float(exact(t)), to_float(exact(h))) for t, h in pairs]
+
+
+def _roots(above: fmpq_mpoly, below: fmpq_mpoly, kept: int) -> list[arb]:
+    """Real balls around the values of a parameter at common zeros."""
+    if all(int(p.degrees()[1 - kept]) == 0 for p in (above, below)):
+        return []  # coprime polynomials in one parameter have no common zero
+    result = in_one(above.resultant(below, PARAMETERS[1 - kept]), kept)
+    return [root.ball(256) for root in sorted(real_roots(result))] if result.degree() > 0 else []
+
+
+def _may_vanish(polynomial: fmpq_mpoly, t: arb, h: arb) -> bool:
+    terms = polynomial.to_dict().items()
+    return bool(sum((arb(c) * t ** int(a) * h ** int(b) for (a, b), c in terms), arb(0)).contains(0))

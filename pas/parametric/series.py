@@ -1,13 +1,18 @@
-"""Expansions and substitutions of exact rational functions: along h = constant, and into polynomials."""
+"""Exact work in one parameter: expansions along h = constant, polynomials in one variable and their real roots."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isqrt
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
+from pas.algebra.roots import exact, rational_root, real_roots
+
+Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
 
 def composed(polynomial: Polynomial, functions: Sequence[RationalFunction]) -> RationalFunction:
@@ -28,6 +33,11 @@ def univariate(coefficients: fmpq_poly, index: int) -> fmpq_mpoly:
     return RING.from_dict(terms)
 
 
+def in_one(polynomial: fmpq_mpoly, index: int) -> fmpq_poly:
+    """A polynomial of the ring that depends on parameter `index` alone, as one in one variable."""
+    return _dense({int(e[index]): c for e, c in polynomial.to_dict().items()})
+
+
 def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[fmpq_poly]:
     """Coefficients of (h - at)^j as polynomials in t, j = 0..order (by default to the degree)."""
     moved = polynomial if at == 0 else polynomial.compose(GENERATORS[0], GENERATORS[1] + at, ctx=RING)
@@ -40,3 +50,40 @@ def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[f
 
 def _dense(row: Mapping[int, fmpq]) -> fmpq_poly:
     return fmpq_poly([row.get(a, fmpq(0)) for a in range(max(row, default=-1) + 1)])
+
+
+def padded(polynomial: fmpq_poly, length: int) -> list[fmpq]:
+    """So many coefficients, lowest first, with zeros behind."""
+    coefficients = polynomial.coeffs()
+    return [*coefficients, *[fmpq(0)] * (length - len(coefficients))]
+
+
+def rounded_roots(polynomial: fmpq_poly) -> list[float]:
+    """The distinct real roots, in order, rounded."""
+    return [] if polynomial.degree() < 1 else [to_float(exact(r.ball())) for r in sorted(real_roots(polynomial))]
+
+
+def roots_and_sides(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[tuple[float, bool]]:
+    """The distinct real roots, in order, rounded, and whether low < root < high, decided exactly."""
+    ends = rational_root(low), rational_root(high)
+    roots = sorted(real_roots(polynomial)) if polynomial.degree() > 0 else []
+    return [(to_float(exact(root.ball())), ends[0] < root < ends[1]) for root in roots]
+
+
+def roots_between(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[float]:
+    """The distinct real roots with low < root < high, in order, rounded; which these are is decided exactly."""
+    return [root for root, inside in roots_and_sides(polynomial, low, high) if inside]
+
+
+def zeros_in_unit_interval(polynomial: fmpq_poly) -> list[float]:
+    """The real zeros in [0, 1], in order, rounded; whether they lie there is decided exactly."""
+    if polynomial.degree() < 1:
+        return []
+    ends = [float(e) for e in (0, 1) if polynomial(e) == 0]
+    return sorted([*ends, *roots_between(polynomial, fmpq(0), fmpq(1))])
+
+
+def square_root(value: fmpq) -> fmpq | None:
+    """The root of a rational number >= 0 where that is rational, else None."""
+    root = fmpq(isqrt(int(value.p)), isqrt(int(value.q)))
+    return root if root * root == value else None

@@ -21,10 +21,9 @@ from pas.algebra.jets import power
 from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.components import Components
 from pas.parametric.data import AXES, BlendingData
 from pas.parametric.hermite import blending_polynomial
-from pas.parametric.series import taylor, univariate
+from pas.parametric.series import Components, taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
 

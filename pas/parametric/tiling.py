@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,7 @@ from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.field import Integers
 from pas.mesh.topology import edge_table
-
-if TYPE_CHECKING:
-    from pas.parametric.surface import ParametricSurface
+from pas.parametric.maps import ParametricMap
 
 Placing = Callable[[Integers], tuple[Floats, Floats]]
 """From places (N, 2) on the grid to points (N, 3) and what they may be off by (N,)."""
@@ -30,15 +27,6 @@ ROW = 1 << 32
 
 SEAM = 1e-9
 """Over the extent: sides that are nearer than this all along are one."""
-
-COLLAPSED = 1e-12
-"""Over the extent: edges that are shorter are points."""
-
-ASIDE = 1e-5
-"""Where a normal vanishes it is taken this far (over the domain) towards INNER."""
-
-INNER = 0.487
-"""A place inside the domain, over its width, where lines of symmetry do not pass."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +40,7 @@ class Tiles:
     away: float
 
 
-def assemble(surface: ParametricSurface, cells: Integers, place: Placing, size: float) -> Tiles:
+def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: float) -> Tiles:
     """Triangles for rectangles (C, 4) that fill the unit square, the domain of `surface`; `size` is its extent.
 
     `place` gives the points at places of the grid.
@@ -71,7 +59,7 @@ def assemble(surface: ParametricSurface, cells: Integers, place: Placing, size: 
     return Tiles(points[first], triangles, normals, shares[first], away)
 
 
-def _closes(surface: ParametricSurface, axis: int, size: float) -> bool:
+def _closes(surface: ParametricMap, axis: int, size: float) -> bool:
     """Whether the sides at both ends of a parameter are one curve."""
     ends, free = (0.0, 1.0), np.linspace(0.0, 1.0, 65)
     values = surface.on_grid(ends, free) if axis == 0 else surface.on_grid(free, ends)
@@ -79,7 +67,7 @@ def _closes(surface: ParametricSurface, axis: int, size: float) -> bool:
     return bool((np.abs(first - last) <= SEAM * size).all())
 
 
-def _triangles(surface: ParametricSurface, cells: Integers, closed: list[bool]) -> tuple[Integers, Integers]:
+def _triangles(surface: ParametricMap, cells: Integers, closed: list[bool]) -> tuple[Integers, Integers]:
     """Vertices (N, 2) on the grid, and triangles."""
     corners = np.concatenate([cells[:, [i, j]] for i in (0, 1) for j in (2, 3)])
     for axis in (0, 1):
@@ -124,7 +112,7 @@ def _side(
     return (owner, end, start) if backwards else (owner, start, end)
 
 
-def _cut(surface: ParametricSurface, places: Integers, quads: Integers) -> Integers:
+def _cut(surface: ParametricMap, places: Integers, quads: Integers) -> Integers:
     if not len(quads):
         return np.empty((0, 3), dtype=np.intp)
     p = surface(places[quads] / GRID)
@@ -139,7 +127,7 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
     from scipy.sparse.csgraph import connected_components
 
     edges = edge_table(triangles)[0]
-    pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= COLLAPSED * size]]
+    pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= 1e-12 * size]]  # shorter edges are points
     order = np.argsort(places[:, 0] * ROW + places[:, 1])
     keys = (places[:, 0] * ROW + places[:, 1])[order]
     for axis in (0, 1):
@@ -158,15 +146,19 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
     return least[labels]
 
 
-def _normals(surface: ParametricSurface, shares: Floats, number: Integers, count: int) -> Floats:
-    """Unit normals of the vertices after merging, as means of those before."""
+def _normals(surface: ParametricMap, shares: Floats, number: Integers, count: int) -> Floats:
+    """Unit normals of the vertices after merging, as means of those before.
+
+    Where one vanishes it is taken a little aside, towards a place where lines of symmetry do not pass.
+    """
+    aside, inner = 1e-5, 0.487
     tangents = surface.tangents(shares)
     ways, sizes = scaled(tangents), lengths(tangents)
     cross = np.cross(ways[:, 0], ways[:, 1])
-    doubtful = ~(lengths(cross) > ASIDE * lengths(ways).prod(axis=1))
-    doubtful |= (sizes < ASIDE * np.nanmedian(sizes, axis=0)).any(axis=1)
+    doubtful = ~(lengths(cross) > aside * lengths(ways).prod(axis=1))
+    doubtful |= (sizes < aside * np.nanmedian(sizes, axis=0)).any(axis=1)
     if doubtful.any():
-        moved = scaled(surface.tangents(shares[doubtful] + ASIDE * (INNER - shares[doubtful])))
+        moved = scaled(surface.tangents(shares[doubtful] + aside * (inner - shares[doubtful])))
         cross[doubtful] = np.cross(moved[:, 0], moved[:, 1])
     total = np.zeros((count, 3))
     np.add.at(total, number, np.nan_to_num(unit(cross)))

@@ -30,8 +30,7 @@ from pas.algebra.jets import Jet, power
 from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.hermite import distinct
-from pas.parametric.roots import roots_and_sides
-from pas.parametric.series import univariate
+from pas.parametric.series import in_one, roots_and_sides, univariate
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ class Weights:
         for i, f in enumerate(self.functions):
             key = str(f.denominator)
             if key not in known:  # normalised weights share theirs
-                known[key] = roots_and_sides(_in_h(f), low, high)
+                known[key] = roots_and_sides(in_one(f.denominator, 1), low, high)
             found += [WeightPole(i, root, inner) for root, inner in known[key]]
         return tuple(found)
 
@@ -158,8 +157,3 @@ def _quotient(above: fmpq_poly, below: fmpq_poly) -> RationalFunction:
     """A quotient of polynomials in h, reduced while they have one variable, which is quick."""
     common = above.gcd(below)
     return RationalFunction.from_lowest_terms(univariate(above / common, 1), univariate(below / common, 1))
-
-
-def _in_h(function: RationalFunction) -> fmpq_poly:
-    terms = {int(b): c for (_, b), c in function.denominator.to_dict().items()}
-    return fmpq_poly([terms.get(b, fmpq(0)) for b in range(max(terms) + 1)])

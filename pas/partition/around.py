@@ -1,64 +1,80 @@
-"""That the cells of a partition surround its centre once, or fill a cone around it."""
+"""Cells as their centre sees them: that they surround it once, or fill a cone around it, and their layout."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from flint import fmpq
-
-from pas.algebra.rational import Vector, cross, dot, minus
+from pas.algebra.rational import Vector, determinant, minus
 from pas.errors import GeometryError
+from pas.partition.complex import CellComplex, OuterFace
+from pas.partition.layout import Layout, Ray, Triangle, primitive, times_covered
 
-if TYPE_CHECKING:
-    from pas.partition.cells import Partition
 
-
-def check_around_center(partition: Partition, center: Vector) -> None:
+def check_around_center(cells: CellComplex, center: Vector) -> None:
     """That every cell touches the centre and that no two lie in the same direction.
 
     They surround the centre, or fill a convex cone with the centre as its apex: each side of it has all vertices on one
     side, so the directions of the sides bound that cone, and the number of cells in a direction is the same everywhere
     in it.
     """
-    triangles = [triangle for triangle, _, _ in partition.inner_triangles]
-    if any(not _through(partition.corners(triangle), center) for triangle in triangles):
+    triangles = [triangle for triangle, _, _ in cells.inner_triangles]
+    if any(determinant(*(minus(p, center) for p in cells.corners(triangle))) != 0 for triangle in triangles):
         raise GeometryError("an interior face of the partition does not pass through its centre")
-    if any(face.plane.at(center) >= 0 for face in partition.outer_faces):
+    if any(face.plane.at(center) >= 0 for face in cells.outer_faces):
         raise GeometryError("the centre of the partition is not inside the region")
-    if partition.open and not partition.sides:
+    if cells.open and not cells.sides:
         raise GeometryError("the centre of a partition that is open must be a corner of the region")
-    if any(side.plane.at(v) > 0 for side in partition.sides for v in partition.vertices):
+    if any(side.plane.at(v) > 0 for side in cells.sides for v in cells.vertices):
         raise GeometryError("the cells of a partition that is open must fill a convex cone around its centre")
-    if _times_seen(partition, center) != 1:
+    rays = _rays(cells, center)
+    # every face through the centre has a cell on either side, so all rays from there go through as many outer faces
+    if times_covered([tuple(rays[v] for v in _turned(face, rays)) for face in cells.outer_faces]) != 1:
         raise GeometryError("the cells of the partition do not surround its centre exactly once")
 
 
-def _through(corners: Sequence[Vector], center: Vector) -> bool:
-    a, b, c = (minus(p, center) for p in corners)
-    return dot(a, cross(b, c)) == 0
+def outline(cells: CellComplex, title: str) -> Layout | None:
+    """The layout of cells; None without a centre, and where the outer faces of a piece are no disc."""
+    if cells.center is None or len(cells.pieces) < 2:
+        return None
+    rays = _rays(cells, cells.center)
+    numbers: dict[Ray, int] = {}
+    pieces = []
+    for piece in range(len(cells.pieces)):
+        boundary = _boundary([_turned(face, rays) for face in cells.outer_faces if face.piece == piece])
+        if boundary is None:
+            return None
+        pieces.append([numbers.setdefault(rays[v], len(numbers)) for v in boundary])
+    try:
+        return Layout(list(numbers), pieces, cells.center, title)
+    except GeometryError:  # of a piece that is star-shaped from no ray: the cells serve
+        return None
 
 
-def _times_seen(partition: Partition, center: Vector) -> int:
-    """How many outer faces a ray from the centre goes through, exact.
-
-    Every face through the centre has a cell on either side, so the number is the same for all
-    rays that avoid the edges: one is counted.  Of the directions a + t b + t^2 c from the centre
-    to a face no more than two lie in the plane of an edge, so one that avoids them is found.
-    """
-    faces = [tuple(minus(p, center) for p in partition.corners(face.vertices)) for face in partition.outer_faces]
-    tried = range(2, 3 + 6 * len(faces))
-    directions = (tuple(a + t * b + t * t * c for a, b, c in zip(*faces[0], strict=True)) for t in tried)
-    depths = next(filter(all, ([_least_weight(way, face) for face in faces] for way in directions)))
-    return sum(depth > 0 for depth in depths)
+def _rays(cells: CellComplex, center: Vector) -> dict[int, Ray]:
+    """The directions in which the centre sees the vertices of outer faces."""
+    seen = {v for face in cells.outer_faces for v in face.vertices}
+    return {v: primitive(minus(cells.vertices[v], center)) for v in seen}
 
 
-def _least_weight(direction: Sequence[fmpq], triangle: Sequence[Vector]) -> fmpq:
-    """The least of three weights, up to positive factors, with which the corners give a direction.
+def _turned(face: OuterFace, rays: dict[int, Ray]) -> Triangle:
+    """A face's vertices, counterclockwise seen from outside."""
+    a, b, c = face.vertices
+    return (a, b, c) if determinant(rays[a], rays[b], rays[c]) > 0 else (a, c, b)
 
-    Positive where a ray from the origin goes through the triangle, zero where it meets its rim.
-    """
-    a, b, c = triangle
-    towards = dot(a, cross(b, c))
-    weights = (dot(direction, cross(b, c)), dot(a, cross(direction, c)), dot(a, cross(b, direction)))
-    return min(w * towards for w in weights)
+
+def _boundary(faces: Sequence[Triangle]) -> list[int] | None:
+    """The vertices round a union of faces; None where that is not one closed line."""
+    edges = {edge for a, b, c in faces for edge in ((a, b), (b, c), (c, a))}
+    after: dict[int, int] = {}
+    for edge in edges:
+        if edge[::-1] not in edges:
+            if edge[0] in after:
+                return None
+            after[edge[0]] = edge[1]
+    if not after:
+        return None
+    start = min(after)
+    found = [start]
+    while after[found[-1]] != start:
+        found.append(after[found[-1]])
+    return found if len(found) == len(after) else None

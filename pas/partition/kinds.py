@@ -6,21 +6,20 @@ from collections.abc import Mapping
 from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.described import described
 from pas.partition.cells import Partition
-from pas.registry import Registry
+from pas.registry import Registry, read_record
 
 PARTITIONS: Registry[type[Partition]] = Registry(
     "partition",
     {
         "six tetrahedra": "pas.partition.six_tetrahedra:SixTetrahedra",
-        "single cell": "pas.partition.single_cell:SingleCell",
+        "single cell": "pas.partition.boxes:SingleCell",
         "tetrahedra": Partition,
-        "region": "pas.partition.region:Region",
-        "open region": "pas.partition.open_region:OpenRegion",
-        "alfeld split": "pas.partition.alfeld_split:AlfeldSplit",
-        "worsey-farin split": "pas.partition.worsey_farin_split:WorseyFarinSplit",
-        "kuhn cube": "pas.partition.kuhn_cube:KuhnCube",
+        "region": "pas.partition.regions:Region",
+        "open region": "pas.partition.regions:OpenRegion",
+        "alfeld split": "pas.partition.splits:AlfeldSplit",
+        "worsey-farin split": "pas.partition.splits:WorseyFarinSplit",
+        "kuhn cube": "pas.partition.boxes:KuhnCube",
     },
 )
 """The first is that of a table that does not say its kind."""
@@ -42,4 +41,4 @@ def read_partition(record: Mapping[str, Any]) -> Partition:
 
     Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
     """
-    return described(PARTITIONS, record, next(iter(PARTITIONS)))
+    return read_record(PARTITIONS, record, next(iter(PARTITIONS)))

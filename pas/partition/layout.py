@@ -7,19 +7,18 @@ by a region (see `pas.partition.cells` and `pas.layouts.region`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import gcd, hypot, lcm
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, plain, vector
-from pas.described import constructor_keys
+from pas.algebra.rational import Vector, VectorLike, cross, determinant, plain, vector
 from pas.errors import GeometryError
-from pas.registry import loaded
+from pas.registry import Serialisable, loaded
 from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
@@ -32,7 +31,7 @@ DIMENSIONS = "pas.blending.dimensions:dimensions"
 
 
 @dataclass(frozen=True)
-class Arc:
+class GreatArc:
     """A part of a great circle between two rays (their numbers): piece `first` lies to its left, seen from outside,
     `second` to its right; `normal` is that of its plane, positive on the side of `first`."""
 
@@ -43,7 +42,7 @@ class Arc:
     normal: Ray
 
 
-class Layout(Shape):
+class Layout(Shape, Serialisable):
     """The directions around `center`, cut into pieces.
 
     `rays` are directions (three exact numbers each, of any length); `pieces` go round each piece by the numbers of its
@@ -83,7 +82,7 @@ class Layout(Shape):
         if len(set(indices)) != len(indices) or not all(0 <= i < most for i in indices):
             raise ValueError(f"{where} must be different numbers of rays below {most}, not {shown(list(indices))}")
         for i, j in zip(indices, (*indices[1:], indices[0]), strict=True):
-            if not any(normal_of(self.rays[i], self.rays[j])):
+            if not any(cross(self.rays[i], self.rays[j])):
                 raise GeometryError(
                     f"{where}: rays {i} and {j} lie on one line through the centre, so no arc joins them; "
                     "put a ray between them"
@@ -101,7 +100,7 @@ class Layout(Shape):
                 )
         triangles = [t for piece in self.triangles for t in piece]
         # every arc has triangles on both sides, so all directions are covered equally often: one is counted
-        times = _times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
+        times = times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
         if times != 1:
             raise GeometryError(f"the pieces of a layout must cover all directions once; they do {times} times")
 
@@ -119,11 +118,11 @@ class Layout(Shape):
         return sides
 
     @cached_property
-    def arcs(self) -> tuple[Arc, ...]:
+    def arcs(self) -> tuple[GreatArc, ...]:
         """The arcs between two pieces."""
         sides = self._sides()
         return tuple(
-            Arc(start, end, first, sides[end, start], reduced(normal_of(self.rays[start], self.rays[end])))
+            GreatArc(start, end, first, sides[end, start], reduced(cross(self.rays[start], self.rays[end])))
             for (start, end), first in sides.items()
             if start < end and sides[end, start] != first
         )
@@ -155,10 +154,10 @@ class Layout(Shape):
         rays = [self.rays[i] for i in self.pieces[number]]
         for start in range(len(rays)):
             turned = rays[start:] + rays[:start]
-            if all(turns(turned[0], a, b) > 0 for a, b in pairwise(turned[1:])):
+            if all(determinant(turned[0], a, b) > 0 for a, b in pairwise(turned[1:])):
                 return None, start
         middle = middle_ray(rays)
-        if any(middle) and all(turns(middle, a, b) > 0 for a, b in zip(rays, rays[1:] + rays[:1], strict=True)):
+        if any(middle) and all(determinant(middle, a, b) > 0 for a, b in zip(rays, rays[1:] + rays[:1], strict=True)):
             return middle, 0
         raise GeometryError(
             f"pieces[{number}] of the layout is not seen undivided from one of its rays or from its middle; go round "
@@ -227,16 +226,6 @@ class Layout(Shape):
             "name": self.name,
         }
 
-    @classmethod
-    def keys(cls) -> Mapping[str, bool]:
-        """The keys of its tables, and whether they must have them."""
-        return constructor_keys(cls)
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """The layout of a table; raises as the constructor does."""
-        return cls(**record)
-
 
 def primitive(direction: Vector, number: int | None = None) -> Ray:
     """The shortest integer vector of a direction; raises `ValueError` for zero, with its `number` among the rays."""
@@ -253,17 +242,6 @@ def reduced(v: Any) -> Ray:
     return v[0] // common, v[1] // common, v[2] // common
 
 
-def normal_of(a: Any, b: Any) -> Any:
-    """The cross product of two vectors, of whole numbers for rays."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def turns(a: Any, b: Any, c: Any) -> Any:
-    """The determinant of three vectors: positive where a, b, c go round counterclockwise seen from outside."""
-    x, y, z = normal_of(b, c)
-    return a[0] * x + a[1] * y + a[2] * z
-
-
 def middle_ray(rays: Sequence[Ray]) -> Ray:
     """A ray inside a convex piece: the sum of its rays, brought to about one length by whole factors."""
     lengths = [hypot(*ray) for ray in rays]
@@ -272,12 +250,12 @@ def middle_ray(rays: Sequence[Ray]) -> Ray:
     return reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
 
 
-def _times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:
+def times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:
     """How many spherical triangles hold a direction that lies on none of their sides."""
     a, b, c = triangles[0]
     for step in range(2, 3 + 6 * len(triangles)):
         way = tuple(x + step * y + step * step * z for x, y, z in zip(a, b, c, strict=True))
-        depths = [min(turns(way, q, r), turns(way, r, p), turns(way, p, q)) for p, q, r in triangles]
+        depths = [min(determinant(way, q, r), determinant(way, r, p), determinant(way, p, q)) for p, q, r in triangles]
         if all(depths):
             return sum(depth > 0 for depth in depths)
     raise AssertionError("of a parabola no more than two points lie in the plane of a side")

@@ -11,17 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import cross, to_floats
+from pas.algebra.rational import cross, dot, minus, to_floats
+from pas.partition.complex import CellComplex, OuterFace
 from pas.partition.layout import Ray, primitive, reduced
-
-if TYPE_CHECKING:
-    from pas.partition.cells import OuterFace, Partition
 
 MOST_PLANES = 12
 """Of 2^planes combinations of signs a table is kept; with more planes the test of all cells is not slower either."""
@@ -37,7 +34,7 @@ Group = tuple[int, Integers, Floats]
 class Location:
     """Finds the pieces of points, in the coordinates of a partition in local coordinates (its centre, if any, is 0)."""
 
-    def __init__(self, partition: Partition) -> None:
+    def __init__(self, partition: CellComplex) -> None:
         self.partition = partition
 
     def groups(self, points: Floats, tolerance: float) -> Iterator[Group]:
@@ -107,8 +104,7 @@ class Location:
         found: dict[Ray, None] = {}
         for face in self.partition.interior_faces:
             a, b, c = (self.partition.vertices[v] for v in face.vertices)
-            edges = (tuple(p - q for p, q in zip(end, a, strict=True)) for end in (b, c))
-            normal = primitive(cross(*edges))
+            normal = primitive(cross(minus(b, a), minus(c, a)))
             found[max(normal, (-normal[0], -normal[1], -normal[2]))] = None
         normals = list(found)
         if len(normals) > MOST_PLANES:
@@ -117,8 +113,8 @@ class Location:
         for outer in self.partition.outer_faces:
             rays = tuple(primitive(self.partition.vertices[v]) for v in outer.vertices)
             for cone in _cut(rays, normals):
-                middle = tuple(sum(ray[i] for ray in cone) for i in range(3))
-                table[sum((_side(n, middle) > 0) << bit for bit, n in enumerate(normals))] = outer.piece
+                middle = tuple(map(sum, zip(*cone, strict=True)))
+                table[sum((dot(n, middle) > 0) << bit for bit, n in enumerate(normals))] = outer.piece
         units = [[n / max(map(abs, normal)) for n in normal] for normal in normals]
         return np.array(units).reshape(-1, 3), table
 
@@ -168,7 +164,7 @@ def _cut(cone: tuple[Ray, ...], normals: list[Ray]) -> list[tuple[Ray, ...]]:
 
 def _halves(cone: tuple[Ray, ...], normal: Ray) -> list[tuple[Ray, ...]]:
     """The parts of a convex cone on both sides of a plane through 0."""
-    sides = [_side(normal, ray) for ray in cone]
+    sides = [dot(normal, ray) for ray in cone]
     if min(sides) >= 0 or max(sides) <= 0:
         return [cone]
     halves: list[list[Ray]] = [[], []]
@@ -181,7 +177,3 @@ def _halves(cone: tuple[Ray, ...], normal: Ray) -> list[tuple[Ray, ...]]:
                 mixed = (abs(b) * p + abs(a) * q for p, q in zip(cone[here], cone[after], strict=True))
                 half.append(reduced(tuple(mixed)))
     return [tuple(half) for half in halves]
-
-
-def _side(normal: Ray, ray: tuple[int, ...]) -> int:
-    return sum(n * r for n, r in zip(normal, ray, strict=True))

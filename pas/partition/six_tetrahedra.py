@@ -14,9 +14,9 @@ from typing import Any
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, dot, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, texts, vector
 from pas.errors import GeometryError
-from pas.partition.cells import Partition, written
+from pas.partition.cells import Partition
 
 VERTEX_SIGNS = (
     (1, 1, 1),
@@ -57,7 +57,7 @@ class SixTetrahedra(Partition):
     def to_record(self) -> dict[str, Any]:
         """See `Partition.to_record`."""
         assert self.center is not None
-        return {"kind": self.name, "center": written(self.center), "legs": [written(leg) for leg in self.legs]}
+        return {"kind": self.name, "center": texts(self.center), "legs": [texts(leg) for leg in self.legs]}
 
     @classmethod
     def keys(cls) -> Mapping[str, bool]:

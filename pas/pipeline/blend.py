@@ -14,6 +14,7 @@ from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
 from pas.blending.place import PartitionLike, ended, places
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
+from pas.contacts.contact import ContactLike, as_contact
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Options, Wishes, as_wishes
@@ -24,7 +25,6 @@ from pas.pipeline.repeated import KEPT, key_of
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.search import CHOSEN, CORNER, GIVEN, Remembered, Search
 from pas.pipeline.stages import OnStage, Stages
-from pas.surface.contact import ContactLike, as_contact
 from pas.surface.placed import PlacedContacts
 
 

@@ -17,13 +17,13 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, rational
 from pas.algebra.scaling import Scaled
 from pas.errors import GeometryError
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.mouth import Mouth
 from pas.pipeline.neighbours import NOTHING, walls
-from pas.solid.pieces import Pieces, region
-from pas.solid.several import union
+from pas.solid.assembly import union
+from pas.solid.functions import Pieces, region
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
-from pas.surface.piecewise import PiecewiseSurface
 
 Around: TypeAlias = 'Literal["edged", "endless", "surface"]'
 

@@ -20,23 +20,23 @@ from flint import fmpq
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float, to_floats
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join
+from pas.contacts.rims import outlook
 from pas.errors import GeometryError
 from pas.fairing.basis import to_doubles
 from pas.fairing.energies.even_wall import EvenWall, Thickness
 from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
-from pas.layouts.nodes import Node
-from pas.layouts.seen import power_of_two
+from pas.layouts.discs import power_of_two
+from pas.layouts.nodes import ContactNode
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.partition.region import Region
+from pas.partition.regions import Region
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
-from pas.surface.contact import Contact
 from pas.surface.depth import Depth
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
-from pas.surface.rims import outlook
 
 Way: TypeAlias = "tuple[int | None, Partition | Layout]"
 """A degree, None where it is to be found, and a partition to try."""
@@ -169,7 +169,7 @@ class Cavity:
         center = self._moved(self.evenness, own.center)
         if center is not None:
             with suppress(GeometryError):
-                yield next(Node.of(self.contacts, center).regions(self.outer.surface.order))
+                yield next(ContactNode.of(self.contacts, center).regions(self.outer.surface.order))
 
     def _moved(self, evenness: EvenWall, center: Vector) -> Vector | None:
         """A centre further in; None where there is none towards the contacts, nor one from which all of them are seen.

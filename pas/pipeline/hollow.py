@@ -1,7 +1,7 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
-That the one is inside the other is proved of their polynomials (see `pas.surface.nesting`), and how thick the wall is
+That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`), and how thick the wall is
 between the ends is measured.
 
 `Solid.shell` makes walls of any solid, of one thickness everywhere, with inner faces that are no polynomials.  A hollow
@@ -22,10 +22,14 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.rational import Exact, exact, plain, rational
+from pas.certify.nesting import nesting
+from pas.contacts.contact import Contact, ContactLike, as_contact
+from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
+from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
@@ -34,15 +38,11 @@ from pas.pipeline.search import excess
 from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid
-from pas.surface.contact import Contact, ContactLike, as_contact
-from pas.surface.nesting import nesting
-from pas.surface.parallels import inner_contact
-from pas.surface.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.verdicts import Findings, Status
 
 ROUNDED = 2.0**-29
 """By how much coefficients of an inner surface may be another machine's, over the largest: radii that are irrational
-are rounded to 32 binary digits (see `pas.surface.parallels`)."""
+are rounded to 32 binary digits (see `pas.contacts.parallels`)."""
 
 Rank: TypeAlias = "tuple[bool, float, float]"
 """What is proved comes before what is not, then an even wall before an uneven one, then the fairer surface."""

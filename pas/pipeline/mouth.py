@@ -15,13 +15,13 @@ from flint import fmpq
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, to_float, to_floats
+from pas.contacts.cones import FARTHEST, first_met
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join
 from pas.errors import GeometryError
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once, moved
 from pas.solid.solid import Solid
-from pas.surface.cones import FARTHEST, first_met
-from pas.surface.contact import Contact
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""

@@ -8,14 +8,14 @@ from typing import Literal, TypeAlias, Unpack
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.rational import Exact, VectorLike, rational, vector
 from pas.blending.place import PartitionLike
+from pas.contacts.endless import AUTO
+from pas.contacts.pipe import Pipe
 from pas.fairing.wishes import Options, Wishes
 from pas.layouts.clips import with_clips
 from pas.limits import Report, limited
 from pas.pipeline.blend import blend
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage
-from pas.surface.contacts.pipe import Pipe
-from pas.surface.endless import AUTO
 
 Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 """A direction and a radius, and where the pipe is clipped if that is given (in lengths of the direction)."""

@@ -31,15 +31,15 @@ from pas.algebra.inputs import whole
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, rational
 from pas.blending.solving import solve
+from pas.certify.certificate import Certificate
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.wishes import MeanAlpha, Wishes
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.similarities import Anchor, similarities
 from pas.pipeline.space import SolutionSpace
-from pas.surface.certificate import Certificate
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
 
 USUAL, MOST = 64, 10_000
 """Blends that are kept if nothing else is said, a few hundred kilobytes each, and that may be asked for."""

@@ -13,6 +13,8 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending.space import Member
+from pas.certify.certificate import Certificate
+from pas.contacts.contact import ContactLike
 from pas.errors import GeometryError
 from pas.fairing.basis import BasisChange
 from pas.fairing.energy import Energy, as_energy
@@ -22,16 +24,14 @@ from pas.fairing.wishes import Sliders, Wishes, check_point_options
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.summary import summary
 from pas.registry import loaded
 from pas.shape import Shape
 from pas.solid.solid import Solid
-from pas.surface.certificate import Certificate
-from pas.surface.contact import ContactLike
 from pas.surface.fairness import Fairness
 from pas.surface.fairness_limits import FairnessLimits
-from pas.surface.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ class Blend(Shape):
         """This blend with a cavity: with an inner blend that is proved inside it.
 
         The inner contacts are this blend's a `thickness` inside (the model's units), with the same clips: parallel
-        planes, pipes, spheres, tori and circular cones; for other quadrics see `pas.surface.parallels`.  Or `inner`
+        planes, pipes, spheres, tori and circular cones; for other quadrics see `pas.contacts.parallels`.  Or `inner`
         gives them, one for each contact, in planes of the same clips, and along the same cone at an opening.  The inner
         blend has the same order, and is chosen by the same energy and by how near the wall is to its thickness; this
         blend's points and handles are not asked of it.  It has the same centre, region and degree where these give a

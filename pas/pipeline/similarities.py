@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import ORIGIN, Affine
 from pas.algebra.rational import Vector, cross, dot, minus
-from pas.surface.contact import Contact
+from pas.contacts.contact import Contact
 
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 

@@ -17,6 +17,7 @@ from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_s
 from pas.blending.solving import check_method, solve
 from pas.blending.space import Space
 from pas.blending.trivial import TrivialPart, trivial_part
+from pas.contacts.contact import ContactLike
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes, as_wishes, exact_points
@@ -24,7 +25,6 @@ from pas.limits import Report, checkpoint, limited
 from pas.pipeline.fit import fit
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage, Stages
-from pas.surface.contact import ContactLike
 
 
 class SolutionSpace(Space):

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pas.algebra.rational import plain
-from pas.surface.contact import Contact
-from pas.surface.piecewise import PiecewiseSurface
+from pas.contacts.contact import Contact
+from pas.piecewise import PiecewiseSurface
 
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend

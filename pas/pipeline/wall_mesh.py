@@ -1,7 +1,7 @@
 """The mesh of a hollow blend, and the proof that it is one: both sheets are their surfaces, and rings close it.
 
 With both sheets proved to be surfaces that end in one simple loop on each contact's curve (see
-`pas.surface.mesh_proofs`), an end of the wall is a ring if its vertices lie in the end, a plane or the cone of an
+`pas.certify.mesh_proofs`), an end of the wall is a ring if its vertices lie in the end, a plane or the cone of an
 opening, and its triangles are all seen from one side, along the axis of that.  The times that
 they cover a point are then the difference of how often the two loops go round it, which is not negative: so the inner
 loop is inside the outer one, and what is between is covered once.
@@ -21,11 +21,10 @@ from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.soundness import manifold
 from pas.mesh.walls import End
-from pas.surface.mesh_proofs import certify_mesh
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 
 if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
+    from pas.piecewise import PiecewiseSurface
 
 OFF = 1e-9
 """Over the region's size: how far vertices may be from an end."""
@@ -53,8 +52,8 @@ class WallMesh(Mesh):
         outer, inner = self.sheets
         of = [self.triangles[self.faces == number] for number in range(2 + len(self.ends))]
         parts: dict[str, Verdicts] = {
-            "outer": certify_mesh(outer, *_alone(self.points, of[0])),
-            "inner": certify_mesh(inner, *_alone(self.points, of[1][:, ::-1])),
+            "outer": outer.certify_mesh(*_alone(self.points, of[0])),
+            "inner": inner.certify_mesh(*_alone(self.points, of[1][:, ::-1])),
         }
         sheets = Findings.of_parts(parts).found
         size = float(np.ptp(outer.partition.points, axis=0).max())

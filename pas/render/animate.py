@@ -20,11 +20,11 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import check_folder, replacing, source, target
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, limited
-from pas.render.camera import widest_view
-from pas.render.offscreen import offscreen_pyvista
 from pas.render.picture import plotted
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.plotting import offscreen_pyvista, widest_view
+from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
 V = TypeVar("V")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.render.layers import Comb, Layer
+from pas.render.scene import Comb, Layer
 
 CONVEX, CONCAVE, NEARBY = "#b2182b", "#2166ac", "#22303c"
 """Colours of hairs by sign, as in the colours by curvature, and that of the curves they stand on."""

@@ -10,16 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.generatrix.blend import GeneratrixBlend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.quadrics import SphereBlend
 from pas.mesh.mesh import Mesh
-from pas.parametric.curvatures import Forms
-from pas.render.collar import collar
-from pas.render.curves import blend_curves, combs_on
-from pas.render.layers import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer
-from pas.render.parametric import UNKNOWN, principal_on
-from pas.render.scene import Scene
+from pas.parametric.curves import Forms
+from pas.parametric.generatrix.blend import GeneratrixBlend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.sphere import SphereBlend
+from pas.render.neighbours import collar
+from pas.render.parametric import UNKNOWN, blend_curves, combs_on, principal_on
+from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
 GRID, CURVED = (320, 120), (160, 60)
 """Of the blend's mesh; the second for curvatures, which are smooth but slow."""

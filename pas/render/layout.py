@@ -11,17 +11,16 @@ import numpy as np
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
-from pas.layouts.fits import check_fits
-from pas.layouts.nodes import Node
-from pas.layouts.seen import Seen, angle_between
+from pas.contacts.contact import ContactLike, as_contact
+from pas.exchange.picture_options import Picture, PictureOptions
+from pas.layouts.discs import Disc, angle_between, check_fits
+from pas.layouts.nodes import ContactNode
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
 from pas.partition.layout import Layout
-from pas.render.layers import CURVE_COLOR, TINTS, Layer
 from pas.render.picture import draw_scene
-from pas.render.scene import Picture, PictureOptions, Scene
+from pas.render.scene import CURVE_COLOR, TINTS, Layer, Scene
 from pas.render.window import show_scene
-from pas.surface.contact import ContactLike, as_contact
 
 VIEW = (0.62, -0.62, 0.48)
 """From where one looks: as at blends."""
@@ -70,7 +69,7 @@ def picture(
     layers(layout, scene)
     if len(contacts):
         checked = [as_contact(contact, f"contacts[{i}]") for i, contact in enumerate(contacts)]
-        discs = Node.of(checked, layout.center).discs
+        discs = ContactNode.of(checked, layout.center).discs
         check_fits(layout, discs)
         center = np.array(to_floats(layout.center))
         scene.layers += [Layer(disc_mesh(disc, center), DISC, outlined=True) for disc in discs]
@@ -96,7 +95,7 @@ def arc_mesh(layout: Layout, center: Floats) -> Mesh:
     return Mesh.smooth(center + OVER * directions, triangles.astype(np.intp), directions, "arcs")
 
 
-def disc_mesh(disc: Seen, center: Floats) -> Mesh:
+def disc_mesh(disc: Disc, center: Floats) -> Mesh:
     """The directions inside a contact's curve, a little over the sphere around a centre (3,)."""
     curve, middle = unit(disc.points), disc.direction
     if float(np.cross(curve[0], curve[1]) @ middle) < 0:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from pas.render.coloring import Legend
+from pas.exchange.picture_options import Picture
 from pas.render.combs import CONCAVE, CONVEX
-from pas.render.layers import CURVE_COLOR, Layer
-from pas.render.scene import SIZE, Picture
+from pas.render.scene import CURVE_COLOR, Layer, Legend
 
 SIDE, FOOT = 0.2, 0.075
 """What legends take of a picture: of its width for a bar, of its height for the line below about combs."""
@@ -20,7 +19,9 @@ ABOVE, BELOW, LEADING = 0.04, 0.03, 0.03
 """Between the bar and the lines of text, and from line to line, over the picture's height."""
 
 TITLE, LINE, LABEL = 24, 19, 18
-"""Sizes of letters in a picture of width SIZE[0]."""
+"""Sizes of letters in a picture of the usual width, WIDTH."""
+
+WIDTH = 1200
 
 SMALLEST = 6
 """Of letters in small pictures."""
@@ -35,7 +36,7 @@ def bar(legend: Legend, width: int) -> dict[str, Any]:
     """The keywords of the bar of colours in a picture of some width."""
     return {
         "position_x": LEFT, "position_y": BOTTOM, "height": TALL, "width": WIDE, "vertical": True, "fmt": "%.3g",
-        "title": "", "color": CURVE_COLOR, "label_font_size": max(SMALLEST, round(LABEL * width / SIZE[0])),
+        "title": "", "color": CURVE_COLOR, "label_font_size": max(SMALLEST, round(LABEL * width / WIDTH)),
     }  # fmt: skip
 
 
@@ -60,4 +61,4 @@ def _write(
     plotter: Any, text: str, place: tuple[float, float], size: int, width: int, color: str = CURVE_COLOR
 ) -> None:
     actor = plotter.add_text(text, position=place, viewport=True, color=color)
-    actor.GetTextProperty().SetFontSize(max(SMALLEST, round(size * width / SIZE[0])))
+    actor.GetTextProperty().SetFontSize(max(SMALLEST, round(size * width / WIDTH)))

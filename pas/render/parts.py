@@ -7,18 +7,18 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from pas.exchange.picture_options import Style
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
-from pas.render.layers import BLEND_COLOR, Layer
 from pas.render.picture import draw
-from pas.render.scene import Scene, Style
+from pas.render.scene import BLEND_COLOR, Layer, Scene
 from pas.shape import Shape
 
 VIEW = (0.35, -1.0, 0.45)
 """From where one looks: past the front, from above."""
 
 
-class Look(Enum):
+class PartLook(Enum):
     """What a picture of parts shows: the options of `pas.draw`, one at a time."""
 
     PLAIN = "plain"
@@ -28,12 +28,12 @@ class Look(Enum):
     CUT = "cut"
 
 
-OPTIONS: dict[Look, dict[str, Any]] = {
-    Look.PLAIN: {},
-    Look.FOUR_VIEWS: {"four_views": True},
-    Look.ZEBRA: {"style": Style.ZEBRA},
-    Look.EXPLODED: {"exploded": True},
-    Look.CUT: {"cut": True},
+OPTIONS: dict[PartLook, dict[str, Any]] = {
+    PartLook.PLAIN: {},
+    PartLook.FOUR_VIEWS: {"four_views": True},
+    PartLook.ZEBRA: {"style": Style.ZEBRA},
+    PartLook.EXPLODED: {"exploded": True},
+    PartLook.CUT: {"cut": True},
 }
 """What `pas.draw` calls a look."""
 
@@ -43,7 +43,7 @@ def draw_parts(
     shape: Shape,
     path: str | Path,
     *,
-    look: Look = Look.PLAIN,
+    look: PartLook = PartLook.PLAIN,
     tolerance: float | None = None,
     size: tuple[int, int] = (1200, 900),
     meshes: Mapping[str, Mesh] | None = None,

@@ -11,15 +11,13 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
-from pas.render.camera import FOUR_VIEWS, look_at, widest_view
-from pas.render.coloring import Legend, Paint
 from pas.render.combs import add_combs, hair_length, tips
-from pas.render.layers import CURVE_COLOR, Layer
 from pas.render.legend import add_comb_legend, add_legend, bar, room
-from pas.render.offscreen import offscreen_pyvista
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.plotting import FOUR_VIEWS, look_at, offscreen_pyvista, widest_view
+from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
 from pas.shape import Shape
 
 GAP = 0.35

@@ -6,12 +6,11 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
-from pas.render.layers import BLEND_COLOR, PIPE_COLOR, Layer
+from pas.piecewise import PiecewiseSurface
 from pas.render.neighbours import neighbours
-from pas.render.scene import Scene
+from pas.render.scene import BLEND_COLOR, PIPE_COLOR, Layer, Scene
 from pas.render.sections import combs, geometry_at
 from pas.surface.fairness_limits import neighbour
-from pas.surface.piecewise import PiecewiseSurface
 
 VIEW = (0.62, -0.62, 0.48)
 """From where one looks, in the frame of the contact directions: past the pipes, from above."""

@@ -1,118 +1,106 @@
-"""What a picture is made of: its settings, and the layers that the shapes add to it."""
+"""What a picture is made of: the layers that shapes add to its scene, and what a style does with them.
+
+A style of one's own is a `Coloring` with a name, registered by `pas.exchange.picture_options.STYLES.register(...)`;
+then `pas.draw(..., style=NAME)`, `pas render --style NAME` and problem files know it.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from enum import Enum
-from typing import Any, TypedDict
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
-from pas.algebra.inputs import check_flag, check_tolerance, shown, whole
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.errors import meant
-from pas.exchange.picture_options import STYLES, check_style, check_view
+from pas.exchange.picture_options import STYLES, Picture
 from pas.mesh.mesh import Mesh
-from pas.render.coloring import Coloring
-from pas.render.layers import Layer
 from pas.shape import Kind, Shape, kind_of
 
-SIZE = (1200, 900)
+BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
 
-MOST_PIXELS = 16384
-"""Width and height of a picture, as graphics libraries have it."""
+COLORS = ("#5b8db8", "#7fae7a", "#b07aa1", "#9c755f", "#76b7b2", "#c95d63")
+"""Of the surfaces that a blend meets, in their order, and of several surfaces."""
 
-
-class Style(Enum):
-    """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
-
-    PLAIN = "plain"
-    ZEBRA = "zebra"
-    HIGHLIGHTS = "highlights"
-    MEAN = "mean"
-    GAUSS = "gauss"
-    MAX = "max"
-    MIN = "min"
-    CURVATURE = "curvature"
+BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5e4e1", "#efbcbf")
+"""Of their bright stripes."""
 
 
-class PictureOptions(TypedDict, total=False):
-    """The fields of `Picture` as keywords of `pas.draw` and `pas.show`."""
+@dataclass(frozen=True, eq=False)
+class Comb:
+    """A curve on a surface: its `points` (n, 3), unit `normals` (n, 3) of the surface and its normal `curvatures` (n,).
 
-    style: Style | str
-    combs: bool
-    size: tuple[int, int]
-    view: Any
-    domain: Any
-    tolerance: float | None
-    four_views: bool
-    exploded: bool
-    cut: bool
+    The curvatures, over the model's length, are those of the surface along the curve, positive where it bends like a
+    ball whose normals point outwards.
+    """
+
+    points: Floats
+    normals: Floats
+    curvatures: Floats
 
 
 @dataclass(frozen=True)
-class Picture:
-    """How shapes are drawn; `pas.draw` and `pas.show` take each of these by name.
+class Layer:
+    """A mesh in a colour; `tint` is that of the bright stripes.
 
-    `style`: what the colours show, a `pas.Style` or a name.  `combs`: with curvature combs, hairs whose lengths are the
-    normal curvature along sections and contact curves.  `size` in pixels.  `view`: the direction from where one looks,
-    of blends by patches in the frame of the contact directions, else in the coordinates.  `domain`: that of
-    `ParametricSurface.mesh`, for all parametric shapes.  `tolerance`: of the meshes, in the model's units.
-
-    `four_views`: from four sides.  `exploded`: the parts lifted apart.  `cut`: without what is in front of the middle
-    plane y = const.
-
-    Raises `TypeError` for what is no style or no truth value, `ValueError` for an unknown style and a bad tolerance.
+    `principal` gives the principal curvatures (N, 2) at the mesh's points, the larger first, positive where the
+    surface bends like a ball whose normals point outwards; None where they are not known.  `unit` is a curvature to
+    compare them with, `combs` are drawn on the layer.  `outlined` draws its boundary and the edges between its faces,
+    `opacity` is 1 for what is not seen through.  `aside`: what stands around the surface that matters, and is drawn
+    faintly where curvature is shown.
     """
 
-    style: Style | str = Style.PLAIN
-    combs: bool = False
-    size: tuple[int, int] = SIZE
-    view: Any = None
-    domain: Any = None
-    tolerance: float | None = None
-    four_views: bool = False
-    exploded: bool = False
-    cut: bool = False
+    mesh: Mesh
+    color: str
+    tint: str = "white"
+    principal: Callable[[], Floats] | None = None
+    unit: float | None = None
+    combs: tuple[Comb, ...] = ()
+    outlined: bool = False
+    opacity: float = 1.0
+    aside: bool = False
 
-    def __post_init__(self) -> None:
-        check_style(self._name)
-        for name in ("combs", "four_views", "exploded", "cut"):
-            check_flag(getattr(self, name), name)
-        if isinstance(self.size, str) or not hasattr(self.size, "__len__") or len(self.size) != 2:
-            raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
-        for i, pixels in enumerate(self.size):
-            whole(pixels, f"size[{i}]", 1, MOST_PIXELS)
-        if self.view is not None:
-            check_view(self.view)
-        if self.tolerance is not None:
-            check_tolerance(self.tolerance)
 
-    @property
-    def _name(self) -> Any:
-        return self.style.value if isinstance(self.style, Style) else self.style
+@dataclass(frozen=True)
+class Paint:
+    """The colours of one layer: `values`, or None for the layer's own colour.
 
-    @property
-    def coloring(self) -> Coloring:
-        """What the style does."""
-        coloring: Coloring = STYLES[self._name]
-        return coloring
+    Values are (M,) at the points of `mesh.shading`, or (T, 3) at the corners of its triangles, where a point may have
+    another one in each.  `options` are further keywords of pyvista's `add_mesh`.
+    """
 
-    @property
-    def curved(self) -> bool:
-        """Whether curvatures are needed."""
-        return self.combs or self.coloring.curved
+    values: Floats | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, options: Mapping[str, Any]) -> Picture:
-        """The settings of options by name; raises `TypeError` with a guess for another name."""
-        known = [f.name for f in fields(cls)]
-        for name in options:
-            if name not in known:
-                guess = meant(name, known) or f"; there are {', '.join(known)}"
-                raise TypeError(f"a picture has no option {name!r}{guess}")
-        return cls(**options)
+
+@dataclass(frozen=True)
+class Legend:
+    """What numbers the colours stand for: a bar over `limits` in the colours `cmap` between lines of text."""
+
+    title: str
+    lines: tuple[str, ...]
+    limits: tuple[float, float]
+    cmap: Any
+
+
+class Coloring(ABC):
+    """What the colours of a picture show.
+
+    `fine`: meshes are made finer, since it shows facets that shading hides.  `curved`: it needs curvatures, which not
+    every kind of shape has.  `backdrop`: the colours of the background, low and high.
+    """
+
+    name: str
+    shows: str
+    fine: bool = False
+    curved: bool = False
+    backdrop: ClassVar[tuple[str, str]] = ("white", "#dfe8f0")
+
+    @abstractmethod
+    def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
+        """The colours of each of the scene's layers, and what they stand for."""
 
 
 @dataclass
@@ -132,7 +120,8 @@ class Scene:
     @property
     def coloring(self) -> Coloring:
         """What the colours show."""
-        return self.picture.coloring
+        coloring: Coloring = self.picture.coloring
+        return coloring
 
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""

@@ -17,10 +17,10 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
-from pas.render.layers import Comb
+from pas.piecewise import PiecewiseSurface
 from pas.render.neighbours import contact_rim
+from pas.render.scene import Comb
 from pas.surface.geometry import FIRST, Geometry
-from pas.surface.piecewise import PiecewiseSurface
 
 SPACING = 1 / 200
 """Between hairs, over the extent of the mesh."""

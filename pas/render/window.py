@@ -1,16 +1,21 @@
-"""Shapes in a window."""
+"""Shapes in a window, and in notebooks."""
 
 from __future__ import annotations
 
+import base64
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Unpack
 
-from pas.errors import MissingLibraryError
+from pas.errors import MissingLibraryError, PasError
+from pas.exchange.picture_options import Picture, PictureOptions
 from pas.mesh.mesh import Mesh
-from pas.render.picture import plotted
-from pas.render.scene import Picture, PictureOptions, Scene, scene_of
+from pas.render.picture import draw, plotted
+from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
@@ -45,3 +50,20 @@ def show_scene(scene: Scene, picture: Picture) -> None:
     finally:
         if hidden is not None:
             os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = hidden
+
+
+SIZE = (480, 360)
+
+
+def html(shape: Shape) -> str:
+    """What it is, the table of the verdicts and a picture; where there can be no picture, why not."""
+    return f"<pre>{escape(shape.description)}</pre>{shape.certificate._repr_html_()}{_picture(shape)}"
+
+
+def _picture(shape: Shape) -> str:
+    with TemporaryDirectory() as folder:
+        try:
+            content = draw(shape, Path(folder) / "picture.png", size=SIZE).read_bytes()
+        except (PasError, ValueError) as error:
+            return f"<p>no picture: {escape(str(error))}</p>"
+    return f'<img src="data:image/png;base64,{base64.b64encode(content).decode("ascii")}" alt="{escape(repr(shape))}">'

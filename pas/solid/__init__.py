@@ -8,10 +8,9 @@ part.mesh(1e-3)
 """
 
 from pas.mesh.mesh import Mesh
-from pas.solid.assembly import Assembly, Part, assembly
+from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
-from pas.solid.several import intersection, union
 from pas.solid.solid import Solid, patch
 from pas.solid.tube import tube
 

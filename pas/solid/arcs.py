@@ -3,7 +3,7 @@
 The values of a linear form at which surfaces of the solid cross the curve, touch one another there or are
 singular cut the curve into arcs.  At one exact point of each it is seen on which sides of which surfaces
 the solid lies; only those inequalities cut on which that rests.  Nothing here is approximate, but for
-functions that are no polynomials (see `pas.solid.nearby`).
+functions that are no polynomials (see `pas.solid.leaves`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import RealZero
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
-from pas.solid.nearby import Nearby
-from pas.solid.reading import Reading
+from pas.solid.leaves import AlongCurve, LeafTree
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -47,7 +46,7 @@ class Arc:
     unknown: int | None
 
 
-def arcs(sheets: Sheets, solid: Reading, nearby: Nearby, names: Sequence[str]) -> list[Arc]:
+def arcs(sheets: Sheets, solid: LeafTree, nearby: AlongCurve, names: Sequence[str]) -> list[Arc]:
     """All arcs of a part of a curve, each once or in pieces that adjoin; the part must be reduced."""
     part = sheets.part
     assert part.turns is not None
@@ -77,7 +76,7 @@ class Around:
     `doubts` are leaves, by number, on which answers rested, and which may change their truth in the slab.
     """
 
-    def __init__(self, sheets: Sheets, solid: Reading, nearby: Nearby, point: RealZero, slab: Slab) -> None:
+    def __init__(self, sheets: Sheets, solid: LeafTree, nearby: AlongCurve, point: RealZero, slab: Slab) -> None:
         self.sheets, self.solid, self.nearby, self.point, self.slab = sheets, solid, nearby, point, slab
         self.doubts: set[int] = set()
         self._signs: dict[int, int] = {}

@@ -1,11 +1,11 @@
-"""Assemblies: named parts kept apart, each with a colour, placed in one space."""
+"""Several solids: unions and intersections, and assemblies of named parts kept apart, each with a colour."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -172,3 +172,20 @@ def _color(color: Any, name: str) -> str:
     if not isinstance(color, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
         raise ValueError(f"the colour of {name!r} must be written #rrggbb, not {color!r}")
     return color
+
+
+def union(solids: Sequence[Solid]) -> Solid:
+    """The union of at least one solid; raises `ValueError` where there is none."""
+    return _fold(solids, Solid.__or__)
+
+
+def intersection(solids: Sequence[Solid]) -> Solid:
+    """The intersection of at least one solid; raises `ValueError` where there is none."""
+    return _fold(solids, Solid.__and__)
+
+
+def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -> Solid:
+    items = list(solids)
+    if not items:
+        raise ValueError("there must be at least one solid")
+    return reduce(operation, items)

@@ -15,16 +15,16 @@ from flint import fmpq
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
-from pas.limits import checkpoint
-from pas.solid.distance import followed_by
-from pas.solid.program import Program
+from pas.solid.evaluator import TreeEvaluator
+from pas.solid.functions import followed_by
 from pas.solid.tree import Bools, Node, Tree, is_contradiction
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
 
-LEVELS, MOST_BOXES = 160, 60_000
+LIMITS = Limits(depth=159, cells=60_000)
 PARTS = 32
 """Boxes are small enough when that many fit into each side of their hull."""
 
@@ -74,17 +74,17 @@ def _branches(tree: Tree) -> list[Tree]:
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
-    program = Program(tree, ORIGIN, fmpq(1))
-    start = None if is_contradiction(tree) or program.is_empty else _linear_box(tree)
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
     if start is None:
         return None
     try:
-        return _shrunk(program, start, seen)
+        return _shrunk(evaluator, start, seen)
     except GeometryError:
         within = _within_unions(tree, start)
         if (within == start).all():
             raise
-        return _shrunk(program, within, seen)
+        return _shrunk(evaluator, within, seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
@@ -167,47 +167,67 @@ def _programmed(matrix: Floats, box: Floats) -> Floats | None:
     return np.asarray(ends + np.array([[-1.0], [1.0]]) * SLACK * (1 + np.abs(ends)))
 
 
-def _shrunk(program: Program, start: Floats, seen: Floats) -> tuple[Floats, Floats] | None:
+def _shrunk(evaluator: TreeEvaluator, start: Floats, seen: Floats) -> tuple[Floats, Floats] | None:
     """The hull of the boxes that cannot be ruled out, halved until those at its sides are small beside it.
 
-    Also the box of all points seen: of the set, and of others in the box `seen`.  A side is left as it is where such
-    points come that near to it.
+    Also the box of all points seen: of the set, and of others in the box `seen`.
     """
-    known, new = (np.empty((0, 3)), np.empty((0, 3))), _first_boxes(start)
-    for level in range(LEVELS):
-        checkpoint(f"bounding a solid ({len(new[0])} boxes)")
-        yes, no = program.taylor(*new)
-        possible = program.holds(~no, ~yes)
-        centers, halves = (np.concatenate([old, fresh[possible]]) for old, fresh in zip(known, new, strict=True))
-        if not len(centers):
-            return None
-        within = new[0][possible]
-        within = within[program.inside(program.signs(within))]
-        seen = _hull([seen, *np.repeat(within[:, None], 2, axis=1)])
-        hull = np.stack([(centers - halves).min(axis=0), (centers + halves).max(axis=0)])
-        large = 2 * halves * PARTS >= np.ptp(hull, axis=0)
-        further = _beyond(centers, halves, seen) if level < EVERYWHERE else _at_sides(centers, halves, hull, seen)
-        open_ = large.any(axis=1) & further
-        if not open_.any() or len(centers) > MOST_BOXES:
-            break
-        known, new = (centers[~open_], halves[~open_]), _halved(centers[open_], halves[open_], large[open_])
-    if ((np.abs(hull) > FARTHEST / 2) & (np.abs(hull) >= np.abs(start) * 0.9)).any():
+    hull = _Hull(evaluator, seen)
+    found = search(_first_boxes(start), hull.judge, hull.halved, LIMITS, "bounding a solid")
+    if not len(found.open):
+        return None
+    if ((np.abs(hull.box) > FARTHEST / 2) & (np.abs(hull.box) >= np.abs(start) * 0.9)).any():
         raise GeometryError(
             "the solid is unbounded or too large: it goes on beyond "
-            f"{_describe(hull)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"
+            f"{_describe(hull.box)}; intersect it with a box, as in solid & pas.solid.box((-1, -1, -1), (1, 1, 1))"
         )
-    return hull, seen
+    return hull.box, hull.seen
 
 
-def _beyond(centers: Floats, halves: Floats, seen: Floats) -> Bools:
+class _Hull:
+    """The hull of what is left of a set's boxes, and the box of the points `seen`.
+
+    A side is left as it is where such points come that near to it.  Boxes wait that are small, or not at the sides.
+    """
+
+    def __init__(self, evaluator: TreeEvaluator, seen: Floats) -> None:
+        self.evaluator, self.seen, self.box, self._waiting = evaluator, seen, NOTHING, 0
+
+    def judge(self, boxes: Boxes, level: int) -> Fates:
+        """Boxes that the set may meet are halved or wait; of those that waited, which stand last, it is known."""
+        possible, new = np.ones(len(boxes), dtype=bool), slice(len(boxes) - self._waiting)
+        yes, no = self.evaluator.taylor(boxes.centers[new], boxes.halves[new])
+        possible[new] = self.evaluator.holds(~no, ~yes)
+        fates, left = np.full(len(boxes), Fate.SETTLED.value), boxes.select(possible)
+        within = boxes.centers[new][possible[new]]
+        within = within[self.evaluator.inside(self.evaluator.signs(within))]
+        self.seen = _hull([self.seen, *np.repeat(within[:, None], 2, axis=1)])
+        if len(left):
+            low, high = left.centers - left.halves, left.centers + left.halves
+            self.box = np.stack([low.min(axis=0), high.max(axis=0)])
+            further = _beyond(left, self.seen) if level < EVERYWHERE else _at_sides(left, self.box, self.seen)
+            fates[possible] = np.where(self._large(left).any(axis=1) & further, Fate.SPLIT, Fate.WAIT)
+        self._waiting = int(np.count_nonzero(fates == Fate.WAIT))
+        return fates
+
+    def halved(self, boxes: Boxes) -> Boxes:
+        """Boxes halved along their sides that are not small beside the hull."""
+        return boxes.halved(self._large(boxes))
+
+    def _large(self, boxes: Boxes) -> Bools:
+        return np.asarray(2 * boxes.halves * PARTS >= np.ptp(self.box, axis=0))
+
+
+def _beyond(boxes: Boxes, seen: Floats) -> Bools:
     """Which boxes are not within another one."""
-    return np.asarray(((centers - halves < seen[0]) | (centers + halves > seen[1])).any(axis=1))
+    outside = (boxes.centers - boxes.halves < seen[0]) | (boxes.centers + boxes.halves > seen[1])
+    return np.asarray(outside.any(axis=1))
 
 
-def _at_sides(centers: Floats, halves: Floats, hull: Floats, seen: Floats) -> Bools:
+def _at_sides(boxes: Boxes, hull: Floats, seen: Floats) -> Bools:
     """Which boxes are further out than all points seen; where these are many, only those at the hull's sides."""
-    near = np.ptp(hull, axis=0) / PARTS
-    low, high = centers - halves, centers + halves
+    near, halves = np.ptp(hull, axis=0) / PARTS, boxes.halves
+    low, high = boxes.centers - halves, boxes.centers + halves
     lowest, highest = low < seen[0] - near, high > seen[1] + near
     result = (lowest | highest).any(axis=1)
     if result.sum() > AT_ONCE:
@@ -215,18 +235,7 @@ def _at_sides(centers: Floats, halves: Floats, hull: Floats, seen: Floats) -> Bo
     return np.asarray(result)
 
 
-def _halved(centers: Floats, halves: Floats, along: Bools) -> tuple[Floats, Floats]:
-    """Boxes halved along those of their sides (N, 3) that are marked."""
-    for axis in range(3):
-        step = np.where(along[:, axis], halves[:, axis] / 2, 0.0)[:, None] * np.eye(3)[axis]
-        halved = along[:, axis]
-        halves = halves - step
-        centers = np.concatenate([centers - step, (centers + step)[halved]])
-        halves, along = np.concatenate([halves, halves[halved]]), np.concatenate([along, along[halved]])
-    return centers, halves
-
-
-def _first_boxes(start: Floats) -> tuple[Floats, Floats]:
+def _first_boxes(start: Floats) -> Boxes:
     """Boxes that cover one: itself where it is bounded, else boxes that are the smaller the nearer the origin."""
     if np.abs(start).max() < FARTHEST:
         low, high = start[:1], start[1:]
@@ -239,7 +248,7 @@ def _first_boxes(start: Floats) -> tuple[Floats, Floats]:
         low, high = np.maximum(low, start[0]), np.minimum(low + widths, start[1])
         kept = (low <= high).all(axis=1)
         low, high = low[kept], high[kept]
-    return (low + high) / 2, np.maximum((high - low) / 2, 1e-300)
+    return Boxes((low + high) / 2, np.maximum((high - low) / 2, 1e-300))
 
 
 def _describe(hull: Floats) -> str:

@@ -15,10 +15,9 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
 from pas.mesh.field import FaceField, Wall
-from pas.solid.distance import followed_by
-from pas.solid.hidden import PlanesInside
-from pas.solid.implied import needed
-from pas.solid.program import Program, called
+from pas.solid.evaluator import TreeEvaluator, called
+from pas.solid.functions import followed_by
+from pas.solid.implied import PlanesInside, needed
 from pas.solid.seams import Seams, quadratic_form, seams_of
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
 from pas.solid.tree import Function, Tree
@@ -39,7 +38,7 @@ TURNS = 4
 
 
 class SolidField:
-    """The boundary of a tree inside a box, in the program's local coordinates; see `pas.mesh.field.FaceField`.
+    """The boundary of a tree inside a box, in the evaluator's local coordinates; see `pas.mesh.field.FaceField`.
 
     `seams` are curves, each given by two functions, along which faces are joined; see `pas.solid.seams`.
     """
@@ -54,10 +53,10 @@ class SolidField:
         center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         given = seams_of(tree, seams)
-        self.program = Program(tree, center, scale, tuple(f for seam in given for f in seam.functions))
-        self._seams = Seams(self.program, given)
-        self.box = self.program.local(box)
-        self.special_points = self.program.local(special_points)
+        self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
+        self._seams = Seams(self.evaluator, given)
+        self.box = self.evaluator.local(box)
+        self.special_points = self.evaluator.local(special_points)
         self._made_of = tree, box, tuple(seams), special_points
 
     def shells(self) -> list[SolidField]:
@@ -65,7 +64,7 @@ class SolidField:
         tree, box, seams, special = self._made_of
         for part, others in cavities(tree, box):
             inner, outer = (SolidField(t, box, (), special) for t in (part, others))
-            if is_shell(part, others) or apart(inner.program, outer.program, self.box):
+            if is_shell(part, others) or apart(inner.evaluator, outer.evaluator, self.box):
                 fields = [
                     SolidField(t, box, seams, special[_on(f, special)]) for t, f in ((part, inner), (others, outer))
                 ]
@@ -80,12 +79,12 @@ class SolidField:
             return None
         others, walls = found
         solid = SolidField(others, box, seams, special)
-        columns, turned = self.program.number(solid.program, np.arange(solid.program.used))
+        columns, turned = self.evaluator.number(solid.evaluator, np.arange(solid.evaluator.used))
         outer = (2 * columns[:, None] + (np.arange(2) ^ turned[:, None])).ravel()
         inner = np.full(len(outer), -1, dtype=np.intp)
         for distance, follows in walls:
-            number = next(i for i, c in enumerate(self.program.columns) if c.function is distance)
-            inner[np.repeat([c.face in follows.faces for c in solid.program.columns[: len(columns)]], 2)] = 2 * number
+            number = next(i for i, c in enumerate(self.evaluator.columns) if c.function is distance)
+            inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
         return Wall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
     def touching(self) -> list[SolidField]:
@@ -93,7 +92,7 @@ class SolidField:
         tree, box, seams, special = self._made_of
         for part, others in pieces(tree, box):
             inner, outer = (SolidField(t, box, (), special) for t in (part, others))
-            points = contacts(inner.program, outer.program, self.box)
+            points = contacts(inner.evaluator, outer.evaluator, self.box)
             if points is not None:
                 known = np.concatenate([special, self.world(points)])
                 fields = [SolidField(t, box, seams, known[_on(f, known)]) for t, f in ((part, inner), (others, outer))]
@@ -111,27 +110,27 @@ class SolidField:
         if found == tree:
             return None
         result = SolidField(found, box, seams, special)  # in the same local coordinates
-        result.box = result.program.local(around)
+        result.box = result.evaluator.local(around)
         return result
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
         assert isinstance(shell, SolidField)
-        columns, turned = self.program.number(shell.program, labels // 2)
+        columns, turned = self.evaluator.number(shell.evaluator, labels // 2)
         return 2 * columns + (labels % 2 ^ turned)
 
     @property
     def scale(self) -> float:
         """The user's length of one local unit."""
-        return to_float(self.program.scale)
+        return to_float(self.evaluator.scale)
 
     def world(self, points: Floats) -> Floats:
         """The user's coordinates of points (..., 3)."""
-        return self.program.world(points)
+        return self.evaluator.world(points)
 
     def crossed(self, centers: Floats, half: float) -> NDArray[np.bool_]:
         """Which cubes (N,) the boundary may pass."""
-        true, false = self.program.decided(*self.program.taylor(centers, np.full((1, 3), half)))
+        true, false = self.evaluator.decided(*self.evaluator.taylor(centers, np.full((1, 3), half)))
         return ~(true | false)
 
     def turning(self, centers: Floats, half: float) -> Floats:
@@ -146,17 +145,17 @@ class SolidField:
 
     def _turning(self, centers: Floats, halves: Floats) -> Floats:
         """The same for few cubes, all functions of each together."""
-        yes, no = self.program.taylor(centers, halves)
-        below, above = self.program.relevant(yes, no)
+        yes, no = self.evaluator.taylor(centers, halves)
+        below, above = self.evaluator.relevant(yes, no)
         both = below & above
-        switches = both & (self.program.walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
+        switches = both & (self.evaluator.walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
         below, above = below & ~switches, above & ~switches
         faces = below | above
         faces[:, (below & above).any(axis=0)] = False
         risen = np.zeros((2, *faces.shape, 3))  # gradients, positive outside, and how much they change
         for column in np.flatnonzero(faces.any(axis=1)):
             rows = np.flatnonzero(faces[column])
-            gradients, changes = self.program.slopes(np.array([column]), centers[rows], halves)
+            gradients, changes = self.evaluator.slopes(np.array([column]), centers[rows], halves)
             risen[:, column, rows] = gradients[0] * np.where(below[column, rows], 1.0, -1.0)[:, None], changes[0]
         result, times = np.full(len(centers), np.inf), faces.sum(axis=0)
         for number in np.unique(times[times > 0]):
@@ -169,20 +168,20 @@ class SolidField:
 
     @cached_property
     def _planes_inside(self) -> PlanesInside:
-        return PlanesInside(self.program)
+        return PlanesInside(self.evaluator)
 
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """Which columns are <= 0 (M, N)."""
-        return self.program.signs(points)
+        return self.evaluator.signs(points)
 
     def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Whether points with given signs are in the solid."""
-        return self.program.inside(signs)
+        return self.evaluator.inside(signs)
 
     def jets(self, points: Floats, label: int | Integers) -> Floats:
         """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside."""
         labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
-        return self.program.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
+        return self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
 
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
@@ -190,11 +189,11 @@ class SolidField:
 
     def planes(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes (N,)."""
-        return self.program.planes[labels // 2]
+        return self.evaluator.planes[labels // 2]
 
     def walls(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) have no face (N,)."""
-        return self.program.walls[labels // 2]
+        return self.evaluator.walls[labels // 2]
 
     def without_lines(self) -> SolidField:
         """The same, none of whose faces is said to have straight lines; itself if none has."""
@@ -207,7 +206,7 @@ class SolidField:
     @cached_property
     def _lines(self) -> NDArray[np.bool_]:
         """The same for each column of the tree."""
-        return np.array([_has_lines(c.function) for c in self.program.columns[: self.program.used]])
+        return np.array([_has_lines(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose common zeros are where faces of given labels meet."""
@@ -235,16 +234,17 @@ class SolidField:
 
     def face(self, label: int) -> str:
         """The name of a label's face; of an end left open by walls, its equation."""
-        column = self.program.columns[label // 2]
+        column = self.evaluator.columns[label // 2]
         return column.face or f"{column.function} = 0"
 
     def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
         """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
-        return called(self.program.names_within(label // 2, centers, halves)) or self.face(label)
+        return called(self.evaluator.names_within(label // 2, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two faces lie on different functions with a common surface."""
-        faces = [c for c in self.program.columns[: self.program.used] if c.names and isinstance(c.function, Polynomial)]
+        used = self.evaluator.columns[: self.evaluator.used]
+        faces = [c for c in used if c.names and isinstance(c.function, Polynomial)]
         for a, b in combinations(faces, 2):
             common = a.function.raw.gcd(b.function.raw)  # type: ignore[union-attr]
             if not common.is_constant():
@@ -256,7 +256,7 @@ class SolidField:
 
 def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
     """Which points (N, 3) in the user's coordinates are on some function of a field."""
-    values = np.abs(field.program.values(field.program.local(points)))
+    values = np.abs(field.evaluator.values(field.evaluator.local(points)))
     return np.asarray(values.min(axis=0, initial=np.inf) < ON)
 
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
-from pas.algebra.curve import Part, along, cross, dot, gradient
+from pas.algebra.curve import CurvePart, along, gradient
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import cross, dot
 from pas.algebra.roots import RealRoot
 from pas.algebra.zeros import RealZero
 from pas.limits import checkpoint
@@ -52,7 +53,7 @@ class Sheets:
     Raises `pas.algebra.curve.SplitError` where that differs from component to component.
     """
 
-    def __init__(self, part: Part, polynomials: list[Polynomial]) -> None:
+    def __init__(self, part: CurvePart, polynomials: list[Polynomial]) -> None:
         self.part = part
         self.polynomials: list[Polynomial] = []
         self.factors: dict[int, Factors] = {}

@@ -1,14 +1,16 @@
-"""Joints: claims that two faces of a solid continue each other with GC^k along a curve."""
+"""Joints: claims that two faces of a solid continue each other with GC^k along a curve; part lists tell them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.errors import GeometryError
+from pas.verdicts import Verdict
 
 
 @dataclass(frozen=True)
@@ -47,3 +49,46 @@ def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
     for name in (joint.first, joint.second):
         if name not in faces:
             raise GeometryError(f"the solid has no face {name!r} for the joint; its faces are {', '.join(faces)}")
+
+
+class Jointed(Protocol):
+    """A solid as part lists tell it."""
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """The names of the faces."""
+
+    @property
+    def polynomials(self) -> dict[str, tuple[Polynomial, ...]]:
+        """The polynomials that carry each face."""
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """What is claimed."""
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What of that is proved."""
+
+
+def face_list(solid: Jointed) -> str:
+    """A table of the faces with their degrees."""
+    polynomials = solid.polynomials
+    width = max(map(len, solid.faces), default=4)
+    lines = [f"{'face':<{width}}  degree"]
+    for face in solid.faces:
+        degrees = sorted({p.degree for p in polynomials.get(face, ())})
+        lines.append(f"{face:<{width}}  {', '.join(map(str, degrees)) or 'not polynomial'}")
+    return "\n".join(lines)
+
+
+def part_list(solid: Jointed) -> str:
+    """A table of faces and joints; says so where no joint was claimed."""
+    lines = [face_list(solid), ""]
+    if not solid.joints:
+        return "\n".join([*lines, "joints: none claimed, none proved"])
+    proved = sum(v.proved for v in solid.verdicts)
+    lines.append(f"joints: {proved} of {len(solid.joints)} proved")
+    claims = max(len(v.claim) for v in solid.verdicts)
+    lines += [f"  {v.claim:<{claims}}  {v.status.value:<9}  {v.reason}" for v in solid.verdicts]
+    return "\n".join(lines)

@@ -17,14 +17,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pas.algebra.components import Components, LostError
-from pas.algebra.curve import Part, SpaceCurve, SplitError
+from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.solid.arcs import Arc, Around, arcs
 from pas.solid.germs import Sheets
 from pas.solid.joints import Joint
-from pas.solid.nearby import Nearby
-from pas.solid.reading import Reading
+from pas.solid.leaves import AlongCurve, LeafTree
 from pas.solid.tree import Tree
 from pas.verdicts import Status, Verdict
 
@@ -84,9 +83,9 @@ class _Proof:
 
     def __init__(self, joint: Joint, tree: Tree, box: Callable[[], Floats]) -> None:
         self.joint, self.names = joint, tuple(dict.fromkeys((joint.first, joint.second)))
-        self.solid = Reading(tree)
+        self.solid = LeafTree(tree)
         self.curve = SpaceCurve(*joint.along)
-        self.nearby = Nearby(self.solid.leaves, self.curve, box)
+        self.nearby = AlongCurve(self.solid.leaves, self.curve, box)
         self.sheets: list[Sheets] = []
         self.stretches: list[_Stretch] = []
         self.is_reduced = True
@@ -98,7 +97,7 @@ class _Proof:
             except SplitError as splits:
                 parts += part.split(splits.polynomial)
 
-    def _look(self, part: Part) -> None:
+    def _look(self, part: CurvePart) -> None:
         if part.ideal.is_whole_ring:
             return
         if part.turns is None:

@@ -25,8 +25,8 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
-from pas.solid.pieces import polynomials_of
-from pas.solid.program import Program
+from pas.solid.evaluator import TreeEvaluator
+from pas.solid.functions import polynomials_of
 from pas.solid.tree import Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
@@ -127,10 +127,10 @@ def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
 
 
 class Seams:
-    """The seams of the faces of a program, in whose extra columns the functions of given ones are, in pairs."""
+    """The seams of the faces of an evaluator, in whose extra columns the functions of given ones are, in pairs."""
 
-    def __init__(self, program: Program, given: Sequence[Seam]) -> None:
-        self._program, self._given = program, tuple(given)
+    def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam]) -> None:
+        self._program, self._given = evaluator, tuple(given)
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
 
     def between(self, a: int, b: int) -> tuple[int, ...]:

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
-from pas.limits import checkpoint
-from pas.solid.bank import Bank
 from pas.solid.bounds import bounding_box
-from pas.solid.distance import Distance
-from pas.solid.program import Program
+from pas.solid.evaluator import TreeEvaluator
+from pas.solid.functions import Distance
+from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Node, Tree, combined, complement
 
-LEVELS, MOST = 14, 20_000
-"""How often cubes are halved, and how many may be left on the way."""
+LIMITS = Limits(depth=13, cells=20_000)
+"""How often cubes are cut, and how many may be left on the way."""
 
 MOST_CONTACTS, NEAR = 100, 40.0
 """Points in which boundaries may touch; how far around each cubes are left, over their half edge."""
@@ -81,7 +81,7 @@ def is_shell(wall: Tree, tree: Tree) -> bool:
     return len(followed) == len(parts) and all(f and f.tree == tree and f.all <= kept for f in followed)
 
 
-def apart(first: Program, second: Program, box: Floats) -> bool:
+def apart(first: TreeEvaluator, second: TreeEvaluator, box: Floats) -> bool:
     """Whether the boundaries of two sets, compiled in the same coordinates, do not meet in a box (2, 3).
 
     False where that is not shown.
@@ -89,20 +89,17 @@ def apart(first: Program, second: Program, box: Floats) -> bool:
     return not len(close(first, second, box)[0])
 
 
-def close(first: Program, second: Program, box: Floats) -> tuple[Floats, float]:
+def close(first: TreeEvaluator, second: TreeEvaluator, box: Floats) -> tuple[Floats, float]:
     """The centres (N, 3) of the cubes in which two boundaries may meet, and their half edge: small, or many."""
-    centers, half = box.mean(axis=0)[None], np.ptp(box, axis=0) / 2 * (1 + 1e-9)
-    for level in range(LEVELS):
-        checkpoint(f"telling surfaces apart ({len(centers)} cubes)")
-        centers = centers[_may_meet(first, second, centers, half[None])]
-        if not len(centers) or len(centers) > MOST or level == LEVELS - 1:
-            break
-        half = half / 2
-        centers = np.concatenate([centers + half * np.array(side) for side in product((-1, 1), repeat=3)])
-    return centers, float(half.max())
+
+    def judge(cubes: Boxes, _: int) -> Fates:
+        return np.where(_may_meet(first, second, cubes.centers, cubes.halves[:1]), Fate.SPLIT, Fate.SETTLED)
+
+    found = search(Boxes.of(box, larger=1e-9), judge, Boxes.eighths, LIMITS, "telling surfaces apart")
+    return found.open.centers, float(found.open.halves.max(initial=0.0))
 
 
-def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
+def contacts(first: TreeEvaluator, second: TreeEvaluator, box: Floats) -> Floats | None:
     """The points (N, 3) in which two boundaries touch and do not cross; None where they may meet elsewhere.
 
     That they meet nowhere else is proved, up to cubes of a 2^14th of the box around these points; in them, that the
@@ -112,7 +109,8 @@ def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
     centers, half = close(first, second, box)
     result: list[Floats] = []
     while len(centers):
-        point = None if len(result) == MOST_CONTACTS or len(centers) > MOST else _contact(first, second, centers[0])
+        too_many = len(result) == MOST_CONTACTS or len(centers) > LIMITS.cells
+        point = None if too_many else _contact(first, second, centers[0])
         if point is None:
             return None
         around = np.abs(centers - point).max(axis=1) <= NEAR * half
@@ -123,7 +121,7 @@ def contacts(first: Program, second: Program, box: Floats) -> Floats | None:
     return np.array(result).reshape(-1, 3)
 
 
-def _contact(first: Program, second: Program, start: Floats) -> Floats | None:
+def _contact(first: TreeEvaluator, second: TreeEvaluator, start: Floats) -> Floats | None:
     """Where two functions touch near a point without crossing; None where no pair does, or more than one."""
     pairs = [
         (p, q) for i, j in product(_near(first, start), _near(second, start))
@@ -133,9 +131,9 @@ def _contact(first: Program, second: Program, start: Floats) -> Floats | None:
     return found[0] if len(pairs) == len(found) == 1 else None
 
 
-def _near(program: Program, point: Floats) -> list[int]:
+def _near(evaluator: TreeEvaluator, point: Floats) -> list[int]:
     """The faces that pass near a point."""
-    jets = program.jets(np.repeat(point[None], program.used, axis=0), np.arange(program.used))
+    jets = evaluator.jets(np.repeat(point[None], evaluator.used, axis=0), np.arange(evaluator.used))
     return [i for i, (value, *slope) in enumerate(jets) if abs(value) <= BESIDE * np.linalg.norm(slope)]
 
 
@@ -147,8 +145,8 @@ def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
     if max(p.degree, q.degree) < 2:
         return None  # planes
     slopes = [[f.diff(i) for i in range(3)] for f in (p, q)]
-    jets = Bank([f for f, g in zip((p, q), slopes, strict=True) for f in (f, *g)])
-    bends = Bank([g.diff(i) for own in slopes for g in own for i in range(3)])
+    jets = TaylorForms([f for f, g in zip((p, q), slopes, strict=True) for f in (f, *g)])
+    bends = TaylorForms([g.diff(i) for own in slopes for g in own for i in range(3)])
     point, factor = start.copy(), None
     for _ in range(STEPS):
         values = jets.values(point[None])[:, 0].reshape(2, 4)
@@ -170,19 +168,19 @@ def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
     return point if met and curvatures.prod() > 0 and np.abs(curvatures).min() > FLATTEST else None
 
 
-def _may_meet(first: Program, second: Program, centers: Floats, half: Floats) -> NDArray[np.bool_]:
+def _may_meet(first: TreeEvaluator, second: TreeEvaluator, centers: Floats, half: Floats) -> NDArray[np.bool_]:
     """Whether both boundaries may pass cubes, at points in common (N,)."""
     matters = []
-    for program in (first, second):
-        yes, no = program.taylor(centers, half)
-        true, false = program.decided(yes, no)
-        matters.append(np.logical_or(*program.relevant(yes, no)) & ~(true | false))
+    for evaluator in (first, second):
+        yes, no = evaluator.taylor(centers, half)
+        true, false = evaluator.decided(yes, no)
+        matters.append(np.logical_or(*evaluator.relevant(yes, no)) & ~(true | false))
     result = np.zeros(len(centers), dtype=bool)
     for i, j in product(*(np.flatnonzero(m.any(axis=1)) for m in matters)):
         rows = np.flatnonzero(matters[0][i] & matters[1][j] & ~result)
-        pair = [program.polynomial(int(k)) for program, k in ((first, i), (second, j))]
+        pair = [evaluator.polynomial(int(k)) for evaluator, k in ((first, i), (second, j))]
         if any(p is None for p in pair):
             result[rows] = True
         elif len(rows):
-            result[rows] = ~Bank([p for p in pair if p is not None]).never_both(centers[rows], half)
+            result[rows] = ~TaylorForms([p for p in pair if p is not None]).never_both(centers[rows], half)
     return result

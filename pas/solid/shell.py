@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -23,18 +23,17 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
+from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField, Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import split
 from pas.mesh.remesh import least_norm, project
 from pas.mesh.rows import cross
 from pas.solid.bounds import bounding_box
-from pas.solid.distance import Distance, Followed
 from pas.solid.field import SolidField
+from pas.solid.functions import Distance, Followed
+from pas.solid.joints import Joint
 from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
-
-if TYPE_CHECKING:
-    from pas.solid.solid import Solid
 
 SHARP = 0.97
 """Cosine of the angle between two faces' normals below which they meet in a sharp edge."""
@@ -71,13 +70,36 @@ class _Feet:
     least: Floats
 
 
-class Near(Distance):
+class Hollowable(Protocol):
+    """A solid that shells are made of."""
+
+    @property
+    def tree(self) -> Tree:
+        """Its inequalities."""
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The claims on its faces."""
+
+    @property
+    def special_points(self) -> tuple[tuple[float, float, float], ...]:
+        """Points of its boundary that meshes are to have, in the user's coordinates."""
+
+    @property
+    def field(self) -> SolidField:
+        """Its boundary."""
+
+    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
+        """A mesh of its boundary, by faces."""
+
+
+class FaceDistance(Distance):
     """The distance from some faces of a solid, less a thickness; outside the solid and the faces that negative.
 
     `faces` are names, `tolerance` is that of the mesh from which feet are looked for.
     """
 
-    def __init__(self, solid: Solid, faces: Sequence[str], thickness: float, tolerance: float) -> None:
+    def __init__(self, solid: Hollowable, faces: Sequence[str], thickness: float, tolerance: float) -> None:
         self.solid, self.faces, self.thickness, self.tolerance = solid, tuple(faces), thickness, tolerance
         mesh, field = _dense(solid, tolerance), solid.field
         self._field, self._scale = field, field.scale
@@ -86,7 +108,7 @@ class Near(Distance):
         self.follows = Followed(solid.tree, frozenset(self.faces), frozenset(names.values()), thickness)
         triangles = mesh.triangles[np.isin(mesh.labels, labels)]
         self._targets = [_target(mesh, field, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
-        edges = Edges.of(mesh, field)
+        edges = LabelEdges.of(mesh, field)
         for a, b in sorted({(int(a), int(b)) for a, b in np.sort(edges.labels[edges.grooves], axis=1)}):
             if a in labels and b in labels:
                 chosen = edges.grooves & (np.sort(edges.labels, axis=1) == (a, b)).all(axis=1)
@@ -98,7 +120,7 @@ class Near(Distance):
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4); far from the value 0 they are those of the nearest vertex."""
-        local = self._field.program.local(points)
+        local = self._field.evaluator.local(points)
         feet = self._nearest(local)
         away = local - feet.points
         distance = np.linalg.norm(away, axis=1)
@@ -111,13 +133,13 @@ class Near(Distance):
 
         Where a ball is neither certainly in the solid nor outside, only what holds of its points in the solid is said.
         """
-        local, reach = self._field.program.local(centers), radii / self._scale
+        local, reach = self._field.evaluator.local(centers), radii / self._scale
         feet, aim = self._nearest(local), self.thickness / self._scale
         outside, most = self._outside(local, feet), np.linalg.norm(local - feet.points, axis=1)
         below = most + reach <= aim  # on either side
         rows = np.flatnonzero(outside & (feet.least > reach))
-        program, half = self._field.program, np.repeat(reach[rows, None], 3, axis=1)
-        below[rows] = program.decided(*program.taylor(local[rows], half))[1]
+        evaluator, half = self._field.evaluator, np.repeat(reach[rows, None], 3, axis=1)
+        below[rows] = evaluator.decided(*evaluator.taylor(local[rows], half))[1]
         return below, ~outside & (feet.least - reach > aim)
 
     def _outside(self, points: Floats, feet: _Feet) -> Bools:
@@ -217,7 +239,7 @@ def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
     return mesh
 
 
-def _dense(solid: Solid, tolerance: float) -> Labelled:
+def _dense(solid: Hollowable, tolerance: float) -> Labelled:
     """A mesh of the faces with vertices everywhere, flat or not."""
     longest = float(np.ptp(solid.field.box, axis=0).max()) / ALONG
     return _subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
@@ -235,7 +257,7 @@ def _target(mesh: Labelled, field: SolidField, labels: tuple[int, ...], cells: I
 
 
 @dataclass(frozen=True)
-class Edges:
+class LabelEdges:
     """The edges between labels: `ends` (E, 2), `labels` (E, 2), and which are `smooth` or `grooves` (E,)."""
 
     ends: Integers
@@ -244,7 +266,7 @@ class Edges:
     grooves: Bools
 
     @classmethod
-    def of(cls, mesh: Labelled, field: SolidField) -> Edges:
+    def of(cls, mesh: Labelled, field: SolidField) -> LabelEdges:
         """Those of a mesh; normals are the functions' own."""
         t = mesh.triangles
         start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
@@ -266,7 +288,7 @@ class Edges:
         return cls(np.stack([start[first], end[first]], axis=1), labels, smooth, ~convex & ~smooth)
 
 
-def shelled(solid: Solid, thickness: float, without: Iterable[str], tolerance: float) -> Tree:
+def shelled(solid: Hollowable, thickness: float, without: Iterable[str], tolerance: float) -> Tree:
     """The points of a solid within `thickness` of its faces, some faces left out.
 
     Raises `GeometryError` where nothing would be hollow, for unknown faces, or where none is left.
@@ -282,8 +304,10 @@ def shelled(solid: Solid, thickness: float, without: Iterable[str], tolerance: f
     kept = [name for name in dict.fromkeys(names.values()) if name not in left_out]
     if not kept:
         raise GeometryError("a shell needs at least one face that is not open")
-    groups = _groups(Edges.of(mesh, field), names, kept)
-    walls = [Atom(Near(solid, group, thickness, tolerance), f"inside of {' and '.join(group)}") for group in groups]
+    groups = _groups(LabelEdges.of(mesh, field), names, kept)
+    walls = [
+        Atom(FaceDistance(solid, group, thickness, tolerance), f"inside of {' and '.join(group)}") for group in groups
+    ]
     wall = Node(tuple(walls), True) if len(walls) > 1 else walls[0]
     try:
         bounding_box(combined(False, solid.tree, complement(wall)))
@@ -296,7 +320,7 @@ def shelled(solid: Solid, thickness: float, without: Iterable[str], tolerance: f
     return combined(False, solid.tree, wall)
 
 
-def _groups(edges: Edges, names: dict[int, str], kept: list[str]) -> list[list[str]]:
+def _groups(edges: LabelEdges, names: dict[int, str], kept: list[str]) -> list[list[str]]:
     """Faces whose inner faces are one: all that meet otherwise than in sharp convex edges."""
     joined = edges.labels[edges.smooth | edges.grooves]
     rows = [(kept.index(names[a]), kept.index(names[b])) for a, b in joined.tolist() if {names[a], names[b]} <= {*kept}]
@@ -306,9 +330,9 @@ def _groups(edges: Edges, names: dict[int, str], kept: list[str]) -> list[list[s
     return [[f for f, g in zip(kept, group, strict=True) if g == number] for number in dict.fromkeys(group.tolist())]
 
 
-def _depth(solid: Solid, vertices: Floats) -> float:
+def _depth(solid: Hollowable, vertices: Floats) -> float:
     """About how deep the solid is below its kept faces' vertices (local coordinates), by samples."""
     low, high = solid.field.box
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 41).T, indexing="ij"), axis=-1).reshape(-1, 3)
     inside = grid[solid.field.inside(solid.field.signs(grid))]
-    return float(cKDTree(vertices).query(inside)[0].max(initial=0.0)) * to_float(solid.field.program.scale)
+    return float(cKDTree(vertices).query(inside)[0].max(initial=0.0)) * to_float(solid.field.evaluator.scale)

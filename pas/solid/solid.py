@@ -30,10 +30,9 @@ from pas.mesh.quality import Quality
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
-from pas.solid.joints import Joint, refuse_unknown
+from pas.solid.functions import polynomials_of
+from pas.solid.joints import Joint, face_list, part_list, refuse_unknown
 from pas.solid.measures import curved_measures
-from pas.solid.parts import face_list, part_list
-from pas.solid.pieces import polynomials_of
 from pas.solid.proofs import prove
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
@@ -230,10 +229,10 @@ class Solid(Shape):
         flat = array.reshape(-1, 3)
         near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
-        rows, program = np.flatnonzero(near), self.field.program
+        rows, evaluator = np.flatnonzero(near), self.field.evaluator
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
-            result[part] = program.inside(program.signs(program.local(flat[part])))
+            result[part] = evaluator.inside(evaluator.signs(evaluator.local(flat[part])))
         return result.reshape(array.shape[:-1])
 
     def value(self, points: ArrayLike) -> Floats:
@@ -243,8 +242,8 @@ class Solid(Shape):
         across walls between patches.
         """
         array = _points(points)
-        program = self.field.program
-        return program.field(program.local(array.reshape(-1, 3))).reshape(array.shape[:-1])
+        evaluator = self.field.evaluator
+        return evaluator.field(evaluator.local(array.reshape(-1, 3))).reshape(array.shape[:-1])
 
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(

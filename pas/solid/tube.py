@@ -19,7 +19,7 @@ from pas.algebra.jets import Jet, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, Symbolic, plain, rational, to_float
 from pas.errors import GeometryError
-from pas.solid.distance import Distance
+from pas.solid.functions import Distance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined
 

@@ -11,7 +11,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from pas.surface.contact import CONTACTS
+from pas.contacts.contact import CONTACTS
+from pas.layouts.kinds import LAYOUTS
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML takes without quotes."""
@@ -21,9 +22,6 @@ VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "pictur
 
 NONE: tuple[Any, ...] = ([], {})
 """What says nothing, as it is left where all of something was taken out again."""
-
-NAMED_LAYOUTS = ("fan", "strips", "planes")
-"""Partitions that a name alone chooses."""
 
 
 def toml(problem: Mapping[str, Any]) -> str:
@@ -59,8 +57,10 @@ def program(problem: Mapping[str, Any]) -> str:
     """A program that makes the shape of a problem as `shape`."""
     tables = {name for name in CONTACTS if name in problem}
     layout = problem.get("partition")
-    named = layout is None or (set(layout) == {"kind"} and layout["kind"] in NAMED_LAYOUTS)
+    named = layout is None or (set(layout) == {"kind"} and layout["kind"] in LAYOUTS)
     if not tables or not named or not set(problem) - tables - {"partition"} <= VERBATIM:
+        return _program_of_file(problem)
+    if not all(CONTACTS[table].__module__.startswith("pas.") for table in tables):  # classes of a user's own
         return _program_of_file(problem)
     contacts = [f"    {_made(table, entry)}," for table in CONTACTS for entry in problem.get(table, [])]
     options = [f"order={problem['order']}"]

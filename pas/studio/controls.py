@@ -3,7 +3,7 @@
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
 its name; the value None leaves the key out; what is at the paths `frees` goes with another choice), "text" (a formula),
-or "points"; those of `pas.studio.freedoms` come to them.  `usual` is what holds where the document
+or "points"; those of `pas.studio.handles` come to them.  `usual` is what holds where the document
 says nothing; of `safe` ones the largest safe value can be asked for, and is marked.
 """
 
@@ -15,8 +15,8 @@ from typing import Any
 
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.rational import rational, to_float
+from pas.contacts.contact import CONTACTS
 from pas.studio.gallery import TEAPOT, Data
-from pas.surface.contact import CONTACTS
 
 Control = dict[str, Any]
 
@@ -25,9 +25,9 @@ FULLEST, SLIMMEST = 0, 40
 """Tensions at the ends of the slider; the usual one looks as if it were in the middle, since the slider is bent."""
 
 HIGHEST_ORDER = 4
-NUMBERS = ("radius", "clip", "slope")
-VECTORS = ("axis", "point", "arm")
-FORMULAS = ("surface", "clip")
+SIGNED = ("slope",)
+"""Numbers of contacts that may be negative as well."""
+
 OF_BOUNDARIES = ("quadric", "plane", "implicit", "other", "x", "y", "z")
 OF_DEGREE = ("handles", "coefficients")
 """What is wished of the members of one degree, and means nothing in another."""
@@ -52,18 +52,7 @@ def _problem(document: Data) -> Iterator[Control]:
     for table in tables:
         for number, entry in enumerate(problem[table]):
             title = f"{getattr(CONTACTS[table], 'noun', table.removesuffix('s').replace('_', ' '))} {number + 1}"
-            path = ["problem", table, number]
-            for key in ("radius", "clip", "slope"):
-                if key in entry and _exact(entry[key]) is not None:
-                    low = -largest if key == "slope" or _number(entry[key]) <= 0 else 0
-                    yield _number_control([*path, key], key, title.capitalize(), low, largest)
-            for key in FORMULAS:
-                if isinstance(entry.get(key), str) and _exact(entry[key]) is None:
-                    yield _text([*path, key], key, title.capitalize())
-            for key in VECTORS:
-                if key in entry:
-                    yield {"kind": "vector", "path": [*path, key], "label": key, "group": title.capitalize(),
-                           "low": -largest, "high": largest}  # fmt: skip
+            yield from _of_contact(entry, ["problem", table, number], title.capitalize(), largest)
     orders = [[k, f"GC{'⁰¹²³⁴'[k]}"] for k in range(1, HIGHEST_ORDER + 1)]
     others = {"kind": "choice", "group": "Surface", "frees": [["problem", "points", name] for name in OF_DEGREE]}
     yield {**others, "path": ["problem", "order"], "label": "contact", "options": orders}
@@ -72,6 +61,28 @@ def _problem(document: Data) -> Iterator[Control]:
     yield {**others, "path": ["problem", "degree"], "label": "degree", "options": degrees}
     curved = "energy" not in problem and problem.get("partition", {}).get("kind") != "single cell"
     yield from _shaping(["problem"], curved)
+
+
+def _of_contact(entry: Data, path: list[Any], group: str, largest: float) -> Iterator[Control]:
+    """Controls of a contact of any class, by what the entries of its table are: numbers, formulas, vectors."""
+    numbers = [key for key, value in entry.items() if _exact(value) is not None]
+    for key in numbers:
+        low = -largest if key in SIGNED or _number(entry[key]) <= 0 else 0
+        yield _number_control([*path, key], key, group, low, largest)
+    for key, value in entry.items():
+        if isinstance(value, str) and key not in numbers:
+            yield _text([*path, key], key, group)
+    for key, value in entry.items():
+        several = isinstance(value, list) and all(map(_is_vector, value))
+        for place, vector in enumerate(value if several else [value]):
+            if _is_vector(vector):
+                where, label = ([*path, key, place], f"{key} {place + 1}") if several else ([*path, key], key)
+                yield {"kind": "vector", "path": where, "label": label, "group": group, "low": -largest,
+                       "high": largest}  # fmt: skip
+
+
+def _is_vector(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(_exact(part) is not None for part in value)
 
 
 def _shaping(path: list[Any], tense: bool = True) -> Iterator[Control]:
@@ -126,11 +137,11 @@ def _number_control(path: list[Any], label: str, group: str, low: float, high: f
 def _size(problem: Data) -> float:
     """A power of two not below any clip or radius: so the ends of sliders stay when values change a little."""
     numbers = [
-        abs(_number(entry[key]))
+        abs(_number(value))
         for table in CONTACTS
         for entry in problem.get(table, [])
-        for key in NUMBERS
-        if key in entry
+        for value in entry.values()
+        if _exact(value) is not None
     ]
     return float(2 ** ceil(log2(1.2 * max([*numbers, 1e-6]))))
 

@@ -31,7 +31,7 @@ class Message:
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def numbered(self, number: int) -> Message:
-        """The same, as the answer to the request of a number."""
+        """This message as the answer to the request of a number."""
         return replace(self, head={**self.head, "seq": number})
 
     def parts(self) -> tuple[dict[str, Any], list[bytes]]:

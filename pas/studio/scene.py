@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,16 +20,45 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
 from pas.blending.place import ended, places
+from pas.contacts.joins import Join
+from pas.exchange.picture_options import Picture
+from pas.parametric.generatrix.blend import GeneratrixBlend
+from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.render.piecewise import sharpest_neighbour
-from pas.render.scene import Picture, scene_of
+from pas.render.scene import scene_of
 from pas.shape import Shape, kind_of
-from pas.studio.legs import legs
+from pas.studio.controls import SHAPE
 from pas.studio.messages import Message
 from pas.surface.fairness_limits import neighbour
-from pas.surface.joins import Join
-from pas.surface.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
-from pas.surface.surface_mesh import SurfaceMesh
+
+SIZE = (120, 40)
+"""Points in s and t of what is drawn while a value is dragged."""
+
+
+def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
+    """An entry for the head and an array; empty for other kinds of shapes and where shape values are functions of s.
+
+    The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
+    its derivative where there is one.
+    """
+    if kind_of(shape).name != "generatrix blend":
+        return {}, {}
+    blend = cast("GeneratrixBlend", shape)
+    functions = {name: getattr(blend.shape, name) for name in SHAPE}
+    values = {name: function.value for name, function in functions.items() if function is not None}
+    if len(values) < len(SHAPE) or None in values.values():
+        return {}, {}
+    _, edges, middles = blend.frames.grid(SIZE[0])
+    rows = [part for e in edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(middles or ())
+    head = {
+        "size": SIZE,
+        "closed": blend.closed,
+        "inward": blend.frames.inward,
+        "values": {name: float(value) for name, value in values.items()},
+    }
+    return {"legs": head}, {"legs": np.stack(rows).astype(np.float64)}
+
 
 BEYOND = 0.22
 """How far neighbours are shown beyond their clips, over the extent of the region."""
@@ -50,7 +79,7 @@ MOST = 95
 def picture(shape: Shape) -> Message:
     """Everything that is needed to draw a shape."""
     kind = kind_of(shape)
-    surface = None if kind.cast is None else kind.cast(shape)
+    surface = None if kind.piecewise is None else kind.piecewise(shape)
     if surface is not None and surface.partition.cells:
         return _cast(surface)
     return _meshes(shape)

@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import InputError, MissingLibraryError
-from pas.studio import session as sessions
+from pas.studio.conversation import LONGEST_FILE, Conversation
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
-from pas.studio.session import Session
 from pas.studio.workers import RefusedError, StoppedError, Worker
 
 PAGE = Path(__file__).parent / "page"
@@ -66,7 +65,7 @@ class Studio:
         self.spare: tuple[Worker, Worker] | None = None
         self.first: Data = next(iter(GALLERY.values()))
         self.closing = False
-        self.pages: dict[Session, Callable[[Message], Awaitable[None]]] = {}
+        self.pages: dict[Conversation, Callable[[Message], Awaitable[None]]] = {}
 
     @property
     def address(self) -> str:
@@ -106,19 +105,19 @@ class Studio:
                 with suppress(RuntimeError, WebSocketDisconnect):  # the page has gone
                     await socket.send_bytes(message.packed())
 
-        session = Session(send, *self.workers())
-        self.pages[session] = send
-        running = asyncio.create_task(session.run())
+        conversation = Conversation(send, *self.workers())
+        self.pages[conversation] = send
+        running = asyncio.create_task(conversation.run())
         try:
-            await self.open(session, send)
+            await self.open(conversation, send)
             while True:
-                await session.receive(await socket.receive_text())
+                await conversation.receive(await socket.receive_text())
         except (WebSocketDisconnect, RuntimeError, KeyError):  # gone, or bytes instead of text
             pass
         finally:
             running.cancel()
-            self.pages.pop(session, None)
-            session.end()
+            self.pages.pop(conversation, None)
+            conversation.end()
             if not self.closing:
                 self.spare = self.spare or (Worker(), Worker())
 
@@ -138,8 +137,8 @@ class Studio:
     def end(self) -> None:
         """End all processes."""
         self.closing = True
-        for session in self.pages:
-            session.end()
+        for conversation in self.pages:
+            conversation.end()
         for worker in self.spare or ():
             worker.end()
 
@@ -164,7 +163,7 @@ class Studio:
                 with suppress(Exception):  # a page that has just gone
                     await self.open(page, send, changed=True)
 
-    async def open(self, page: Session, send: Callable[[Message], Awaitable[None]], changed: bool = False) -> None:
+    async def open(self, page: Conversation, send: Callable[[Message], Awaitable[None]], changed: bool = False) -> None:
         """Send the document of the file, or what is wrong with it; without one, the starting points.
 
         A page that has a document already keeps it, unless the file has `changed`.
@@ -263,7 +262,7 @@ def _run(studio: Studio, door: socket.socket, tell: Callable[[str], Any], browse
     except ImportError:
         raise MissingLibraryError('the studio needs three small libraries: pip install "pas[studio]"') from None
     config = uvicorn.Config(
-        application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=sessions.LONGEST_FILE,
+        application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=LONGEST_FILE,
         timeout_graceful_shutdown=GRACE, access_log=False,
     )  # fmt: skip
     tell(f"the studio is at {studio.address} (Ctrl-C ends it)")

@@ -1,222 +1,348 @@
-"""One page's conversation: what is asked last is answered first, and what is not wanted any more is stopped.
+"""What one process of the studio knows and does: it solves, follows what is dragged, proves and exports.
 
-The page numbers its states.  "move" asks for a picture quickly, of the newest state only; after a rest its verdicts
-follow.  "rest" asks for the final shape with all proofs.  Every picture has a number of its own, its `shot`, and every
-verdict says to which shot it belongs: so no lamp is ever lit for another picture.
+A session belongs to one page.  `solve` finds the shape of a document as its problem is solved, with all proofs; `move`
+gives a shape quickly that is near it (blends follow by Gauss-Newton steps), and `prove` says what holds of that very
+shape.
 """
 
 from __future__ import annotations
 
-import asyncio
 import json
-import sys
-import traceback
-from collections.abc import Awaitable, Callable, Coroutine
+import re
+import time
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from pas.studio.gallery import GALLERY
-from pas.studio.messages import Message, refusal
-from pas.studio.workers import INSIDE, RefusedError, StoppedError, Worker
+import numpy as np
 
-REST = 0.08
-"""Seconds without a move after which what is seen is proved."""
+from pas.errors import InfeasibleError, InputError, MeshError, NoSolutionError, NotProvedError
+from pas.exchange.formats import FORMATS, suffixes_for
+from pas.exchange.problem import read_problem
+from pas.exchange.tables import read_toml
+from pas.kinds.files import load
+from pas.limits import limit
+from pas.piecewise import PiecewiseSurface, SurfaceMesh
+from pas.pipeline.result import Blend
+from pas.shape import KINDS, Shape
+from pas.studio import documents
+from pas.studio.controls import LENGTHS, SHAPE, controls
+from pas.studio.gallery import Data
+from pas.studio.handles import (
+    at_degree,
+    coefficients_of,
+    handle_controls,
+    pulled_by_coefficients,
+    shares_of,
+    with_handle,
+)
+from pas.studio.measures import hairs, measures
+from pas.studio.messages import Message
+from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
+from pas.studio.sliders import remedies, sliders_of
+from pas.surface.placed import PlacedContacts
 
-LONGEST_REQUEST = 1 << 18
-"""Characters of a request; those that bring a file may have `LONGEST_FILE`."""
+PATIENCE = 120.0
+"""Seconds after which a shape that is not found is given up."""
 
-LONGEST_FILE = 1 << 23
+KEPT = 4
+"""Blends that are kept to begin with, when their document comes back."""
 
-Send = Callable[[Message], Awaitable[None]]
-Request = dict[str, Any]
+SAMPLED = (48, 12)
+"""Of a blend by a generatrix, where its largest safe lengths are looked for: about a second each."""
+
+PROJECT = ".pas.json"
+"""The format that keeps everything exact, of all shapes."""
+
+UNSAVED = re.compile(r"[^\w.-]+")
+"""What names of files are cleared of."""
 
 
-class Session:
-    """A page, and the two processes that work for it: `quick` follows what is dragged, `final` solves and exports."""
+class StudioSession:
+    """The state of one process for one page."""
 
-    def __init__(self, send: Send, quick: Worker, final: Worker) -> None:
-        self._send, self.quick, self.final = send, quick, final
-        self._shot = self._seen = self._proved = 0
-        self._move: Request | None = None
-        self._rest: Request | None = None
-        self._moved, self._rested = asyncio.Event(), asyncio.Event()
-        self._others: set[asyncio.Task[None]] = set()
-        self._taken: asyncio.Task[None] | None = None
-        self._proving = False
-        self._early: dict[str, Any] | None = None
+    def __init__(self, stopped: Callable[[], bool] | None = None) -> None:
+        self.stopped = stopped
+        self.opened: dict[str, Shape] = {}
+        self.bases: dict[str, Shape] = {}
+        self.seen: Shape | None = None
+        self.key = self.scene = ""
+        self.placed: Any = None
+        self.before: Data = {}
+        self.meshed: tuple[PlacedContacts, SurfaceMesh] | None = None
+        self.solved: tuple[Data, Shape] | None = None
 
-    async def run(self) -> None:
-        """Work until cancelled."""
-        async with asyncio.TaskGroup() as group:
-            group.create_task(self._moving())
-            group.create_task(self._resting())
+    def read(self, name: str, text: str) -> Data:
+        """The document of a file's text: a problem, or a project, which is open from then on."""
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / (UNSAVED.sub("_", Path(name).name)[-80:] or "file")
+            path.write_text(text, encoding="utf-8")
+            if path.suffix == ".toml":
+                read_problem(path)
+                problem = documents.plain_tables(read_toml(path)[2])
+                return {"kind": "problem", "problem": {"name": path.stem, **problem}}
+            shape = self.opened[path.name] = load(path)
+            return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
 
-    def end(self) -> None:
-        """End both processes."""
-        self.quick.end()
-        self.final.end()
+    def solve(self, document: Data) -> Message:
+        """The final picture of a document with its verdicts."""
+        with limit(PATIENCE, stopped=self.stopped):
+            shape = self.shape_of(document)
+            message = picture(shape)
+            head = {**message.head, **_judged(shape), **_texts(document),
+                    "controls": [*controls(document), *handle_controls(document, shape)],
+                    "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
+                    "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
+        self.solved = (document, shape)
+        return Message(head, message.arrays)
 
-    async def receive(self, text: str) -> None:
-        """Take one request; one that is none is refused in a sentence."""
+    def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
+        """What another session needs to follow from a document's shape; None where that cannot be followed."""
+        shape = self.shape_of(document)
+        return (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
+
+    def shape_of(self, document: Data) -> Shape:
+        """The shape of a document; where it is not proved, the best that was found."""
+        before, shape = self.solved or ({}, None)
+        if shape is not None and before == document:
+            return shape
         try:
-            request = request_of(text)
-        except ValueError as error:
-            await self._send(refusal(error))
-            return
-        verb = request["do"]
-        if verb == "move":
-            self._move = request
-            self._moved.set()
-            if self._proving:
-                self.quick.stop()
-            if self._early is not None:
-                self.final.stop()
-        elif verb == "rest":
-            self._rest, self._move, self._early = request, None, None
-            verb, *document = self.final.doing or ("",)
-            if verb in STOPPABLE and document != [request["document"]]:
-                self.final.stop()
-            self._rested.set()
-            self._begin(self._prove_once(request))
-        else:
-            self._begin(self._answer(request, self._do(verb, request)))
+            documents.checked(document)
+            return self._refitted(before, document, shape) or documents.solve(document, self.opened)
+        except NotProvedError as error:
+            if error.blend is None:
+                raise
+            found: Shape = error.blend
+            return found
 
-    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
-        task = asyncio.create_task(work)
-        self._others.add(task)
-        task.add_done_callback(self._others.discard)
+    def _refitted(self, before: Data, document: Data, shape: Any) -> Shape | None:
+        """What `pas.blend` finds at a given degree, from the space that it was found in before; else None.
 
-    async def _moving(self) -> None:
-        while True:
-            await self._moved.wait()
-            self._moved.clear()
-            request, self._move = self._move, None
-            if request is None:
-                continue
-            await self._answer(request, self._follow(request))
-            try:
-                await asyncio.wait_for(self._moved.wait(), REST)
-            except TimeoutError:
-                self._begin(self._ahead(request["document"]))
-                await self._prove_once(request)
+        With the degree given, a blend is the choice in its space, whatever else was tried: so only points and tension
+        may differ from the document `before`.
+        """
+        given = document["kind"] == "problem" and isinstance(document["problem"].get("degree"), int)
+        if not given or not can_follow(shape) or documents.base_of(before) != documents.base_of(document):
+            return None
+        problem: Any = documents.problem_of(document["problem"])
+        if problem.wishes.basis is not None:
+            return None
+        found: Shape = shape.space.fit(problem.wishes)
+        return found
 
-    async def _follow(self, request: Request) -> None:
-        asked = ("move", request["document"], str(request.get("scene", "")), bool(request.get("mesh")))
-        message = await self.quick.ask(*asked)
-        anew = message.head["kind"] == "outline"  # of what has to be solved anew, which takes longer
-        if anew:
-            await self._send(message.numbered(int(request.get("seq", 0))))
-            message = await self.quick.ask(*asked, True)
-        await self._picture(message, request)
-        self._seen = self._shot
-        if anew:  # measuring takes less: so a hand that does not rest is told how fair what it made is
-            await self._tell("measure", self._shot)
+    def take(self, key: str, content: dict[str, Any]) -> None:
+        """Begin from a blend that another session has found; a step in place prepares the first one."""
+        shape: Blend = KINDS["blend"].read(content)
+        before: Any = self.bases.get(key)
+        if before is not None and before.surface.degree == shape.surface.degree:
+            space = before.space
+            shape = replace(shape, find_space=lambda: space)
+        self._keep(key, shape)
+        with suppress(InfeasibleError):  # then the first move says so
+            self._keep(key, shape.refit())
 
-    async def _prove_once(self, request: Request) -> None:
-        """Prove what is seen, unless that was done, or it is a final picture, which has its verdicts."""
-        if self._seen == self._shot and self._proved != self._shot:
-            self._proved = self._shot
-            await self._answer(request, self._prove(self._shot))
+    def move(self, document: Data, scene: str = "", mesh: bool = False, anew: bool = False) -> Message:
+        """A picture of a shape near that of the document; `scene` is what the page has already; with a `mesh` or not.
 
-    async def _prove(self, shot: int) -> None:
-        self._proving = True
-        try:
-            for verb in ("prove", "measure"):
-                await self._tell(verb, shot)
-        finally:
-            self._proving = False
+        Where the blend has to be solved anew, which takes longer, it is the outline of the neighbours, unless `anew`.
+        """
+        began = time.perf_counter()
+        documents.checked(document)
+        message = (None if anew else self._outline(document)) or self._moved(document, scene, mesh)
+        return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
 
-    async def _tell(self, verb: str, shot: int) -> None:
-        """Send what is known of the shape of the last move, which a shot shows."""
-        message: Message = await self.quick.ask(verb)
-        await self._send(Message({**message.head, "shot": shot}))
+    def _moved(self, document: Data, scene: str, mesh: bool) -> Message:
+        with limit(PATIENCE, stopped=self.stopped):
+            shape = self._followed(document)
+            self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
+            if not can_follow(shape):
+                return quick(shape)
+            surface = shape.surface  # type: ignore[attr-defined]  # of blends
+            if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
+                parts = {}
+                with suppress(MeshError):  # what has no mesh is drawn by rays, however slowly
+                    parts = triangles(self._meshed(surface), surface) if mesh else {}
+                head = {"kind": "moved", "scene": scene, "exponent": surface.scaled.exponent}
+                return Message(head, {"coefficients": coefficients(surface), **parts})
+            message = picture(shape)
+            name = name_of_scene(message)
+            self.placed, self.scene = surface.placed, name.partition(" ")[2]
+            return Message({**message.head, "scene": name}, message.arrays)
 
-    async def _ahead(self, document: dict[str, Any]) -> None:
-        """Solve where the hand rests, before it lets go: the answer is kept by the desk, and sent when asked for."""
-        if self._move is None and self._rest is None and not self.final.doing:
-            self._early = document
-            with suppress(RefusedError, StoppedError):
-                await self.final.ask("solve", document)
-            self._early = None
+    def mesh(self, document: Data) -> Message:
+        """The mesh of a document's blend, in its local coordinates; raises `InputError` for other kinds."""
+        shape: Any = self.shape_of(document)
+        if not can_follow(shape):
+            raise InputError("only blends are drawn otherwise than by their meshes")
+        with limit(PATIENCE, stopped=self.stopped):
+            return Message({"kind": "mesh"}, triangles(self._meshed(shape.surface), shape.surface))
 
-    async def _resting(self) -> None:
-        while True:
-            await self._rested.wait()
-            self._rested.clear()
-            request, self._rest = self._rest, None
-            if request is not None:
-                await self._answer(request, self._solve(request))
+    def _meshed(self, surface: PiecewiseSurface) -> SurfaceMesh:
+        """A mesh of a surface, moved from the last one where that is of a surface near by."""
+        before, mesh = self.meshed or (None, None)
+        near = mesh is not None and before is surface.placed
+        mesh = mesh.follow(surface) if near and mesh is not None else surface.mesh()
+        self.meshed = surface.placed, mesh
+        return mesh
 
-    async def _solve(self, request: Request) -> None:
-        document = request["document"]
-        await self._picture(await self.final.ask("solve", document), request)
-        shot = self._shot
-        if (kept := await self.final.ask("kept", document)) is not None and self._rest is None:
-            self._taken = asyncio.create_task(self._take(kept))
-        measures = await self.final.ask("measure", document)
-        await self._send(Message({**measures.head, "shot": shot}))
+    def _outline(self, document: Data) -> Message | None:
+        """The neighbours alone, where these have changed."""
+        key = _key(documents.base_of(document))
+        if key == self.key or key in self.bases or document["kind"] != "problem":
+            return None
+        problem: Any = documents.problem_of(document["problem"])
+        if not hasattr(problem, "contacts"):
+            return None
+        return outline(problem.contacts, problem.order, problem.partition)
 
-    async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
-        with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
-            await self.quick.ask("take", *kept)
+    def prove(self) -> Message:
+        """The verdicts on the shape of the last `move`."""
+        if self.seen is None:
+            raise InputError("nothing was moved yet")
+        with limit(PATIENCE, stopped=self.stopped):
+            return Message({"kind": "verdicts", **_judged(self.seen)})
 
-    async def _picture(self, message: Message, request: Request) -> None:
-        self._shot += 1
-        head = {**message.head, "shot": self._shot, "seq": request.get("seq", 0)}
-        await self._send(Message(head, message.arrays))
+    def measure(self, document: Data | None = None) -> Message:
+        """How fair a document's shape is, or that of the last `move`."""
+        with limit(PATIENCE, stopped=self.stopped):
+            shape = self.seen if document is None else self.shape_of(document)
+            return measures(shape)
 
-    async def _answer(self, request: Request, work: Awaitable[None]) -> None:
-        """Do it; what is refused is said, and of which request; what was stopped is not."""
-        try:
-            await work
-        except StoppedError:
-            pass
-        except Exception as error:
-            if not isinstance(error, RefusedError):  # no user's: the page is told, the terminal shows where
-                traceback.print_exc(file=sys.stderr)
-            told = refusal(error if isinstance(error, RefusedError) else RefusedError(INSIDE))
-            await self._send(Message({**told.head, "seq": int(request.get("seq", 0)), "of": request["do"]}))
+    def repair(self, document: Data) -> Data:
+        """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
+        only = "only blends can be repaired; go back to the last proved one"
+        if document["kind"] != "problem":
+            raise InputError(only)
+        shape = self.shape_of(document)
+        if not can_follow(shape):
+            raise InputError(only)
+        with limit(PATIENCE, stopped=self.stopped):
+            for other in remedies(document, shape):
+                try:
+                    found = documents.solve(other, self.opened)
+                except (NotProvedError, InfeasibleError, NoSolutionError):
+                    continue
+                if found.certificate.proved:
+                    self.solved = (other, found)
+                    return other
+        raise InputError(
+            "no repair was found: neither by guarding the witness, nor by lighter weights, nor by a higher degree"
+        )
 
-    async def _do(self, verb: str, request: Request) -> None:
-        if verb == "gallery":
-            await self._send(Message({"kind": "gallery", "documents": GALLERY}))
-        elif verb == "read":
-            name, text = str(request.get("name")), str(request.get("text"))
-            document = await self.final.ask("read", name, text)
-            if document["kind"] == "project":
-                await self.quick.ask("read", name, text)
-            await self._send(Message({"kind": "document", "document": document}))
-        elif verb in ("repair", "handle"):
-            more = (request.get("at"),) if verb == "handle" else ()
-            document = await self.final.ask(verb, request["document"], *more)
-            await self._send(Message({"kind": "changed", "document": document}))
-        elif verb == "export":
-            await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
-        elif verb in ("combs", "safe", "mesh"):
-            message = await self.final.ask(verb, request["document"])
-            await self._send(message.numbered(int(request.get("seq", 0))))
+    def handle(self, document: Data, point: Any) -> Data:
+        """A document with one handle more, near a point, at its value; raises `InputError` where there is none."""
+        shape: Any = self.shape_of(document)
+        if not pulled_by_coefficients(shape):
+            raise InputError(
+                "only blends of a single cell with a box have handles; for others add a point to pass through"
+            )
+        document = at_degree(document, shape.surface.degree)  # which may find it in another region
+        with limit(PATIENCE, stopped=self.stopped):
+            return with_handle(document, self.shape_of(document), point)
+
+    def export(self, document: Data, suffix: str) -> Message:
+        """The file of a document's shape in a format that `pas` writes, or its project."""
+        if suffix != PROJECT and suffix not in FORMATS:
+            raise InputError(f"there is no format {suffix!r}; there are {PROJECT}, {', '.join(FORMATS)}")
+        shape, name = self.shape_of(document), name_of(document) + suffix
+        if suffix != PROJECT and suffix not in (known := formats_for(shape)):
+            raise InputError(f"this shape cannot be written as {suffix} here; it can be as {', '.join(known)}")
+        with TemporaryDirectory() as folder, limit(PATIENCE, stopped=self.stopped):
+            path = Path(folder) / name
+            shape.save(path) if suffix == PROJECT else shape.write(path)
+            content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+        proved = shape.certificate.proved
+        return Message({"kind": "file", "name": name, "proved": proved}, {"content": content})
+
+    def safe(self, document: Data) -> Message:
+        """The largest lengths up to which a blend by a generatrix is sound, each for itself; see `largest_safe`."""
+        blend: Any = self.shape_of(document)
+        with limit(PATIENCE, stopped=self.stopped):
+            found = {name: blend.largest_safe(number, SAMPLED) for number, name in enumerate(LENGTHS)}
+        return Message({"kind": "safe", "limits": {name: most for name, most in found.items() if most < inf}})
+
+    def combs(self, document: Data) -> Message:
+        """The curvature combs of a document's shape."""
+        with limit(PATIENCE, stopped=self.stopped):
+            return hairs(self.shape_of(document))
+
+    def _followed(self, document: Data) -> Shape:
+        key = _key(documents.base_of(document))
+        before = self.seen if self.key == key else self.bases.get(key)
+        if can_follow(before):
+            return before.refit(**sliders_of(before, document))  # type: ignore[union-attr]  # it is a blend
+        if document["kind"] != "problem":
+            return documents.solve(document, self.opened)
+        shaped = _shaped(self.before, document)
+        if shaped is not None and getattr(self.seen, "kind", "") == "generatrix blend":
+            other: Shape = self.seen.with_shape(**shaped)  # type: ignore[union-attr]  # it is such a blend
+            return other
+        problem: Any = documents.problem_of(document["problem"])
+        wishes = getattr(problem, "wishes", None)
+        if wishes is None:
+            found: Shape = problem.solve()
+            return found
+        degree = getattr(getattr(self.seen, "surface", None), "degree", None)
+        held = degree if document["problem"].get("degree") is None and self._same_order(document) else None
+        return replace(problem, degree=held or problem.degree, wishes=wishes.changed(prove=False)).solve()
+
+    def _same_order(self, document: Data) -> bool:
+        surface = getattr(self.seen, "surface", None)
+        return surface is not None and surface.placed.order == document["problem"].get("order")
+
+    def _keep(self, key: str, shape: Shape) -> None:
+        self.bases.pop(key, None)
+        self.bases[key] = self.seen = shape
+        self.key = key
+        while len(self.bases) > KEPT:
+            self.bases.pop(next(iter(self.bases)))
 
 
-STOPPABLE = {"solve", "measure", "repair"}
-"""What is worthless once another document is final."""
-
-VERBS = {"move", "rest", "gallery", "read", "repair", "handle", "export", "combs", "safe", "mesh"}
-WITH_DOCUMENT = VERBS - {"gallery", "read"}
+def formats_for(shape: Shape) -> list[str]:
+    """The suffixes of the files that a shape can be exported to."""
+    return [PROJECT, *suffixes_for(shape)]
 
 
-def request_of(text: str) -> Request:
-    """A request; raises `ValueError` with one sentence for what is none."""
-    try:
-        request = json.loads(text)
-    except (ValueError, RecursionError):
-        raise ValueError("a request must be JSON") from None
-    if not isinstance(request, dict) or request.get("do") not in VERBS:
-        raise ValueError(f"a request says what to do: one of {', '.join(sorted(VERBS))}")
-    if len(text) > (LONGEST_FILE if request["do"] == "read" else LONGEST_REQUEST):
-        raise ValueError("the request is too long")
-    if request["do"] in WITH_DOCUMENT and not isinstance(request.get("document"), dict):
-        raise ValueError("the request has no document")
-    seq = request.get("seq", 0)
-    if not isinstance(seq, int) or isinstance(seq, bool):
-        raise ValueError("seq must be a whole number")
-    return request
+def _texts(document: Data) -> dict[str, Any]:
+    """The program and the problem file to copy."""
+    kind = documents.DOCUMENTS[document["kind"]]
+    return {"python": kind.python(document), "toml": kind.toml(document)}
+
+
+def name_of(document: Data) -> str:
+    """A plain name for files of a document."""
+    given = document["problem"].get("name", "shape") if document["kind"] == "problem" else document.get("name")
+    name = str(given or document["kind"]).removesuffix(".pas.json")
+    return UNSAVED.sub("_", name)[:80]
+
+
+def _judged(shape: Shape) -> dict[str, Any]:
+    certificate = shape.certificate
+    return {
+        "proved": certificate.proved,
+        "counts": certificate.counts,
+        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+    }
+
+
+def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
+    """The shape values of a blend by a generatrix, where only such numbers differ from the document before."""
+    old, new = before.get("problem", {}), document["problem"]
+    if "shape" not in old or {**old, "shape": 0} != {**new, "shape": 0} or set(old["shape"]) != set(new["shape"]):
+        return None
+    moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
+    plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
+    return moved if plain_ones else None
+
+
+def can_follow(shape: Any) -> bool:
+    """Whether other sliders can be followed from it."""
+    return getattr(shape, "kind", "") == "blend"
+
+
+def _key(document: Data) -> str:
+    return json.dumps(document, sort_keys=True)

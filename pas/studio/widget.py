@@ -13,23 +13,21 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from pas.errors import MissingLibraryError, PasError
 from pas.shape import Shape
-from pas.studio.desk import Desk, can_follow
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
 from pas.studio.server import PAGE
+from pas.studio.session import StudioSession, can_follow
 
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
 
 NOTEBOOK = Path(__file__).parent / "notebook"
-
-ORDER = ("algebra", "shaders", "cast", "sheet", "scene", "controls", "handles", "curvature", "view", "studio", "widget")
-"""Modules of the page, each after those that it imports."""
 
 IMPORT = re.compile(r'^import \{(?P<names>[^}]*)\} from "\./(?P<module>\w+)\.js";$', re.M)
 EXPORT = re.compile(r"^export (?=(?:const|class|(?:async )?function) (?P<name>\w+))", re.M)
@@ -38,21 +36,31 @@ EXPORT = re.compile(r"^export (?=(?:const|class|(?:async )?function) (?P<name>\w
 @cache
 def module() -> str:
     """All modules of the page in one, as notebooks want it: each in a function that gives what it exports."""
+    texts = {file.stem: file.read_text(encoding="utf-8") for folder in (PAGE, NOTEBOOK) for file in folder.glob("*.js")}
+    imports = {name: [found["module"] for found in IMPORT.finditer(text)] for name, text in texts.items()}
+    needed = ["widget"]  # and what it imports, and what that does
+    for name in needed:
+        needed += [other for other in imports[name] if other not in needed]
     parts = []
-    for name in ORDER:
-        folder = PAGE if (PAGE / f"{name}.js").exists() else NOTEBOOK
-        text = (folder / f"{name}.js").read_text(encoding="utf-8")
-        text = IMPORT.sub(lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", text)
+    for name in TopologicalSorter({name: imports[name] for name in needed}).static_order():
+        text = IMPORT.sub(
+            lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", texts[name]
+        )
         names = ", ".join(found["name"] for found in EXPORT.finditer(text))
         text = EXPORT.sub("", text).replace("export default", "const widget =")
         parts.append(f"const {name}_ = (() => {{\n{text}\nreturn {{ {names or 'widget'} }};\n}})();")
     return "\n".join([*parts, "export default widget_.widget;"])
 
 
-def document_of(shape: Shape, desk: Desk) -> Data:
-    """A document of a shape, which the desk has open from then on."""
+def _taken(found: re.Match[str]) -> str:
+    """An import as a line that takes what is named from the module's function."""
+    return f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;"
+
+
+def document_of(shape: Shape, session: StudioSession) -> Data:
+    """A document of a shape, which the session has open from then on."""
     name = "shape.pas.json"
-    desk.opened[name] = shape
+    session.opened[name] = shape
     return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
 
 
@@ -73,19 +81,19 @@ def widget_class() -> type[Any]:
         document = traitlets.Dict().tag(sync=True)
 
         def __init__(self, document: Data | None = None, shape: Shape | None = None) -> None:
-            self.desk, self._shot = Desk(), 0
-            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.desk)
+            self.session, self._shot = StudioSession(), 0
+            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.session)
             super().__init__(document=start)
             self.on_msg(lambda _, request, __: self.answer(request))
 
         @property
         def shape(self) -> Shape:
             """The shape that is seen at rest."""
-            return self.desk.shape_of(self.document)
+            return self.session.shape_of(self.document)
 
         @property
         def blend(self) -> Blend:
-            """The same; of blends."""
+            """The blend that is seen at rest, where the shape is one."""
             return cast("Blend", self.shape)
 
         def answer(self, request: dict[str, Any]) -> None:
@@ -99,18 +107,20 @@ def widget_class() -> type[Any]:
         def _answers(self, request: dict[str, Any]) -> list[Message]:
             verb, document = request.get("do"), request.get("document", {})
             if verb == "move":
-                return [self.desk.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)]
+                return [
+                    self.session.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)
+                ]
             if verb == "rest":
-                return [self.desk.solve(document), self.desk.measure(document)]
+                return [self.session.solve(document), self.session.measure(document)]
             if verb == "export":
-                return [self.desk.export(document, str(request.get("format")))]
+                return [self.session.export(document, str(request.get("format")))]
             if verb in ("combs", "safe", "mesh"):
-                return [getattr(self.desk, verb)(document)]
+                return [getattr(self.session, verb)(document)]
             if verb in ("repair", "handle"):
                 more = (request.get("at"),) if verb == "handle" else ()
-                return [Message({"kind": "changed", "document": getattr(self.desk, verb)(document, *more)})]
+                return [Message({"kind": "changed", "document": getattr(self.session, verb)(document, *more)})]
             if verb == "read":
-                found = self.desk.read(str(request.get("name")), str(request.get("text")))
+                found = self.session.read(str(request.get("name")), str(request.get("text")))
                 return [Message({"kind": "document", "document": found})]
             raise ValueError(f"there is no request {verb!r}")
 

@@ -1,4 +1,4 @@
-"""Processes in which desks work, so that the page is answered at all times and what is not wanted any more is stopped.
+"""Processes in which sessions work, so that the page is answered at all times and what is not wanted is stopped.
 
 Processes are spawned, end with the server, whatever ends it (they watch it), and leave Ctrl-C to it.
 """
@@ -30,15 +30,15 @@ INSIDE = "something went wrong inside the program; the last picture stays"
 
 
 class RefusedError(Exception):
-    """What a desk could not do, in one sentence."""
+    """What a session could not do, in one sentence."""
 
 
 class StoppedError(Exception):
-    """What a desk was told to stop."""
+    """What a session was told to stop."""
 
 
 class Worker:
-    """One process with one desk; one thing is done at a time, and `doing` says what: a verb and its arguments."""
+    """One process with one session; one thing is done at a time, and `doing` says what: a verb and its arguments."""
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
@@ -55,7 +55,7 @@ class Worker:
         other.close()
 
     async def ask(self, verb: str, *arguments: Any) -> Any:
-        """What the desk's method gives; raises `RefusedError`, and `StoppedError` after `stop`."""
+        """What the session's method gives; raises `RefusedError`, and `StoppedError` after `stop`."""
         async with self._lock:
             self.doing, self._stop.value = (verb, *arguments), False
             try:
@@ -68,7 +68,7 @@ class Worker:
         self._stop.value = True
 
     def call(self, verb: str, *arguments: Any) -> Any:
-        """The same for who waits, while nobody else asks."""
+        """What the method gives to a caller that waits, while nobody else asks; raises what `ask` raises."""
         try:
             self._pipe.send((verb, arguments))
             outcome, value = self._pipe.recv()
@@ -97,22 +97,22 @@ def work(pipe: Connection, stop: Any) -> None:
     """What a process does: it answers until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
-    from pas.studio.desk import Desk
+    from pas.studio.session import StudioSession
 
-    desk = Desk(lambda: bool(stop.value))
+    session = StudioSession(lambda: bool(stop.value))
     gc.freeze()  # what is loaded is never looked through again
     while True:
         try:
             verb, arguments = pipe.recv()
         except EOFError:
             return
-        pipe.send(_answer(desk, verb, arguments, stop))
+        pipe.send(_answer(session, verb, arguments, stop))
         gc.collect()  # shapes refer to themselves: by its own rules Python would keep many of them, with their arrays
 
 
-def _answer(desk: Any, verb: str, arguments: tuple[Any, ...], stop: Any) -> tuple[str, Any]:
+def _answer(session: Any, verb: str, arguments: tuple[Any, ...], stop: Any) -> tuple[str, Any]:
     try:
-        return "done", getattr(desk, verb)(*arguments)
+        return "done", getattr(session, verb)(*arguments)
     except LimitError as error:
         return ("stopped", "") if stop.value else ("refused", str(error))
     except (PasError, ValueError, TypeError, OSError) as error:

@@ -12,22 +12,21 @@ the axis of a pipe, so does the normal.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, monomial_values
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.surface.directions import Directions
-from pas.surface.geometry import FIRST, SECOND, derived, tangent_frame
+from pas.surface.geometry import FIRST, SECOND, derivative_batch, tangent_frame
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-    from pas.surface.piecewise import PiecewiseSurface
+    from pas.surface.function import PiecewisePolynomial
 
 SAMPLES = 2000
 """Points of the surface among which the nearest is looked for."""
@@ -43,18 +42,15 @@ focal points Newton's step has no bound."""
 class Depth:
     """The depths of points inside a surface that is seen from a centre, all in the user's units."""
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
-        frame = surface.partition.frame
+    def __init__(self, surface: PiecewisePolynomial) -> None:
+        frame, columns = surface.partition.frame, surface.evaluator.columns
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
-        self._pieces = [Sheet.of(patch, surface.degree) for patch in surface.scaled.polynomials]
-        columns = [piece.column for piece in self._pieces]
         rays = Directions.of(surface.placed, columns, surface.degree, SAMPLES)
         self._samples = rays.directions * rays.distances[:, None]
         self._numbers = np.concatenate([np.full(here.stop - here.start, piece) for piece, here in rays.slices])
-        self._ends = [
-            [(join.contact.clip, Sheet.of(join.contact.surface)) for join in surface.joins if number in join.pieces]
-            for number in range(len(self._pieces))
-        ]
+        self._joins = surface.joins
+        ends = [join.contact.surface for join in surface.joins]
+        self._batch = derivative_batch([*columns, *(end.dense(end.degree) for end in ends)], (0, 1, 2))
 
     @cached_property
     def samples(self) -> Floats:
@@ -76,35 +72,21 @@ class Depth:
         _, nearest = self._tree.query(local)
         numbers, starts = self._numbers[nearest], self._samples[nearest]
         reach = np.linalg.norm(local - starts, axis=1)
-        feet, normals = np.empty_like(local), np.empty_like(local)
-        for number in np.unique(numbers).tolist():
-            here = np.flatnonzero(numbers == number)
-            feet[here], normals[here] = self._pieces[number].feet(local[here], starts[here])
-            for clip, sheet in self._ends[number]:
-                found, across = sheet.feet(local[here], starts[here])
-                beyond = (clip(found) > 0) & (np.linalg.norm(local[here] - found, axis=1) <= reach[here])
-                feet[here[beyond]], normals[here[beyond]] = found[beyond], across[beyond]
+        feet, normals = self._feet(local, starts, numbers)
+        first = len(self._batch.degrees) - len(self._joins)
+        for number, join in enumerate(self._joins, start=first):
+            here = np.flatnonzero(np.isin(numbers, join.pieces))
+            found, across = self._feet(local[here], starts[here], np.full(len(here), number))
+            beyond = (join.contact.clip(found) > 0) & (np.linalg.norm(local[here] - found, axis=1) <= reach[here])
+            feet[here[beyond]], normals[here[beyond]] = found[beyond], across[beyond]
         return -((local - feet) * normals).sum(axis=1) * self._scale, normals
 
-
-@dataclass(frozen=True, eq=False)
-class Sheet:
-    """One polynomial surface in local coordinates: its coefficients and degree."""
-
-    column: Floats
-    degree: int
-
-    @classmethod
-    def of(cls, polynomial: Polynomial, degree: int | None = None) -> Sheet:
-        """That of a polynomial, which may be of lower degree than its neighbours."""
-        degree = polynomial.degree if degree is None else degree
-        return cls(polynomial.dense(degree), degree)
-
-    def feet(self, points: Floats, near: Floats) -> tuple[Floats, Floats]:
-        """The feet (N, 3) of points, from places near by, and the unit normals (N, 3) there."""
+    def _feet(self, points: Floats, near: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """The feet (N, 3) of local points on pieces of given numbers (N,), or the contacts' surfaces after these, from
+        places near by, and the unit normals (N, 3) there."""
         target, feet, normals = points.T, near.T, np.zeros(points.T.shape)
         for _ in range(STEPS if len(points) else 0):
-            jet = self._forms @ monomial_values(feet.T, self.degree)
+            jet = self._batch(feet.T, numbers).T
             length = np.sqrt((jet[FIRST] * jet[FIRST]).sum(axis=0))
             normals, bending = jet[FIRST] / length, jet[SECOND] / length
             off = target - feet
@@ -115,11 +97,6 @@ class Sheet:
             if lengths.max() < ENOUGH:
                 break
         return feet.T, normals.T
-
-    @cached_property
-    def _forms(self) -> Floats:
-        """The coefficients of value, gradient and second derivatives: (10, C(n+3, 3))."""
-        return derived(self.column, self.degree)[: 1 + SECOND.max()]
 
 
 def _tangential(off: Floats, depths: Floats, normals: Floats, bending: Floats) -> Floats:

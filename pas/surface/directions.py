@@ -19,10 +19,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, count, exponents, monomial_values
+from pas.algebra.evaluation import PolynomialBatch
+from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
-from pas.surface.geometry import FIRST, derivatives
+from pas.surface.geometry import derivative_batch, profile_batch
 from pas.surface.placed import PlacedContacts
 
 EVEN, DEEPEST, FACES = 3, 8, 12
@@ -79,17 +80,17 @@ class Directions:
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
         for _ in range(even):
             triangles, pieces = _quartered(triangles, pieces)
-        found: list[tuple[Any, ...]] = []
+        member, found = _Member.of(columns, degree), list[tuple[Any, ...]]()
         limit = 0.0
         for level in range(even, deepest + 1):
             checkpoint("sending rays")
             centroids = triangles.mean(axis=1)
-            distances, areas = _met(columns, degree, centroids, pieces)
+            distances, areas = member.met(centroids, pieces)
             angles = solid_angles(triangles)
             areas = areas * angles
             limit = limit or SHARE * float(areas.sum()) / number
             corners = triangles.reshape(-1, 3)
-            values = _values(columns, degree, corners, np.repeat(pieces, 3))
+            values = member.values(corners, np.repeat(pieces, 3))[:, 0]
             beyond = (values > NOTHING * np.abs(values).max()).reshape(-1, 3)
             crossed = beyond.any(axis=1) & ~beyond.all(axis=1)
             finer = ((areas > limit) | crossed) & (level < deepest)
@@ -102,6 +103,12 @@ class Directions:
         units, angles, distances, numbers = (np.concatenate(parts) for parts in zip(*found, strict=True))
         order, slices = _by_piece(numbers, len(columns))
         return cls(units[order], angles[order], distances[order], slices)
+
+    @property
+    def pieces(self) -> Pieces:
+        """The piece in which each ray meets the surface, (N,)."""
+        pieces = np.array([piece for piece, _ in self.slices], dtype=np.intp)
+        return np.repeat(pieces, [here.stop - here.start for _, here in self.slices])
 
     def some(self, chosen: NDArray[np.intp], times: float = 1.0) -> Directions:
         """Some of the rays, by rising numbers, each with so many times its solid angle."""
@@ -117,7 +124,7 @@ class Directions:
         it is in use."""
         used = np.flatnonzero(placed.in_use(units))
         ends, pieces = _ends(placed.local, units[used])
-        distances, _ = _met(columns, degree, ends, pieces)
+        distances, _ = _Member.of(columns, degree).met(ends, pieces)
         met = np.flatnonzero(distances > 0)
         order, slices = _by_piece(pieces[met], len(columns))
         met = met[order]
@@ -160,33 +167,29 @@ def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:
     return np.concatenate([np.stack(part, axis=1) for part in parts]), np.tile(pieces, 4)
 
 
-def _values(columns: Sequence[Floats], degree: int, points: Floats, pieces: Pieces) -> Floats:
-    result = np.empty(len(points))
-    for piece in np.unique(pieces):
-        here = pieces == piece
-        result[here] = columns[piece] @ monomial_values(points[here], degree)
-    return result
+@dataclass(frozen=True)
+class _Member:
+    """A piecewise polynomial: its values and gradients, and its coefficients along rays from the centre."""
 
+    values: PolynomialBatch
+    gradients: PolynomialBatch
+    profiles: PolynomialBatch
 
-def _met(columns: Sequence[Floats], degree: int, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
-    """Where rays to given ends meet the member, 0 for those that end inside, and the area for a unit of solid angle."""
-    degrees = np.equal.outer(np.arange(degree + 1), [sum(e) for e in exponents(degree)])
-    profiles = np.empty((degree + 1, len(ends)))
-    for piece in np.unique(pieces):
-        here = pieces == piece
-        profiles[:, here] = (degrees * columns[piece]) @ monomial_values(ends[here], degree)
-    shares = _roots(profiles)
-    lengths = np.linalg.norm(ends, axis=1)
-    values = profiles.sum(axis=0)
-    distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
-    around = ends * shares[:, None]
-    gradients = np.empty((len(ends), 3))
-    for piece in np.unique(pieces):
-        here = pieces == piece
-        slopes = np.stack([_derivative(columns[piece], degree, axis) for axis in range(3)])
-        gradients[here] = (slopes @ monomial_values(around[here], max(degree - 1, 0))).T
-    cosines = (gradients * ends).sum(axis=1) / np.maximum(np.linalg.norm(gradients, axis=1) * lengths, 1e-300)
-    return distances, distances**2 / np.maximum(cosines, STEEP)
+    @classmethod
+    def of(cls, columns: Sequence[Floats], degree: int) -> _Member:
+        values, gradients = (derivative_batch(columns, (order,)) for order in (0, 1))
+        return cls(values, gradients, profile_batch(columns, degree))
+
+    def met(self, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
+        """Where rays to given ends meet it, 0 for those that end inside, and the area for a unit of solid angle."""
+        profiles = self.profiles(ends, pieces).T
+        shares = _roots(profiles)
+        lengths = np.linalg.norm(ends, axis=1)
+        values = profiles.sum(axis=0)
+        distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
+        gradients = self.gradients(ends * shares[:, None], pieces)
+        cosines = (gradients * ends).sum(axis=1) / np.maximum(np.linalg.norm(gradients, axis=1) * lengths, 1e-300)
+        return distances, distances**2 / np.maximum(cosines, STEEP)
 
 
 def _roots(profiles: Floats) -> Floats:
@@ -203,16 +206,6 @@ def _roots(profiles: Floats) -> Floats:
             steps = _horner(profiles, shares) / _horner(slopes, shares)
         shares = np.clip(np.where(np.isfinite(steps), shares - steps, shares), low, high)
     return shares
-
-
-def _derivative(column: Floats, degree: int, axis: int) -> Floats:
-    """The coefficients of a derivative, of one degree less."""
-    indices, factors = derivatives(degree)
-    row = int(FIRST[axis])
-    result = np.zeros(count(max(degree - 1, 0)))
-    chosen = factors[row] != 0
-    np.add.at(result, indices[row][chosen], factors[row][chosen] * column[chosen])
-    return result
 
 
 def _horner(profiles: Floats, shares: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Values and derivatives of a piecewise polynomial at many points, and where rays cross its zeros.
 
 Points are located by signs at planes (see `pas.partition.location`) and evaluated by Horner's rule in the local
-coordinates of the region (see `pas.algebra.kernels`), in blocks that stay in the caches; rays by Bernstein bounds
+coordinates of the region (see `pas.algebra.evaluation`), in blocks that stay in the caches; rays by Bernstein bounds
 on the polynomial along each (see `pas.surface.crossings`).  Where a partition has a centre or no cells,
 values are the same bits on every machine.
 """
@@ -15,23 +15,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.inputs import shown
-from pas.algebra.kernels import horner
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
-from pas.partition.location import BLOCK, Group
-from pas.partition.single_cell import SingleCell
+from pas.partition.location import BLOCK
 from pas.surface.crossings import Crossings, crossings, first_crossings
-from pas.surface.kernels import Scene
-from pas.surface.ray_cells import Walls
-from pas.surface.ray_forms import scene_of
-
-HIGHEST_ORDER = 3
-"""Of the derivatives that are evaluated."""
+from pas.surface.geometry import derivative_batch
+from pas.surface.rays import RayTarget
 
 BARYCENTRIC = 1e-12
 """How far outside all cells, in barycentric coordinates, a point counts as inside: what rounding makes of it."""
@@ -119,13 +115,13 @@ class Evaluator:
         doubles is infinite, and its point is right where it is not so far away itself.  Raises `ValueError` for
         directions of length zero.
         """
-        return crossings(self, *rays_of(origins, directions))
+        return crossings(self.target, *rays_of(origins, directions))
 
     def first(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
         """The parameters t >= 0 of the first crossings of rays, shape (...), NaN for those that miss; see `rays`."""
         starts, ways = rays_of(origins, directions)
         shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))[:-1]
-        return first_crossings(self, starts, ways).reshape(shape)
+        return first_crossings(self.target, starts, ways).reshape(shape)
 
     def derivatives(self, points: Floats, orders: Sequence[int], outside: float = np.nan) -> Floats:
         """The partial derivatives of some orders at points (..., 3), one of each kind: shape (..., entries).
@@ -145,44 +141,24 @@ class Evaluator:
 
     def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, NDArray[np.bool_]]:
         """The derivatives of the scaled patches (..., entries), and which points (...) are in the region."""
-        flat = np.asarray(points, dtype=float).reshape(-1, 3)
-        entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
-        result, inside = np.full((len(flat), entries), np.nan), np.zeros(len(flat), dtype=bool)
+        flat, batch = np.asarray(points, dtype=float).reshape(-1, 3), self.batch(*orders)
+        result, inside = np.empty((len(flat), batch.degrees.shape[1])), np.empty(len(flat), dtype=bool)
         for start in range(0, len(flat), BLOCK):
             checkpoint()
-            local = np.array(flat[start : start + BLOCK].T, order="C")
+            here = slice(start, start + BLOCK)
+            local = np.array(flat[here].T, order="C")
             local -= self._origin
             local /= self.scale
-            for group in self.partition.local.location.groups(local, self.tolerance):
-                self._write(group, orders, result[start : start + BLOCK])
-                inside[start : start + BLOCK][group[1]] = True
+            pieces = self.partition.local.location.pieces(local, self.tolerance)
+            result[here] = batch(local.T, pieces)
+            inside[here] = pieces >= 0
         self._rescale(result, orders)
         shape = np.shape(points)[:-1]
-        return result.reshape(*shape, entries), inside.reshape(shape)
+        return result.reshape(*shape, result.shape[1]), inside.reshape(shape)
 
     def local_derivatives(self, points: Floats, pieces: NDArray[np.intp], orders: Sequence[int]) -> Floats:
         """Those of the scaled patches in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
-        entries = sum(map(len, (homogeneous_exponents(order, 3) for order in orders)))
-        result = np.full((len(points), entries), np.nan)
-        for piece in np.unique(pieces[pieces >= 0]).tolist():
-            rows = np.flatnonzero(pieces == piece)
-            self._write((piece, rows, np.ascontiguousarray(points[rows].T)), orders, result)
-        return result
-
-    def _write(self, group: Group, orders: Sequence[int], result: Floats) -> None:
-        """Put the derivatives of a group of points into their rows of the result."""
-        piece, rows, points = group
-        first = 0
-        for order in orders:
-            table = self.tables[order][piece]
-            values = np.empty((len(table), points.shape[1]))
-            horner(table, max(self.degree - order, 0), points, values)
-            last = first + len(table)
-            if last - first == 1:  # much faster than in the general way
-                result[:, first][rows] = values[0]
-            else:
-                result[rows, first:last] = values.T
-            first = last
+        return self.batch(*orders)(points, pieces)
 
     def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
         first = 0
@@ -207,49 +183,28 @@ class Evaluator:
 
         Far from the origin, points on the boundary are off it by the spacing of doubles there.
         """
-        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.reach
+        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.target.reach
 
     @cached_property
-    def reach(self) -> float:
-        """The largest coordinate of the region in the user's coordinates, in local units."""
-        return float(np.abs(self.partition.points).max(initial=0.0)) / self.scale
+    def target(self) -> RayTarget:
+        """What rays are shot at."""
+        return RayTarget(self.partition, self.scaled.polynomials)
+
+    def batch(self, *orders: int) -> PolynomialBatch:
+        """The partial derivatives of some orders up to 3 of the scaled patches, in local coordinates."""
+        if orders not in self._batches:
+            self._batches[orders] = derivative_batch(self.columns, orders)
+        return self._batches[orders]
 
     @cached_property
-    def walls(self) -> Walls:
-        """The cells that rays go through, of which there must be some."""
-        return Walls.of(self)
+    def _batches(self) -> dict[tuple[int, ...], PolynomialBatch]:
+        """Those that were asked for, by orders."""
+        return {}
 
     @cached_property
-    def scene(self) -> Scene | None:
-        """What compiled code shoots rays at, None where it does not (see `pas.surface.crossings.in_doubles`)."""
-        return scene_of(self)
-
-    @cached_property
-    def tables(self) -> _Tables:
-        """Coefficients of the scaled patches by order and piece, rounded: (entries, C(n - order + 3, 3)) each."""
-        return _Tables(self.scaled.polynomials, self.degree)
-
-
-class _Tables(dict[int, list[Floats]]):
-    """The derivatives of patches by order, worked out exactly and rounded when they are first asked for."""
-
-    def __init__(self, patches: Sequence[Polynomial], degree: int) -> None:
-        super().__init__()
-        self._patches, self._degree = patches, degree
-
-    def __missing__(self, order: int) -> list[Floats]:
-        self[order] = [self._table(patch, order) for patch in self._patches]
-        return self[order]
-
-    def _table(self, patch: Polynomial, order: int) -> Floats:
-        rows = []
-        for exponent in homogeneous_exponents(order, 3):
-            derivative = patch
-            for axis, times in enumerate(exponent):
-                for _ in range(times):
-                    derivative = derivative.diff(axis)
-            rows.append(derivative.dense(max(self._degree - order, 0)))
-        return np.array(rows)
+    def columns(self) -> list[Floats]:
+        """The coefficients of the scaled patches (C(n+3, 3),), rounded."""
+        return [patch.dense(max(patch.degree, 0)) for patch in self.scaled.polynomials]
 
 
 def symmetric(entries: Floats, order: int) -> Floats:

@@ -6,7 +6,6 @@ What is a crossing is said in `pas.surface.crossings`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
@@ -15,9 +14,7 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float
 from pas.algebra.roots import RealRoot, between, rational_root, real_roots
 from pas.algebra.roots import exact as middle_of
-
-if TYPE_CHECKING:
-    from pas.surface.evaluator import Evaluator
+from pas.surface.rays import RayTarget
 
 Stretch = tuple[RealRoot, RealRoot | None]
 """From one parameter to another, both counted, or to infinity."""
@@ -27,16 +24,16 @@ Span = tuple[RealRoot, RealRoot | None, fmpq_poly]
 
 
 def exact_crossings(
-    evaluator: Evaluator, origin: Floats, direction: Floats, unit: fmpq | int = 1
+    target: RayTarget, origin: Floats, direction: Floats, unit: fmpq | int = 1
 ) -> list[tuple[float, int]]:
     """The parameters t >= 0 of all crossings of a ray, over a unit, ascending, each with its side; see `Crossings`.
 
     The coordinates of the ray are taken as they are, so the result holds for exactly this ray.
     """
-    frame = evaluator.partition.frame
+    frame = target.partition.frame
     start = frame.local_point(exact_vector(origin.tolist()))
     dx, dy, dz = (d * unit / frame.scale for d in exact_vector(direction.tolist()))
-    spans = list(_spans(evaluator, start, (dx, dy, dz)))
+    spans = list(_spans(target, start, (dx, dy, dz)))
     inside = _joined([(low, high) for low, high, polynomial in spans if not polynomial and low != high])
     roots = {root for span in spans for root in _roots(span)}
     ends = roots | {end for stretch in inside for end in stretch if end is not None}
@@ -45,23 +42,22 @@ def exact_crossings(
     return [(to_float(middle_of(root.ball())), sides[root]) for root in sorted(sides)]
 
 
-def _spans(evaluator: Evaluator, origin: Vector, direction: Vector) -> Iterator[Span]:
+def _spans(target: RayTarget, origin: Vector, direction: Vector) -> Iterator[Span]:
     """The stretches of a ray in the cells, some of which may be points; of cells that share one, that of the first."""
-    partition = evaluator.partition.local
-    if not partition.cells:
-        yield rational_root(fmpq(0)), None, _along(evaluator.patches[0], origin, direction)
+    if not target.local.cells:
+        yield rational_root(fmpq(0)), None, _along(target.patches[0], origin, direction)
         return
     columns = fmpq_mat(4, 2, [fmpq(1), fmpq(0), *(x for pair in zip(origin, direction, strict=True) for x in pair)])
-    lines = iter((evaluator.walls.exact * columns).entries())
+    lines = iter((target.barycentric * columns).entries())
     along: dict[int, fmpq_poly] = {}
     seen: set[tuple[fmpq, fmpq]] = set()
-    for piece in partition.piece_of.tolist():
+    for piece in target.local.piece_of.tolist():
         bounds = _positive([(next(lines), next(lines)) for _ in range(4)])
         if bounds is not None and bounds not in seen:
             if bounds[0] != bounds[1]:
                 seen.add(bounds)
             if piece not in along:
-                along[piece] = _along(evaluator.patches[piece], origin, direction)
+                along[piece] = _along(target.patches[piece], origin, direction)
             yield (*map(rational_root, bounds), along[piece])  # type: ignore[misc]
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -30,11 +30,9 @@ from pas.surface.fairness_limits import (
     sharpest_of,
     widest,
 )
-from pas.surface.geometry import FIRST, SECOND, Geometry, jets
+from pas.surface.function import PiecewisePolynomial
+from pas.surface.geometry import FIRST, SECOND, Geometry
 from pas.surface.sections import AROUND, circle, planes, runs
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
@@ -156,7 +154,7 @@ def _shown(place: Place) -> str:
     return "({:.4g}, {:.4g}, {:.4g})".format(*place)
 
 
-def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
+def fairness(surface: PiecewisePolynomial, rays: int = RAYS) -> Fairness:
     """Measure a surface on about `rays` rays from its centre.
 
     Raises `GeometryError` for a surface without a region, a centre inside it or a contact that meets a face of it.
@@ -165,12 +163,12 @@ def fairness(surface: PiecewiseSurface, rays: int = RAYS) -> Fairness:
 
 
 class _Measuring:
-    def __init__(self, surface: PiecewiseSurface, rays: int) -> None:
+    def __init__(self, surface: PiecewisePolynomial, rays: int) -> None:
         if surface.partition.center is None or not surface.partition.cells or not surface.contacts:
             raise GeometryError("fairness is measured on rays from the centre of a region with contacts; there is none")
         self.surface, self.degree = surface, surface.degree
         self.scale = to_float(surface.partition.frame.scale)
-        self.columns = [patch.dense(surface.degree) for patch in surface.scaled.polynomials]
+        self.columns = surface.evaluator.columns
         if any(column[0] >= 0 for column in self.columns):
             raise GeometryError("fairness is measured on rays from the centre, and it is not inside the surface")
         if not self.neighbours:
@@ -185,10 +183,7 @@ class _Measuring:
 
     def fairness(self) -> Fairness:
         local = self.rays.directions * self.rays.distances[:, None]
-        found = np.concatenate(
-            [jets(local[here], self.columns[piece], self.degree) for piece, here in self.rays.slices]
-        )
-        geometry = Geometry(found)
+        geometry = Geometry(self.surface.evaluator.batch(0, 1, 2, 3)(local, self.rays.pieces))
         curvatures = geometry.principal / self.scale
         cosines = np.maximum((geometry.normals * self.rays.directions).sum(axis=1), 1e-6)
         areas = self.rays.solid_angles * self.rays.distances**2 / cosines * self.scale**2
@@ -243,9 +238,7 @@ class _Measuring:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
         rays, numbers = Directions.along(self.surface.placed, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
-        jet = np.empty((len(local), 20))
-        for piece, here in rays.slices:
-            jet[here] = jets(local[here], self.columns[piece], self.degree)
+        jet = self.surface.evaluator.batch(0, 1, 2)(local, rays.pieces)
         normal = np.cross(first, second)
         slope = jet[:, FIRST] - (jet[:, FIRST] @ normal)[:, None] * normal
         length = np.linalg.norm(slope, axis=1)

@@ -14,8 +14,8 @@ import numpy as np
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, to_float
+from pas.contacts.joins import Join
 from pas.surface.geometry import Geometry, jets
-from pas.surface.joins import Join
 
 CURVE = 96
 """Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""

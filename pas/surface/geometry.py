@@ -11,12 +11,15 @@ ball that is inside.  C is symmetric (Codazzi).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, monomial_values, positions
+from pas.algebra.evaluation import PolynomialBatch, degree_of
+from pas.algebra.monomials import Floats, count, exponents, homogeneous_exponents, positions
 
 JETS = tuple(e for d in range(4) for e in homogeneous_exponents(d, 3))
 """The derivatives of f that are used, by exponents: value, gradient, Hessian, third order; 20 in all."""
@@ -37,7 +40,34 @@ THIRD = np.array([[[_place(i, j, k) for k in range(3)] for j in range(3)] for i 
 
 def jets(points: Floats, column: Floats, degree: int) -> Floats:
     """The jets (N, 20) at points (N, 3) of the polynomial with coefficients (C(n+3, 3),)."""
-    return (derived(column, degree) @ monomial_values(points, degree)).T
+    return derivative_batch([column], range(4))(points, np.zeros(len(points), dtype=np.intp))
+
+
+def derivative_batch(columns: Sequence[Floats], orders: Sequence[int]) -> PolynomialBatch:
+    """The partial derivatives of some orders up to 3 of polynomials, one on each piece, in the order of `JETS`.
+
+    `columns` are the coefficients (C(n+3, 3),) of each.
+    """
+    rows = [row for row, order in enumerate(ORDERS.tolist()) if order in orders]
+    pieces = []
+    for column in columns:
+        degree = degree_of(len(column))
+        table = derived(column, degree)
+        pieces.append([table[row][: count(max(degree - int(ORDERS[row]), 0))] for row in rows])
+    return PolynomialBatch.of(pieces, len(rows))
+
+
+def profile_batch(columns: Sequence[Floats], degree: int) -> PolynomialBatch:
+    """The parts of each degree from 0 to n of polynomials, one on each piece: along the ray to a point x they are the
+    coefficients of f(t x) at t^0, ..., t^n.  `columns` are all coefficients of each, up to n or a lower degree."""
+    ends = [count(k) for k in range(-1, degree + 1)]
+    pieces = []
+    for column in columns:
+        parts = np.zeros((degree + 1, ends[-1]))
+        for k, (start, end) in enumerate(pairwise(ends)):
+            parts[k, start : min(end, len(column))] = column[start:end]
+        pieces.append([part[: ends[k + 1]] for k, part in enumerate(parts)])
+    return PolynomialBatch.of(pieces, degree + 1)
 
 
 def derived(column: Floats, degree: int) -> Floats:

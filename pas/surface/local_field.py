@@ -6,21 +6,18 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
+from pas.kernels.library import compiled
 from pas.mesh.field import Integers
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.triangulate import Beginnings
-from pas.partition.cells import OuterFace
-from pas.surface.kernels import compiled
-from pas.surface.patch_field import INSIDE, PatchField
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
+from pas.partition.complex import OuterFace
+from pas.surface.function import PiecewisePolynomial
+from pas.surface.local_surface import INSIDE, LocalSurface
 
 STEPS = 20
 """Of Newton's method along gradients."""
@@ -35,15 +32,12 @@ FARTHEST = 0.2
 """Length of a step at most, over the region's reach."""
 
 
-class LocalField(PatchField):
-    """The surface in local coordinates: of one piece by compiled code, of several, which points are located in, by
-    numpy."""
+class LocalField(LocalSurface):
+    """The surface with its cells, and the walls of the region in which it may end."""
 
-    def __init__(self, surface: PiecewiseSurface) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
         self.surface = surface
-        if len(surface.patches) == 1:
-            self.outer = 0, np.empty(0), np.empty(0, dtype=np.intp)
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces
@@ -127,31 +121,18 @@ class LocalField(PatchField):
         fits = (dots(left, self._planes[0][walls, 0, :3]) < 0) & [self.within(point[None]) for point in curve]
         return int(walls[np.argmax(fits)])
 
-    def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) that hold points (N, 3), or are nearest to them."""
-        if len(self.surface.patches) == 1:
-            return np.zeros(len(points), dtype=np.intp)
-        local = self.surface.local
-        return np.asarray(local.piece_of[local.locate(points, tolerance=np.inf)])
-
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
-        if not len(points):
-            return points
-        if self.outer is not None:
-            return compiled().slid(self.outer, self._jets.ordered, self._planes, points, rim, self._limits)
-        planes, across, back = (table[rim] for table in self._planes)
-        onto = _onto(points, planes, back)
-        return _onto(_onto(self._slid(onto, across), planes, back), planes, back)
+        return self._slid(points, self._planes, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
         """Distances (N,) of points (N, 3) in walls or edges of given numbers (N,) from the surface there, to first
         order."""
-        jets, across = self._jets_at(points), self._planes[1][rim]
-        g = jets[1:].T
+        jets, across = self.jets(points), self._planes[1][rim]
+        g = jets[:, 1:]
         for way in (across[:, 0], across[:, 1]):
             g = g - dots(g, way)[:, None] * way
-        return np.asarray(np.abs(jets[0]) / np.maximum(norms(g), 1e-300))
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(g), 1e-300))
 
     @cached_property
     def _planes(self) -> tuple[Floats, Floats, Floats]:
@@ -171,37 +152,15 @@ class LocalField(PatchField):
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
-        if self.outer is not None:
-            none, rim = (self._planes[0][:0], self._planes[1][:0], self._planes[2][:0]), np.empty(0, dtype=np.intp)
-            return compiled().slid(self.outer, self._jets.ordered, none, points, rim, self._limits)
-        return self._slid(points, None)
+        none = np.empty((0, 2, 4))
+        return self._slid(points, (none, none, none), np.empty(0, dtype=np.intp))
 
-    @cached_property
-    def _limits(self) -> tuple[int, float, float]:
-        return STEPS, SETTLED, FARTHEST * self.reach
-
-    def _slid(self, points: Floats, fixed: Floats | None) -> Floats:
-        """Points (N, 3) moved onto the surface at right angles to two `fixed` orthonormal directions (N, 2, 3) or 0."""
-        points, active = points.copy(), np.arange(len(points))
-        for _ in range(STEPS):
-            jets = self._jets_at(points[active])
-            g = jets[1:].T
-            for i in range(0 if fixed is None else 2):
-                way = fixed[active, i]  # type: ignore[index]
-                g = g - dots(g, way)[:, None] * way
-            step = -jets[0][:, None] * g / np.maximum(dots(g, g), 1e-300)[:, None]
-            length = np.sqrt(dots(step, step))
-            points[active] += step * np.minimum(1.0, FARTHEST * self.reach / np.maximum(length, 1e-300))[:, None]
-            active = active[length > SETTLED]
-            if not len(active):
-                break
-        return points
-
-
-def _onto(points: Floats, planes: Floats, back: Floats) -> Floats:
-    """Points (N, 3) moved onto their planes (N, 2, 4)."""
-    first, second = (dots(points, planes[:, i, :3]) - planes[:, i, 3] for i in range(2))
-    return np.asarray(points - first[:, None] * back[:, 0] - second[:, None] * back[:, 1])
+    def _slid(self, points: Floats, walls: tuple[Floats, Floats, Floats], numbers: Integers) -> Floats:
+        """Points (N, 3) moved along gradients, onto walls (see `_planes`) of given numbers (N,) where there are any."""
+        result = np.array(points, order="C")
+        given = (*self._pieces, *self._jets.arrays, len(walls[0]), *walls, numbers)
+        compiled().call("pas_slid", *given, STEPS, SETTLED, FARTHEST * self.reach, len(result), result)
+        return result
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from functools import cached_property
 
 import numpy as np
 
 from pas.errors import GeometryError, MeshError
+from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.star import star
-from pas.mesh.triangulate import FoldedError, triangulate
-from pas.surface.surface_mesh import SurfaceMesh
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
+from pas.mesh.sheet import followed
+from pas.mesh.star import require_once, rim_numbers, star
+from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
+from pas.partition.complex import OuterFace
+from pas.surface.fairness import fairness
+from pas.surface.function import PiecewisePolynomial
+from pas.surface.local_field import LocalField
+from pas.surface.radial_field import RadialField
 
 FINER = (1.0, 0.5, 0.25)
 """Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
@@ -24,46 +27,103 @@ SHARP = 10.0
 """Times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed."""
 
 
-def meshed(surface: PiecewiseSurface, tolerance: float, most: int | None, quality: Quality) -> SurfaceMesh:
-    """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
+class Mesher:
+    """What meshes one surface, and moves meshes onto it."""
 
-    What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall, a
-    contact curve that is none around its middle) is meshed from a lattice.  Of several meshes the best of a quality is
-    taken.
-    """
-    first, *others = quality.aims
-    found = [_triangles(surface, tolerance, most, first)]
-    for aim in others:
-        with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
-            found.append(_triangles(surface, tolerance, most, aim))
-    return SurfaceMesh.of_surface(quality.best(found), surface, tolerance)
+    def __init__(self, surface: PiecewisePolynomial) -> None:
+        self.surface = surface
 
-
-def _triangles(surface: PiecewiseSurface, tolerance: float, most: int | None, aim: float) -> Mesh:
-    field = surface.radial_field
-    for share in () if field is None else FINER:
-        assert field is not None
+    @cached_property
+    def radial_field(self) -> RadialField | None:
+        """What meshes it as a graph over directions, None where it is none."""
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
-                return star(field, share * tolerance / field.scale, most, aim)
+                return RadialField(self.surface) if around_centre(self.surface) else None
         except ArithmeticError:
-            pass
-        except MeshError:  # too many triangles
-            if share == 1:
-                raise
-            break
-    lattice = surface.cell_field
-    try:
+            return None
+
+    @cached_property
+    def cell_field(self) -> LocalField:
+        """What meshes it from lattices in the cells."""
+        return LocalField(self.surface)
+
+    def mesh(self, tolerance: float, most: int | None, quality: Quality) -> Mesh:
+        """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
+
+        What its rays show to be no graph over directions (several sheets, a centre that is not inside, an open wall,
+        a contact curve that is none around its middle) is meshed from a lattice.  Of several meshes the best of a
+        quality is taken.
+        """
+        first, *others = quality.aims
+        found = [self._triangles(tolerance, most, first)]
+        for aim in others:
+            with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
+                found.append(self._triangles(tolerance, most, aim))
+        return quality.best(found)
+
+    def moved(self, points: Floats, triangles: Integers, tolerance: float) -> Mesh:
+        """The mesh of points (N, 3) and triangles (T, 3) near the surface moved onto it, within a tolerance, measured.
+
+        It is faster than to begin anew.  Raises `ArithmeticError` where that folds triangles or leaves some too far.
+        """
         with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-            return triangulate(lattice, tolerance / lattice.scale, most, aim)
-    except FoldedError as error:
-        raise MeshError(f"{error}{_sharpest(surface)}") from None
+            local = self.surface.partition.frame.local_points(points)
+            field = self.radial_field
+            if field is not None:
+                try:
+                    rim = rim_numbers(field, local, triangles)
+                    require_once(field, local[rim < 0])
+                    return followed(field, local, triangles, rim, tolerance / field.scale)
+                except ArithmeticError:  # no graph over directions
+                    pass
+            cells = self.cell_field
+            return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
+
+    def _triangles(self, tolerance: float, most: int | None, aim: float) -> Mesh:
+        field = self.radial_field
+        for share in () if field is None else FINER:
+            assert field is not None
+            try:
+                with np.errstate(all="ignore"):  # what is not finite is no graph
+                    return star(field, share * tolerance / field.scale, most, aim)
+            except ArithmeticError:
+                pass
+            except MeshError:  # too many triangles
+                if share == 1:
+                    raise
+                break
+        lattice = self.cell_field
+        try:
+            with np.errstate(all="ignore"):  # what is not finite is folded, and refused
+                return triangulate(lattice, tolerance / lattice.scale, most, aim)
+        except FoldedError as error:
+            raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 
 
-def _sharpest(surface: PiecewiseSurface) -> str:
+def around_centre(surface: PiecewisePolynomial) -> bool:
+    """Whether there is a centre, inside the surface, and all contacts end on outer faces of the region.
+
+    Where there are none, the middles of these must be outside.
+    """
+    return (
+        surface.partition.center is not None
+        and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
+        and all(join.confined for join in surface.joins)
+        and (len(surface.joins) > 0 or all(_outside(surface, face) for face in surface.local.outer_faces))
+    )
+
+
+def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
+    """Whether the middle of an outer face is."""
+    corners = [surface.local.vertices[v] for v in face.vertices]
+    x, y, z = (sum(c) / 3 for c in zip(*corners, strict=True))
+    return surface.patches[face.piece].at((x, y, z)) > 0
+
+
+def _sharpest(surface: PiecewisePolynomial) -> str:
     """Where a surface bends much more than its neighbours, and what makes room, in words."""
     try:
-        fair = surface.fairness()
+        fair = fairness(surface)
     except GeometryError:
         return ""
     if not fair.sharpness > SHARP:

@@ -10,8 +10,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.contacts.cones import first_met, nappe_rays
 from pas.mesh.rows import dots
-from pas.surface.cones import first_met, nappe_rays
 
 STEPS = 40
 """Of Newton's method along rays, none by more than a factor of two."""
@@ -25,7 +25,7 @@ AROUND = 64
 
 @dataclass(frozen=True, eq=False)
 class OpeningRim:
-    """The curve on `surface` along the nappe with the axes (3, 3) of `pas.surface.cones.nappe`, of the cone `clip`.
+    """The curve on `surface` along the nappe with the axes (3, 3) of `pas.contacts.cones.nappe`, of the cone `clip`.
 
     In the plane of a plate or in none, it is a graph over the angle about the axis.
     """

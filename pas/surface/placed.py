@@ -2,7 +2,7 @@
 
 Whatever works with surfaces that meet contacts asks here where the contacts are: the choice among
 the members of a space, the conditions of that space, and a surface itself.  Everything is in the
-local coordinates of the partition (see `pas.partition.frame`), and worked out once.
+local coordinates of the partition (see `pas.algebra.affine`), and worked out once.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
-from pas.partition.cells import OuterFace, Partition
-from pas.surface.contact import Contact
-from pas.surface.joins import Join, joins
+from pas.contacts.contact import Contact
+from pas.contacts.joins import Join, joins
+from pas.partition.cells import Partition
+from pas.partition.complex import OuterFace
 from pas.surface.opening_rim import OpeningRim
 from pas.surface.rings import Ring, rings_of
 

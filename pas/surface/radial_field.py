@@ -6,23 +6,20 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, exponents
-from pas.algebra.tables import PieceTables
+from pas.algebra.monomials import Floats
+from pas.kernels.library import compiled
 from pas.mesh.field import Integers
-from pas.mesh.graph import Graph
+from pas.mesh.labelled import Labelled
 from pas.mesh.rows import dots
 from pas.mesh.star import first
-from pas.surface.kernels import Faces, compiled
-from pas.surface.patch_field import INSIDE, PatchField
+from pas.surface.function import PiecewisePolynomial
+from pas.surface.geometry import profile_batch
+from pas.surface.local_surface import INSIDE, LocalSurface
 from pas.surface.rings import Rings
-
-if TYPE_CHECKING:
-    from pas.surface.piecewise import PiecewiseSurface
 
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
@@ -47,28 +44,23 @@ SAMPLES = 32
 """Places along a ray where the sign of f is looked at."""
 
 
-class RadialField(PatchField):
+class RadialField(LocalSurface):
     """A surface of one sheet around the centre of its partition, in local coordinates with the centre 0."""
 
-    outer: Faces
-
-    def __init__(self, surface: PiecewiseSurface) -> None:
-        super().__init__(surface)
-        local = surface.local
-        degrees = np.array([sum(e) for e in exponents(self.degree)])
-        parts = np.equal.outer(np.arange(self.degree + 1), degrees) * self._columns[:, None]
-        self._parts = PieceTables(parts, tuple(range(self.degree + 1)))
-        corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
+    def __init__(self, surface: PiecewisePolynomial) -> None:
+        outer = surface.local.outer_faces
+        corners = np.array([surface.local.points[list(face.vertices)] for face in outer])
         self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
-        self._piece = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
-        self.outer = len(self._weights), self._weights, self._piece
+        self._piece = np.array([face.piece for face in outer], dtype=np.intp)
+        super().__init__(surface, (self._weights, self._piece))
+        self._profiles = profile_batch(self.evaluator.columns, self.degree)
         self.rims = surface.placed.rings
         self._rings = Rings(self.rims)
         middles = np.array([ring.middle for ring in self.rims]).reshape(-1, 3)
         self._skeleton = middles, dots(middles, middles)
 
     @cached_property
-    def first(self) -> Graph | None:
+    def first(self) -> Labelled | None:
         """Few triangles, with which meshes begin, None where rays show that it is no graph."""
         try:
             return first(self)
@@ -88,19 +80,16 @@ class RadialField(PatchField):
         """Whether all points (N, 3) are in the region, but for rounding: rays leave it there or farther away."""
         return bool((self.leaving(points)[0] >= 1 - INSIDE).all())
 
-    def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) that hold points (N, 3)."""
-        return self.leaving(points)[1]
-
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
-        leave, faces = compiled().leaving(self._weights, points)
+        leave, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
+        compiled().call("pas_leaving", len(self._weights), self._weights, len(points), points, leave, faces)
         return leave, self._piece[faces]
 
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:
         """Coefficients (n + 1, N) of f along the rays to points, in multiples of these, and where they leave (N,)."""
         leave, pieces = self.leaving(points)
-        return self._parts(points, pieces), leave
+        return self._profiles(points, pieces).T, leave
 
     def met(self, points: Floats) -> Floats:
         """Where the rays through points (N, 3) meet the surface, found from there."""
@@ -108,8 +97,11 @@ class RadialField(PatchField):
 
     def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
-        rows = self._parts.ordered, self._jets.ordered
-        return compiled().near(self.outer, rows, points, (STEPS, SETTLED, STEEP, OFF))
+        result, grazed = np.empty((len(points), 3)), np.empty(len(points), dtype=np.bool_)
+        polynomials = (self.degree + 1, *self._profiles.arrays, *self._jets.arrays)
+        given = (*self._pieces, *polynomials, len(points), points, STEPS, SETTLED, STEEP, OFF)
+        compiled().call("pas_near", *given, result, grazed)
+        return result, grazed
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
@@ -136,10 +128,14 @@ class RadialField(PatchField):
         a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
         those given `otherwise`.
         """
-        limits = STEPS, SETTLED, OUTWARDS, AWAY**2
-        return compiled().around(self.outer, self._jets.ordered, self._skeleton, points, otherwise, limits)
+        result, middles = np.array(otherwise, order="C"), self._skeleton
+        given = (*self._pieces, *self._jets.arrays, len(middles[0]), *middles, len(points), points)
+        compiled().call("pas_around", *given, STEPS, SETTLED, OUTWARDS, AWAY**2, result)
+        return result
 
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
         profiles, leave = self.profiles(points)
-        return compiled().once(profiles, leave, np.linspace(0.0, 1.0, SAMPLES + 1))
+        shares, once = np.linspace(0.0, 1.0, SAMPLES + 1), np.empty(1, dtype=np.intp)
+        compiled().call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
+        return bool(once[0])

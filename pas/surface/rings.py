@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from pas.algebra.kernels import evaluate
-from pas.algebra.monomials import Floats, count
+from pas.algebra.evaluation import PolynomialBatch, evaluate
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.tables import PieceTables
+from pas.kernels.library import compiled
 from pas.mesh.field import Integers
-from pas.surface.kernels import compiled
 from pas.surface.opening_rim import OpeningRim
 
 if TYPE_CHECKING:
-    from pas.surface.joins import Join
+    from pas.contacts.joins import Join
 
 STEPS = 40
 """Of Newton's method towards the middle of a curve or away from it, none by more than a factor of two."""
@@ -91,16 +90,11 @@ class Rings:
         self._place = np.cumsum([isinstance(curve, Ring) for curve in curves]) - 1
         self._middles = np.array([ring.middle for ring in rings]).reshape(-1, 3)
         self._normals = np.array([ring.normal for ring in rings]).reshape(-1, 3)
-        sizes = [len(ring.columns) for ring in rings]
-        degree = next(n for n in range(max(sizes, default=1)) if count(n) >= max(sizes, default=1))
-        tables = np.zeros((len(rings), 4, count(degree)))
-        for table, ring in zip(tables, rings, strict=True):
-            table[:, : len(ring.columns)] = ring.columns.T
-        self._tables = PieceTables(tables, (degree,) * 4)
+        self._batch = PolynomialBatch.of([[*ring.columns.T] for ring in rings], 4)
 
     def jets(self, points: Floats, numbers: Integers) -> Floats:
         """Values and gradients (N, 4) of the functions of curves of given numbers (N,) at points (N, 3)."""
-        return self._tables(points, numbers).T
+        return self._batch(points, numbers)
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
@@ -115,8 +109,10 @@ class Rings:
 
     def _on_rings(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of rings, of given numbers (N,) among these, through points (N, 3) meet them."""
-        places, limits = (self._middles, self._normals), (STEPS, SETTLED)
-        return compiled().on_rings(self._tables.ordered, places, points, numbers, limits)
+        result = np.empty((len(points), 3))
+        given = (len(self._middles), *self._batch.arrays, self._middles, self._normals, len(points), points, numbers)
+        compiled().call("pas_on_rings", *given, STEPS, SETTLED, result)
+        return result
 
 
 def _across(normal: Floats) -> Floats:

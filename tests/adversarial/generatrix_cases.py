@@ -9,10 +9,10 @@ from random import Random
 import numpy as np
 
 from pas.algebra.rational_function import RationalFunction
-from pas.generatrix.blend import GeneratrixBlend, generatrix_blend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.sections import plane_section
-from pas.generatrix.shape import GeneratrixShape
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.sections import plane_section
+from pas.parametric.generatrix.shape import GeneratrixShape
 from pas.parametric.surface import ParametricSurface
 
 S, ONE = (RationalFunction(e, ("s", "t")) for e in ("s", "1"))

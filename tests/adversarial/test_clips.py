@@ -14,9 +14,9 @@ import pas
 from pas import Polynomial, Status
 from pas.algebra.rational import to_floats
 from pas.blending.place import place
+from pas.certify.free_curves import Curve
+from pas.certify.proofs import contact_verdict, enclosed_verdict
 from pas.pipeline.bodies import body
-from pas.surface.proofs import contact_verdict, enclosed_verdict
-from pas.surface.space_curve import Curve
 
 BOX = pas.SingleCell((-1, -1, -1), (1, 1, 1))
 PIPE = "y^2 + z^2 - 1/4"

@@ -19,14 +19,14 @@ from generatrix_cases import (
 )
 
 import pas
-from pas.generatrix.blend import generatrix_blend
-from pas.generatrix.boundary import Boundary
-from pas.generatrix.crossings import crossings
-from pas.generatrix.exact import ExactCurve
-from pas.generatrix.quadric import Quadric, read_plane
-from pas.generatrix.sections import conic_section, ellipse_bounds
-from pas.generatrix.shape import GeneratrixShape, ShapeFunction
-from pas.generatrix.verdicts import contact_verdict, sense_verdict
+from pas.parametric.generatrix.blend import generatrix_blend
+from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.crossings import crossings
+from pas.parametric.generatrix.exact import ExactCurve
+from pas.parametric.generatrix.quadric import Quadric, read_plane
+from pas.parametric.generatrix.sections import conic_section, ellipse_bounds
+from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.parametric.generatrix.verdicts import contact_verdict, sense_verdict
 from pas.verdicts import Findings, Status, Verdict
 
 QUICK, MANY = 16, 140

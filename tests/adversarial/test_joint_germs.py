@@ -17,8 +17,7 @@ from pas.algebra.roots import exact
 from pas.solid import Solid, patch
 from pas.solid.arcs import arcs
 from pas.solid.germs import Sheets
-from pas.solid.nearby import Nearby
-from pas.solid.reading import Reading
+from pas.solid.leaves import AlongCurve, LeafTree
 from pas.solid.tree import Atom, Tree
 
 X, Y, Z = (Polynomial(v) for v in "xyz")
@@ -94,10 +93,10 @@ def check(number: int) -> int:
     """Compare all arcs of one random body; how many borders there were."""
     random = Random(number)
     tree = body(random, random.randint(1, 3)).tree
-    curve, reading = SpaceCurve(X, Y), Reading(tree)
+    curve, reading = SpaceCurve(X, Y), LeafTree(tree)
     sheets = Sheets(curve.whole, reading.polynomials)
     count = 0
-    for arc in arcs(sheets, reading, Nearby(reading.leaves, curve, lambda: None), NAMES):
+    for arc in arcs(sheets, reading, AlongCurve(reading.leaves, curve, lambda: None), NAMES):
         assert arc.unknown is None
         z = exact(arc.point.balls(256)[2])
         found = set()

@@ -12,7 +12,6 @@ from conftest import EQUAL, solved
 
 import pas
 from pas.algebra.rational import to_floats
-from pas.surface.mesh_proofs import certify_mesh
 
 X, Z = (1, 0, 0), (0, 0, 1)
 TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"
@@ -47,7 +46,7 @@ def false_certificates(name, numbers):
     wrong = []
     for tampering in TAMPERINGS:
         for seed in numbers:
-            certificate = certify_mesh(surface, *tampered(tampering, points, triangles, center, seed))
+            certificate = surface.certify_mesh(*tampered(tampering, points, triangles, center, seed))
             if is_certified(certificate):
                 wrong.append((tampering, seed))
             topology = next((v for v in certificate.verdicts if "topology" in v.claim), None)
@@ -68,7 +67,8 @@ def test_there_are_fifteen_ways_and_more():
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_honest_meshes_are_certified(name):
-    certificate = certify_mesh(*honest(name))
+    surface, points, triangles = honest(name)
+    certificate = surface.certify_mesh(points, triangles)
     assert is_certified(certificate), str(certificate)
 
 
@@ -173,7 +173,7 @@ def test_closed_spheres_around_the_centre_are_seen(name, radius):
     center = np.array(to_floats(surface.partition.center))
     radius *= np.linalg.norm(points - center, axis=1).max()
     more = with_part((points, triangles), octahedron(center, radius))
-    certificate = certify_mesh(surface, *more)
+    certificate = surface.certify_mesh(*more)
     assert not any(v.proved for v in certificate.verdicts if "topology" in v.claim)
 
 
@@ -190,7 +190,7 @@ def test_vertices_outside_the_region_are_not_on_the_surface():
     points = points.copy()
     points[inner] = center + 2 * (points[inner] - center)
     assert np.isnan(parts(points[inner]))
-    found = next(v for v in certify_mesh(parts, points, triangles).verdicts if "vertices" in v.claim)
+    found = next(v for v in parts.certify_mesh(points, triangles).verdicts if "vertices" in v.claim)
     assert found.status is pas.Status.FAILS_MEASURED and "outside" in found.reason
 
 

@@ -13,10 +13,9 @@ from parametric_cases import ONE, POWERS, Case, H, T, case, number
 from parametric_contacts import contact_case
 
 import pas
-from pas.parametric.base_points import base_points
 from pas.parametric.framed import extent
 from pas.parametric.proofs import contact_verdicts
-from pas.parametric.regularity import regularity
+from pas.parametric.regularity import base_points, regularity
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status
 

@@ -14,19 +14,17 @@ from flint import fmpq, fmpq_poly
 from parametric_cases import ONE, H, T
 
 import pas
-from pas.bernstein.subdivision import halves
-from pas.generatrix.injective import is_injective
 from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.bounds import NetPoints, bounded
-from pas.parametric.common_zeros import UNIT_SQUARE, _avoids_origin, _rounding, without_common_zero
+from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
-from pas.parametric.framed import Framed
-from pas.parametric.meshing import exact_rectangle
-from pas.parametric.nets import exact_net
+from pas.parametric.framed import Framed, exact_rectangle
+from pas.parametric.generatrix.crossings import is_injective
+from pas.parametric.nets import Nets, exact_net
 from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import positive_on_unit_square, regularity
-from pas.parametric.roots import roots_and_sides, roots_between
+from pas.parametric.series import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.tiling import GRID
 from pas.verdicts import Status
@@ -191,18 +189,28 @@ def test_rounding_is_bounded(degrees):
     draw = Random(sum(degrees))
     n, m = degrees
     exact = [[Fraction(draw.randint(-(10**20), 10**20), 10**20) for _ in range(m + 1)] for _ in range(n + 1)]
-    net = np.array([[float(c) for c in row] for row in exact])[..., None]
-    for count in range(1, 31):
+    nets = Nets(np.array([[float(c) for c in row] for row in exact])[None, ..., None], np.array([2.0**-53]))
+    for count in range(30):
         axis, side = count % 2, draw.randrange(2)
-        net = halves(net, axis)[side]
+        least = nets.off + (degrees[axis] + 2) * 2.0**-53 * np.abs(nets.table).max()
+        nets = nets.halves(axis).part([side])
+        assert (nets.off >= least).all()
         rows = exact if axis else [list(r) for r in zip(*exact, strict=True)]
         rows = [halved_row(row, side) for row in rows]
         exact = rows if axis else [list(r) for r in zip(*rows, strict=True)]
-        error = max(abs(Fraction(float(net[i, j, 0])) - exact[i][j]) for i in range(n + 1) for j in range(m + 1))
-        assert error <= Fraction(_rounding(count, [n, m]))
-        assert _rounding(count, [n, m]) >= (2 + count * (max(degrees) + 1)) * 2.0**-53
-    assert not _avoids_origin(np.full((2, 2, 1), 0.9 * _rounding(7, [1, 1])), _rounding(7, [1, 1]))
-    assert _avoids_origin(np.full((2, 2, 1), 1.1 * _rounding(7, [1, 1])), _rounding(7, [1, 1]))
+        net = nets.table[0, :, :, 0]
+        error = max(abs(Fraction(float(net[i, j])) - exact[i][j]) for i in range(n + 1) for j in range(m + 1))
+        assert error <= Fraction(float(nets.off[0]))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_vectors_avoid_the_origin_beyond_their_rounding(sign):
+    """One coordinate of one sign, or a slanting direction: what is within the rounding of zero is not settled."""
+    off = np.array([1e-13])
+    for size, settled in ((0.9, False), (1.1, True)):
+        assert avoids_origin(np.full((1, 2, 2, 1), sign * size * off[0]), off)[0] == settled
+    assert avoids_origin(np.array([[[[1.0, -2.0], [-2.0, 1.0]]]]) * sign, off)[0]
+    assert not avoids_origin(np.array([[[[1.0, -1.0], [-1.0, 1.0 + 1e-13]]]]) * sign, off)[0]
 
 
 def halved_row(row: list[Fraction], side: int) -> list[Fraction]:
@@ -283,11 +291,19 @@ def test_bounds_of_splines_count_their_knots():
     knots = _knots((0.0, 1.0), 1), _knots((0.0, 1.0), 1)
     sites = np.array([0.0, 1 / 3, 2 / 3, 1.0])
     points = np.stack(np.broadcast_arrays(1 / 3 + sites[:, None], sites[None, :], 0.0), axis=-1)
-    outer = _outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1)))
-    away = _bound(exact_net(surface, (interval, (fmpq(0), fmpq(1)))).rounded(), knots, points, outer)
-    patch = FittedPatch(points, np.ones((4, 4)), (outer[0].knots, outer[1].knots), None, away, True)
+    outer, moved = zip(_outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1))), strict=True)
+    away = _bound(exact_net(surface, (interval, (fmpq(0), fmpq(1)))).rounded(), knots, points, moved)
+    patch = FittedPatch(points, np.ones((4, 4)), outer, None, away, True)
     assert max(off_spline(surface, patch, Random(2)) for _ in range(20)) <= Fraction(away) ** 2
     assert away < 1e-8
+
+
+@pytest.mark.parametrize("below", range(3, 9))
+def test_a_change_of_sign_must_be_beyond_rounding(below):
+    """Along t = 1/2 it is positive by 1e-30, which rounded coefficients do not show."""
+    factor = 1 + T / below + H / (below + 4) + T * H / (below + 6)
+    positive = ((T - Fraction(1, 2)) ** 2 * factor + Fraction(1, 10**30)).numerator
+    assert without_common_zero([positive], UNIT_SQUARE, 5000).status is not Status.REFUTED
 
 
 @pytest.mark.parametrize("effort", [1, 2, 3, 10, 30, 100, 300])

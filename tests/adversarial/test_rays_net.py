@@ -43,7 +43,6 @@ def test_every_family_is_counted():
     assert sum(count for _, count in COUNTS.values()) >= 10_000
 
 
-@pytest.mark.usefixtures("shooting")
 @pytest.mark.parametrize("family", COUNTS)
 def test_no_crossing_is_missed_or_invented(family):
     assert list(flaws(family, range(COUNTS[family][0]))) == []

@@ -6,7 +6,7 @@ Each list `*.toml` beside this file holds entries
 
     [[mutant]]
     name = "a wall is skipped"            # unique
-    file = "pas/surface/proofs.py"        # from the root
+    file = "pas/certify/proofs.py"        # from the root
     old = "for face in surface.walls"     # occurs exactly once in the file
     new = "for face in surface.walls[1:]"
     tests = ["tests/test_proofs.py::test_walls"]  # pytest arguments, at least one of which must fail

@@ -58,7 +58,7 @@ def _space(radii: Sequence[str], order: int, degree: int) -> Prepare:
     def prepare() -> Work:
         from pas.blending.place import place
         from pas.blending.solving import solve
-        from pas.surface.contacts.pipe import Pipe
+        from pas.contacts.pipe import Pipe
 
         axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
         placed = place([Pipe(axis, radius, 1) for axis, radius in zip(axes, radii, strict=True)], order)

@@ -15,8 +15,8 @@ STEP = Fraction(1, 5000)
 
 def _blend(radii: Sequence[str], order: int) -> Prepare:
     def prepare() -> Work:
+        from pas.contacts.pipe import Pipe
         from pas.pipeline.blend import blend
-        from pas.surface.contacts.pipe import Pipe
 
         runs = count()
 

@@ -56,8 +56,8 @@ def _rays() -> Work:
 
 
 def _evaluator() -> Evaluator:
+    from pas.contacts.pipe import Pipe
     from pas.pipeline.blend import blend
-    from pas.surface.contacts.pipe import Pipe
 
     axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
     return Evaluator(blend([Pipe(axis, "1/3", 1) for axis in axes], 2, 5).surface)

@@ -47,8 +47,8 @@ def _stated() -> Work:
 
 
 def _live(order: int, degree: int) -> Work:
+    from pas.contacts.pipe import Pipe
     from pas.pipeline.blend import blend
-    from pas.surface.contacts.pipe import Pipe
 
     axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
     found = blend([Pipe(a, r, 1) for a, r in zip(axes, ("1/3", "1/4", "2/5"), strict=True)], order, degree)
@@ -59,8 +59,8 @@ def _live(order: int, degree: int) -> Work:
 
 def _followed(order: int, degree: int) -> Work:
     """A step of a slider and the mesh that follows it, together."""
+    from pas.contacts.pipe import Pipe
     from pas.pipeline.blend import blend
-    from pas.surface.contacts.pipe import Pipe
 
     axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
     found = blend([Pipe(a, r, 1) for a, r in zip(axes, ("1/3", "1/4", "2/5"), strict=True)], order, degree)

@@ -10,7 +10,7 @@ from functools import cache
 
 from pas.bench.case import Case, Prepare, Suite, Work
 from pas.bench.contours import as_near, flying_edges, marching_cubes
-from pas.surface.piecewise import PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
@@ -22,15 +22,15 @@ BOXES = {"torus in a box": (TORUS, "2"), "tangle in a box": (TANGLE, "3"), "sphe
 @cache
 def corner() -> PiecewiseSurface:
     """Three equal pipes, GC^2."""
+    from pas.contacts.pipe import Pipe
     from pas.pipeline.blend import blend
-    from pas.surface.contacts.pipe import Pipe
 
     return blend([Pipe(axis, "1/3", 1) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))], 2).surface
 
 
 def _boxed(text: str, half: str) -> Callable[[], PiecewiseSurface]:
     from pas.algebra.polynomial import Polynomial
-    from pas.surface.boxes import boxed
+    from pas.piecewise import boxed
 
     @cache
     def made() -> PiecewiseSurface:

@@ -23,9 +23,9 @@ def _hermite() -> Work:
 
 
 def _slider() -> Work:
-    from pas.generatrix.blend import generatrix_blend
-    from pas.generatrix.sections import plane_section
-    from pas.generatrix.shape import GeneratrixShape
+    from pas.parametric.generatrix.blend import generatrix_blend
+    from pas.parametric.generatrix.sections import plane_section
+    from pas.parametric.generatrix.shape import GeneratrixShape
 
     first, second = (plane_section(*words) for words in SECTIONS)
     blend = generatrix_blend(first, second, GeneratrixShape("1/2", "1/2"))

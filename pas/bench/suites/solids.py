@@ -63,7 +63,7 @@ def _crossing_of_meshes() -> Work:
 def gear(teeth: int) -> Solid:
     """A disc of radius 1 with pointed teeth up to 5/4: each tooth is what two half planes and the disc's edge leave."""
     from pas.solid import primitives as solid
-    from pas.solid.several import intersection, union
+    from pas.solid.assembly import intersection, union
     from pas.solid.solid import patch
 
     turns = [2 * pi * (k + side / 2) / teeth for k in range(teeth) for side in (0, 1)]

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 from pas.algebra.ideal import Ideal
 from pas.blending.method import Patches, SolvingMethod, patches_of
-from pas.surface.contact import Contact, contact_ideal
+from pas.contacts.contact import Contact, contact_ideal
 from pas.surface.placed import PlacedContacts
 
 

@@ -11,7 +11,7 @@ from pas.blending import spherical
 from pas.blending.conditions import Conditions
 from pas.blending.method import Patches, SolvingMethod, patches_of
 from pas.blending.net import Net
-from pas.partition.single_cell import SingleCell
+from pas.partition.boxes import SingleCell
 from pas.surface.placed import PlacedContacts
 
 MANY_CELLS = 12

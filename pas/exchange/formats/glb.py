@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pas.exchange.formats.format import Format, Request
+from pas.exchange.formats import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece
 from pas.limits import checkpoint
 

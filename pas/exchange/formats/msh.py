@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pas.errors import MissingLibraryError
-from pas.exchange.formats.format import Format, Request
+from pas.exchange.formats import Format, Request
 from pas.exchange.parts import all_different
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh
 

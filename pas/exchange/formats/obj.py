@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pas.exchange.formats.format import Format, Request
+from pas.exchange.formats import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, all_different, face_names
 from pas.limits import checkpoint
 

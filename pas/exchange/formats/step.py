@@ -19,8 +19,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError
-from pas.exchange.formats.format import Format, Request
-from pas.exchange.patches import PATCHES
+from pas.exchange.formats import Format, Request
+from pas.exchange.parts import PATCHES
 from pas.parametric.patches import RationalPatch
 
 UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M", "inch": "INCH", "foot": "FT"}

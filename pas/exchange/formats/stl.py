@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pas.exchange.formats.format import Format, Request
+from pas.exchange.formats import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, joined
 from pas.mesh.field import Floats, Integers
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pas.errors import MissingLibraryError
-from pas.exchange.formats.format import Format, Request
+from pas.exchange.formats import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, is_closed
 from pas.limits import checkpoint
 
@@ -72,4 +72,4 @@ def _records(kind: Any, rows: Any, number: str) -> Any:
     return (kind * len(rows)).from_buffer_copy(data)
 
 
-THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_library, is_closed)
+THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_library, is_closed, closed=True)

@@ -14,9 +14,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.mesh.mesh import Mesh
-from pas.render.coloring import Coloring, Legend, Paint
-from pas.render.layers import Layer
-from pas.render.scene import Scene
+from pas.render.scene import Coloring, Layer, Legend, Paint, Scene
 
 SHARE = 0.02
 """Of the area at either end that the range of colours leaves out."""

@@ -12,8 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.render.coloring import Coloring, Legend, Paint
-from pas.render.scene import Scene
+from pas.render.scene import Coloring, Legend, Paint, Scene
 
 LIGHTS = 36
 """Lines around the cylinder."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pas.render.coloring import Coloring, Legend, Paint
-from pas.render.scene import Scene
+from pas.render.scene import Coloring, Legend, Paint, Scene
 
 
 class Plain(Coloring):

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.render.coloring import Coloring, Legend, Paint
-from pas.render.scene import Scene
+from pas.render.scene import Coloring, Legend, Paint, Scene
 
 STRIPES, TOWARDS = 28, np.array([0.35, 0.85, 0.4]) / np.linalg.norm([0.35, 0.85, 0.4])
 """Dark and bright bands over the range of the isophotes, and the direction that they measure angles from."""

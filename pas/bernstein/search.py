@@ -1,0 +1,146 @@
+"""Branch and bound: cells are judged many at once, and those that stay open are split until none is left.
+
+This is the one such loop of the package.  It is given cells, a function that judges them and one that splits them:
+
+    found = search(cells, judge, split, Limits(depth=48, cells=20_000), "proving signs")
+
+- `cells` is a batch of a class derived from `Cells`: a frozen dataclass whose arrays have one row a cell, such as
+  simplices with Bernstein forms on them (`pas.bernstein.simplices.Simplices`) or `Boxes`.  What else is in it holds for
+  all cells of the batch, such as a bound on rounding, which `split` brings up to date;
+- `judge(cells, depth)` gives each cell a `Fate` (N,): settled, to be split, kept, a refutation, or left as it is;
+- `split(cells)` gives the parts of all cells, which are judged next;
+- the result has the cells that were kept, those that refute and those that stay open, where the limits were met
+  first.  Its `status` is PROVED where nothing is open, REFUTED at the first refutation, and UNDECIDED else.
+
+Cells are split breadth first, so all that are open have been split equally often, but for those that waited.  How long
+it may take is said by `pas.limits.limit` around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+from itertools import product
+from typing import Any, Generic, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+from pas.limits import checkpoint
+from pas.verdicts import Status
+
+
+class Fate(IntEnum):
+    """What becomes of a cell.
+
+    It is settled and forgotten; it is split; it stays open as it is, and is judged again when others have been split;
+    it is settled and kept for the result; or the claim fails in it.
+    """
+
+    SETTLED, SPLIT, WAIT, KEEP, REFUTE = range(5)
+
+
+Fates = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A batch of cells: arrays in its fields have one row a cell, other fields hold for all."""
+
+    @property
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        values = ((f.name, getattr(self, f.name)) for f in fields(self))
+        return {name: value for name, value in values if isinstance(value, np.ndarray)}
+
+    def __len__(self) -> int:
+        return len(next(iter(self._arrays.values())))
+
+    def select(self, rows: NDArray[Any]) -> Self:
+        """Some of the cells, by a mask (N,) or their numbers."""
+        return replace(self, **{name: array[rows] for name, array in self._arrays.items()})
+
+    def joined(self, others: Sequence[Self]) -> Self:
+        """These cells and then others; what holds for all is taken from these."""
+        if not any(map(len, others)):
+            return self
+        arrays = self._arrays
+        return replace(self, **{n: np.concatenate([a, *(getattr(o, n) for o in others)]) for n, a in arrays.items()})
+
+
+C = TypeVar("C", bound=Cells)
+
+
+@dataclass(frozen=True)
+class Boxes(Cells):
+    """Boxes by their centres (N, 3) and half edges (N, 3)."""
+
+    centers: Floats
+    halves: Floats
+
+    @classmethod
+    def of(cls, box: Floats, larger: float = 0.0) -> Boxes:
+        """One box from a corner to the opposite one, (2, 3), its edges longer by a share."""
+        return cls(box.mean(axis=0)[None], np.ptp(box, axis=0)[None] / 2 * (1 + larger))
+
+    def eighths(self) -> Boxes:
+        """The eight parts of each, one octant after the other."""
+        halves = self.halves / 2
+        centers = [self.centers + halves * np.array(side) for side in product((-1, 1), repeat=3)]
+        return Boxes(np.concatenate(centers), np.tile(halves, (8, 1)))
+
+    def halved(self, along: NDArray[np.bool_]) -> Boxes:
+        """Each halved along those of its sides (N, 3) that are marked."""
+        centers, halves = self.centers, self.halves
+        for axis in range(3):
+            cut = along[:, axis]
+            step = np.where(cut, halves[:, axis] / 2, 0.0)[:, None] * np.eye(3)[axis]
+            halves = halves - step
+            centers = np.concatenate([centers - step, (centers + step)[cut]])
+            halves, along = np.concatenate([halves, halves[cut]]), np.concatenate([along, along[cut]])
+        return Boxes(centers, halves)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When to give up: after `depth` rounds of splitting, or with more than so many `cells` open."""
+
+    depth: int = 48
+    cells: int = 20_000
+
+
+@dataclass(frozen=True)
+class Searched(Generic[C]):
+    """What came of a search: the cells that were `kept`, those in which the claim fails, and those left `open`.
+
+    `examined` counts all cells.  What holds for all of a batch is as it was in the end.
+    """
+
+    kept: C
+    refuted: C
+    open: C
+    examined: int
+
+    @property
+    def status(self) -> Status:
+        """PROVED where no cell is open or refutes the claim."""
+        return Status.REFUTED if len(self.refuted) else Status.UNDECIDED if len(self.open) else Status.PROVED
+
+
+def search(
+    cells: C, judge: Callable[[C, int], Fates], split: Callable[[C], C], limits: Limits, task: str
+) -> Searched[C]:
+    """Judge cells and split those that are open, until none is, the claim is refuted, or the limits are met."""
+    kept, examined, waited = [], 0, 0
+    for depth in range(limits.depth + 1):
+        checkpoint(f"{task} ({examined} cells examined)")
+        examined += len(cells) - waited
+        fates = judge(cells, depth)
+        kept.append(cells.select(fates == Fate.KEEP))
+        refuted, cut, waiting = (cells.select(fates == fate) for fate in (Fate.REFUTE, Fate.SPLIT, Fate.WAIT))
+        waited = len(waiting)
+        if len(refuted) or not len(cut) or depth == limits.depth or len(cut) + waited > limits.cells:
+            break
+        cells = split(cut).joined([waiting])
+    return Searched(kept[-1].joined(kept[:-1]), refuted, cut.joined([waiting]), examined)

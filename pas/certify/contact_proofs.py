@@ -1,0 +1,161 @@
+"""The proof that a surface meets a contact, where the contact's curve is in faces of the region.
+
+The claim of a contact (f, h) with order k: along all of the curve V(f, h) in the region the surface
+continues f with GC^k, `patch = alpha f` modulo h^(k+1) with alpha > 0, and wherever the curve lies
+in an outer face, that is a clip face: h vanishes on it, and is negative on the region's side.
+
+Rules, in the order in which they are tried, for `h = plane * cofactor` in each clip plane:
+
+- the patch is a member of `<f, plane^(k+1)>` at every point of the curve in the face (see
+  `pas.certify.expansion`); refuted only with a real point of the curve where it is not;
+- f > 0 on the rim of the clip faces, and f < 0 somewhere inside: the curve is there and closed;
+- the plane divides the clip once, and the cofactor is positive on the curve, so that h < 0 just
+  inside the region;
+- grad f x grad h does not vanish on the curve: it is regular, and cut out transversally;
+- alpha > 0 on the curve;
+- the curve does not come into the region elsewhere: there the surface would be in use on one side
+  of it only, and the claim is refuted or left undecided (see `pas.certify.free_curves`).
+
+A unit at the points of the curve changes no ideal there, so with these `<f, h^(k+1)>` and
+`<f, plane^(k+1)>` say the same (Garrity and Warren 1991).
+"""
+
+from __future__ import annotations
+
+from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.certify.free_curves import free_verdict, transversality
+from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
+from pas.certify.openings import opening_verdict
+from pas.certify.propositions import Proposition
+from pas.contacts.joins import Join
+from pas.errors import GeometryError
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Status, Verdict
+
+
+def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
+    """Exact GC^k with one contact, alpha > 0 on its curve, the curve closed, regular and in its place."""
+    claim, join = Proposition(surface, f"contact {number + 1} GC^{surface.order}"), surface.joins[number]
+    if join.opening:
+        return opening_verdict(claim, join)
+    if not join.faces:
+        return free_verdict(claim, join)
+    for rule in (_met, _closed, _simple, _sided, _regular):
+        verdict = rule(claim, join)
+        if verdict is not None:
+            return verdict
+    positive = alpha_signs(surface, join, on_curve=True)
+    failed = claim.failed(positive, "alpha is not positive on the curve")
+    if failed is not None:
+        return failed
+    if not join.confined:
+        return free_verdict(claim, join)
+    reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
+    return claim.proved(reason, positive.examined)
+
+
+def _met(claim: Proposition, join: Join) -> Verdict | None:
+    """The patch is a member of the contact's ideal at every point of the curve in the clip faces."""
+    k = claim.surface.order
+    for met in incidences(claim.surface, join, k):
+        achieved = met.division.order
+        if achieved == k:
+            continue
+        found = unmet(join, met)
+        if found is None:
+            return claim.undecided(
+                f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
+            )
+        how = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
+        return claim.failed(found, f"the patch {how}: f is not in <f_i, h_i^{k + 1}>")
+    return None
+
+
+def _closed(claim: Proposition, join: Join) -> Verdict | None:
+    """The curve is closed inside the clip faces, around a point where the surface is negative."""
+    failed = claim.failed(curve_in_face(join), "the contact's surface is not positive on its clip face's edges")
+    if failed is None and join.inside_point() is None:
+        return claim.undecided("no point inside the contact was found on its clip face")
+    return failed
+
+
+def _simple(claim: Proposition, join: Join) -> Verdict | None:
+    """No clip plane is a multiple factor of the clip."""
+    if all(plane.simple for plane in join.planes):
+        return None
+    return claim.undecided("the clip's gradient vanishes on its face, which is a multiple factor of it")
+
+
+def _sided(claim: Proposition, join: Join) -> Verdict | None:
+    """The clip is negative on the region's side of its faces, all along the curve."""
+    return claim.failed(clip_sided(join), "the clip is positive on the region's side of its face")
+
+
+def _regular(claim: Proposition, join: Join) -> Verdict | None:
+    """The clip cuts the surface transversally along the curve."""
+    return claim.failed(curve_regular(join), "the clip is tangent to the surface on the curve")
+
+
+def curve_in_face(join: Join) -> SignResult:
+    """`f_i > 0` on the rim of the clip faces: the curve is closed inside them."""
+    return positive_on(join.rim(), alike(join.contact.surface.raw, join.rim()))
+
+
+def curve_regular(join: Join) -> SignResult:
+    """`|grad f_i x grad h_i|^2 > 0` where `f_i = 0` on the clip faces."""
+    f, h = join.contact.surface, join.contact.clip
+    return on_faces(transversality(f, f, h).raw, join, join.faces, f.raw)
+
+
+def clip_sided(join: Join) -> SignResult:
+    """`h_i < 0` on the region's side of the clip faces, where `f_i = 0`."""
+    results = [on_faces(plane.cofactor.raw, join, plane.faces, join.contact.surface.raw) for plane in join.planes]
+    return next((r for r in results if r.status is not Status.PROVED), results[0])
+
+
+def check_join(number: int, join: Join) -> None:
+    """That contact `number` can be met at all: its curve is closed, regular and in its faces.
+
+    Raises `GeometryError` with the place where it fails.
+    """
+    contact = join.contact
+    inside = curve_in_face(join)
+    if inside.status is not Status.PROVED:
+        turned = all(contact.surface.raw(*a) < 0 for a, _ in join.rim())
+        hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
+        raise GeometryError(
+            f"contact {number}: its curve is not closed inside its face of the partition; the surface "
+            f"{contact.surface} must be positive on the face's edges, and is not at {_place(inside)}{hint}"
+        )
+    if join.inside_point() is None:
+        raise GeometryError(
+            f"contact {number}: the surface {contact.surface} is nowhere negative on its clip face, so "
+            "there is no curve to meet (a surface must be negative inside; is its sign turned round?)"
+        )
+    if not all(plane.simple for plane in join.planes):
+        raise GeometryError(
+            f"contact {number}: the plane of its clip face is a multiple factor of its clip {contact.clip}; "
+            "give it once"
+        )
+    sided = clip_sided(join)
+    if sided.status is not Status.PROVED:
+        raise GeometryError(
+            f"contact {number}: its clip {contact.clip} is not negative on the region's side of its face "
+            f"at {_place(sided)}; it must be so along the whole curve, and in each of its faces"
+        )
+    regular = curve_regular(join)
+    if regular.status is not Status.PROVED:
+        raise GeometryError(
+            f"contact {number}: its clip does not cut its surface transversally at {_place(regular)}; "
+            "the two must cross at an angle along the whole curve"
+        )
+    if len(join.partition.pieces) > 1 and not join.confined:
+        raise GeometryError(
+            f"contact {number}: its clip {contact.clip} cuts its surface inside the region, too, around "
+            f"{_place(join.elsewhere)}; give the plane of its face alone as the clip"
+        )
+
+
+def _place(result: SignResult) -> str:
+    point = result.undecided[0] if result.witness is None else result.witness
+    return "({:.6g}, {:.6g}, {:.6g})".format(*point)

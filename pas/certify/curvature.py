@@ -1,0 +1,216 @@
+"""Whether two surfaces have equal curvatures along a curve, by normal forms; and a bound on curvature, proved.
+
+The conditions of "Algebraic blending surfaces in CAGD by Groebner bases" for surfaces f = 0 and
+g = 0 along V(I), each the vanishing of normal forms modulo I: (1) g; (2) the components of
+`grad f x grad g`; (3) `H^2 V* - H*^2 V` with `H = |grad f|^2`, `V = grad f^T adj(Hess f) grad f`,
+starred for g.  Gauss curvature is V / H^2, so (3) says that the curvatures are equal.  (The
+printed proof has H^2/V* = H*^2/V; what is meant is H^2/V = H*^2/V*.)
+
+Guaranteed: where all remainders are zero, points, tangent planes and Gauss curvatures agree at
+every point of V(I) where both surfaces are regular.  The converse needs an ideal I that is all
+that vanishes on the curve (real, not only prime: the real zeros of <x^2 + y^2, z> are a point).
+Not guaranteed is contact of second order, although the source says so.  The planes z = 0 and the
+cylinder z = y^2 pass all three along the x-axis and their normal curvatures across it are 0 and
+2.  Equal tangent planes and Gauss curvatures give equal second fundamental forms only where the
+normal curvature of f *along* the curve is not zero.  The real condition is membership,
+`g in <f, h^3>` (Garrity and Warren 1991); it is decided too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.brief import brief
+from pas.algebra.ideal import Ideal
+from pas.algebra.normal_form import NormalForm
+from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
+from pas.algebra.rational import Vector, plain
+from pas.bernstein.forms import b_form, on_simplex, rounded
+from pas.bernstein.signs import prove_positive
+from pas.certify.propositions import Proposition
+from pas.contacts.contact import ContactLike, as_contact, contact_ideal
+from pas.errors import GeometryError
+from pas.limits import checkpoint
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Verdict
+
+ZERO = RING.constant(0)
+
+Matrix = list[list[fmpq_mpoly]]
+
+
+@dataclass(frozen=True)
+class CurvatureContact:
+    """How g meets f along a curve; each remainder is the witness of its condition, 0 where it holds.
+
+    `value` is the normal form of g, `tangent` those of the components of `grad f x grad g`,
+    `curvature` that of `H^2 V* - H*^2 V`, `gradient` those of grad g.  `membership` is the normal
+    form of g modulo `<f, h^3>`, None where f is not the contact's surface or no clip is known.
+    """
+
+    value: Polynomial
+    tangent: tuple[Polynomial, Polynomial, Polynomial]
+    curvature: Polynomial
+    gradient: tuple[Polynomial, Polynomial, Polynomial]
+    membership: Polynomial | None
+
+    __repr__ = brief
+
+    @property
+    def on_curve(self) -> bool:
+        """Whether g vanishes on the curve."""
+        return self.value.is_zero
+
+    @property
+    def tangent_planes(self) -> bool:
+        """Whether the gradients are parallel along the curve."""
+        return all(component.is_zero for component in self.tangent)
+
+    @property
+    def equal_curvature(self) -> bool:
+        """Whether the Gauss curvatures agree along the curve."""
+        return self.curvature.is_zero
+
+    @property
+    def holds(self) -> bool:
+        """Whether all three conditions hold; that is less than GC^2 (see `gc2`)."""
+        return self.on_curve and self.tangent_planes and self.equal_curvature
+
+    @property
+    def singular(self) -> bool:
+        """Whether grad g vanishes along the whole curve, where the conditions say nothing of planes."""
+        return all(component.is_zero for component in self.gradient)
+
+    @property
+    def gc2(self) -> bool | None:
+        """Whether g is in `<f, h^3>` and not singular: true GC^2; None where that was not decided."""
+        return None if self.membership is None else self.membership.is_zero and not self.singular
+
+    def __bool__(self) -> bool:
+        raise TypeError("a curvature contact has several conditions; ask for .holds or .gc2")
+
+    def __str__(self) -> str:
+        said = {True: "yes", False: "no", None: "not decided"}
+        rows = [
+            ("vanishes on the curve", said[self.on_curve]),
+            ("equal tangent planes", said[self.tangent_planes]),
+            ("equal Gauss curvature", said[self.equal_curvature]),
+            ("singular along the curve", said[self.singular]),
+            ("GC^2 (in <f, h^3>)", said[self.gc2]),
+        ]
+        return "\n".join(f"{name:<24}  {value}" for name, value in rows)
+
+
+def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike | Ideal) -> CurvatureContact:
+    """The three conditions above for surfaces f and g (anything that `Polynomial` takes).
+
+    `contact` gives the curve: a `Contact`, a `Pipe` or a pair (surface, clip), whose curve has
+    the ideal `<surface, clip>`, or that `Ideal` itself.
+
+    Of second order a contact is where g is in <f, h^3> (Garrity and Warren 1991), which is decided too.
+
+    Raises `GeometryError` where f does not pass through the curve or is singular along all of
+    it, `ValueError` or `TypeError` for a wrong argument.
+    """
+    first, second = Polynomial(f), Polynomial(g)
+    met = None if isinstance(contact, Ideal) else as_contact(contact)
+    ideal = contact if isinstance(contact, Ideal) else contact_ideal(contact, 0)
+    curve = NormalForm([p.raw for p in ideal.generators])
+    grad, starred = _gradient(first.raw, curve), _gradient(second.raw, curve)
+    if not curve.reduce(first.raw).is_zero():
+        raise GeometryError(f"the surface {first} does not contain the curve of the contact")
+    if all(component.is_zero() for component in grad):
+        raise GeometryError(f"the surface {first} is singular along the whole curve; it has no tangent planes there")
+    speed, bend = _curvature(first.raw, grad, curve)
+    other_speed, other_bend = _curvature(second.raw, starred, curve)
+    difference = curve.reduce(speed * speed * other_bend - other_speed * other_speed * bend)
+    cubed = None
+    if met is not None and _proportional(first.raw, met.surface.raw):
+        cubed = contact_ideal(met, 2).normal_form(second)
+    return CurvatureContact(
+        value=Polynomial.from_raw(curve.reduce(second.raw)),
+        tangent=_owned([curve.reduce(c) for c in _cross(grad, starred)]),
+        curvature=Polynomial.from_raw(difference),
+        gradient=_owned(starred),
+        membership=cubed,
+    )
+
+
+def _gradient(raw: fmpq_mpoly, curve: NormalForm) -> list[fmpq_mpoly]:
+    return [curve.reduce(raw.derivative(i)) for i in range(3)]
+
+
+def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: NormalForm) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+    """`|grad|^2` and `grad^T adj(Hess) grad` modulo the ideal of the curve."""
+    rows = [[curve.reduce(raw.derivative(i).derivative(j)) for j in range(3)] for i in range(3)]
+    # The rows of the adjugate of a symmetric matrix are the cross products of its rows.
+    adjugate = [_cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)]
+    bend = sum((grad[i] * adjugate[i][j] * grad[j] for i in range(3) for j in range(3)), ZERO)
+    return curve.reduce(sum((c * c for c in grad), ZERO)), curve.reduce(bend)
+
+
+def _cross(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
+    return bool(a * b.leading_coefficient() == b * a.leading_coefficient())
+
+
+def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Polynomial]:
+    x, y, z = (Polynomial.from_raw(c) for c in components)
+    return x, y, z
+
+
+def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
+    """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface, `bound` in 1 / unit of length.
+
+    With g = grad f, H the second derivatives of f and M = |g|^2 tr H - g^T H g,
+
+        k1^2 + k2^2 = (M^2 - 2 |g|^2 g^T adj(H) g) / |g|^6
+
+    so that it holds where `K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g`, of degree 6 (n - 1), is positive wherever f = 0.
+    f is written as of that degree, so that multiples of it count: near the surface the polynomial changes by what one
+    of these does, and slowly along it.  A pipe, one of whose curvatures is 0, has its own curvature for the root.
+    """
+    claim = Proposition(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
+    local = surface.local
+    square = (bound * surface.partition.frame.scale) ** 2
+    zero, value, degree = [], [], 6 * max(surface.degree - 1, 0)
+    for cell, piece in zip(local.cells, local.piece_of, strict=True):
+        checkpoint("bounding curvature")
+        corners, patch = local.corners(cell), surface.patches[int(piece)].raw
+        zero.append(rounded(b_form(on_simplex(patch, corners), degree, 3)))
+        value.append(rounded(b_form(_difference(patch, corners, square), degree, 3)))
+    result = prove_positive(np.array(value), local.points[np.array(local.cells)], np.array(zero))
+    reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.examined} tetrahedra"
+    return claim.settled(result, "it is larger somewhere", reason)
+
+
+def _difference(patch: fmpq_mpoly, corners: Sequence[Vector], square: fmpq) -> fmpq_mpoly:
+    """`K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g` on a tetrahedron.
+
+    The derivatives are brought there one by one: the whole has thousands of terms.
+    """
+    slopes = [patch.derivative(i) for i in range(3)]
+    g = [on_simplex(slope, corners) for slope in slopes]
+    upper = {(i, j): on_simplex(slopes[i].derivative(j), corners) for i in range(3) for j in range(i, 3)}
+    h: Matrix = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    length = sum((a * a for a in g), RING.constant(0))
+    bent = length * (h[0][0] + h[1][1] + h[2][2]) - _form(g, h)
+    adjugate: Matrix = [[_cofactor(h, i, j) for j in range(3)] for i in range(3)]
+    return length * length * length * square - bent * bent + length * _form(g, adjugate) * 2
+
+
+def _form(g: Sequence[fmpq_mpoly], matrix: Matrix) -> fmpq_mpoly:
+    return sum((g[i] * g[j] * matrix[i][j] for i in range(3) for j in range(3)), RING.constant(0))
+
+
+def _cofactor(h: Matrix, i: int, j: int) -> fmpq_mpoly:
+    (a, b), (c, d) = ([x for x in range(3) if x != k] for k in (i, j))
+    minor = h[a][c] * h[b][d] - h[a][d] * h[b][c]
+    return minor if (i + j) % 2 == 0 else -minor

@@ -1,0 +1,148 @@
+"""The proof that a mesh that ends where its region is open is the surface: both are graphs over the same directions.
+
+A surface that is proved to have one sheet and to be enclosed is a graph over the sphere of directions less one disc a
+contact.  A mesh is such a graph as well if
+
+- each triangle is seen from the centre with its outside away, so that looking from there is one to one near each point,
+  but for vertices that are gone round more than once;
+- its boundary is one loop on each contact's curve, which goes round the middle of that once, and no loop is inside
+  another's: they bound discs, and a part of the sphere that is left;
+- a ray into each of the discs crosses no triangle, however far it goes.  The number of triangles that a ray crosses is
+  the same all over each part, and changes by one across a loop: it is one where the surface is, and nothing covers a
+  disc a second time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.certify.certificate import Certificate
+from pas.certify.local_mesh import LocalMesh
+from pas.certify.windings import crossed, volumes
+from pas.mesh.edges import Edges
+from pas.mesh.field import Integers
+from pas.mesh.rows import dots
+from pas.surface.opening_rim import OpeningRim
+from pas.surface.rings import Ring
+from pas.verdicts import Point, Status, Verdict
+
+CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the contacts' curves"
+
+OFF = 1e-9
+"""How far, in local units, vertices of the boundary may be from the curves."""
+
+BEYOND = 2.0
+"""Over the distance of the vertex that is furthest from the centre: how far rays into discs are followed."""
+
+SEPARATE = 1e-6
+"""Radians that are left at least between loops."""
+
+
+def certify_graph(mesh: LocalMesh, edges: Edges, promised: Callable[[], Certificate]) -> tuple[Verdict, Verdict]:
+    """The verdicts on the boundary of a mesh and on its topology, which rests on the surface's own certificate."""
+    surface = mesh.local.function
+    assert mesh.local.center is not None
+    points = mesh.points - mesh.local.center
+    try:
+        rings = surface.placed.rings
+    except ArithmeticError as unseen:
+        return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
+    loops = _loops(edges)
+    rim = edges.rim[:, 0]
+    off = np.array([ring.off(points[rim]) for ring in rings])
+    far = np.flatnonzero(off.min(axis=0) > OFF)
+    if len(far):
+        place = mesh.local.point(mesh.points[rim[far[0]]])
+        return Verdict(Status.REFUTED, BORDER, "the mesh ends beside the curves", place), _open("it does not end there")
+    owner = np.full(len(points), -1)
+    owner[rim] = off.argmin(axis=0)
+    said = f"every inner edge has two triangles; with {len(rim)} edges in {len(loops)} loops, to rounding"
+    chain = Verdict(Status.PROVED, BORDER, said)
+    volume, error = volumes(points[mesh.triangles])
+    turned = np.flatnonzero(volume <= error)
+    if len(turned):
+        reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
+        return chain, _open(reason, mesh.local.point(mesh.points[mesh.triangles[turned[0], 0]]))
+    certificate = promised()
+    if not (certificate.one_sheet.proved and certificate.enclosed.proved):
+        return chain, _open("the surface is not proved to be a graph over directions")
+    reason = _parted(points, loops, owner, rings)
+    if reason:
+        return chain, _open(reason)
+    ways = np.array([-ring.middle if ring.opening else ring.middle for ring in rings])
+    ends = ways * (BEYOND * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
+    times, known = crossed(points, mesh.triangles, np.zeros(3), ends)
+    for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
+        which = "away from the opening" if rings[number].opening else "out through one of the ends"
+        return chain, _open(f"a ray {which} may cross the mesh", mesh.local.point(ends[number] + mesh.local.center))
+    reason = f"all {len(volume)} triangles are seen once from the centre, as the surface is; {len(loops)} loops"
+    return chain, Verdict(Status.PROVED, CLAIM, reason, measure=len(volume))
+
+
+def _open(reason: str, place: Point | None = None) -> Verdict:
+    return Verdict(Status.UNDECIDED, CLAIM, reason, place)
+
+
+def _loops(edges: Edges) -> list[Integers]:
+    """The vertices of each loop of the boundary, in order."""
+    after = dict(edges.rim.tolist())
+    found = []
+    while after:
+        start, here = next(iter(after)), []
+        at = start
+        while at in after:
+            here.append(at)
+            at = after.pop(at)
+        found.append(np.array(here, dtype=np.intp))
+    return found
+
+
+def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[Ring | OpeningRim]) -> str:
+    """Why the loops may not bound discs that are apart; empty where they do."""
+    if sorted(int(owner[loop[0]]) for loop in loops) != list(range(len(rings))):
+        return "the mesh does not end in one loop on each contact's curve"
+    for loop in loops:
+        ring = rings[int(owner[loop[0]])]
+        if (owner[loop] != owner[loop[0]]).any() or not _once_round(points[loop], ring):
+            return "a loop does not go once round its contact's curve"
+    for first, second in combinations(loops, 2):
+        a, b = (rings[int(owner[loop[0]])] for loop in (first, second))
+        if a.opening or b.opening:
+            inner, outer = (second, first) if a.opening else (first, second)
+            apart = _inside(points[inner], points[outer])
+        else:
+            apart = _spread(points[first], a) + _spread(points[second], b) + SEPARATE < _angle(a.middle, b.middle)
+        if not apart:
+            return "loops on two contacts' curves may cross, as seen from the centre"
+    return ""
+
+
+def _once_round(loop: Floats, ring: Ring | OpeningRim) -> bool:
+    """Whether a loop goes round the middle of a ring once, always on."""
+    first = np.cross(ring.normal, np.eye(3)[np.abs(ring.normal).argmin()])
+    second = np.cross(ring.normal, first)
+    away = loop - ring.middle
+    angles = np.arctan2(away @ second, away @ first)
+    steps = (np.roll(angles, -1) - angles + np.pi) % (2 * np.pi) - np.pi
+    steps = steps if steps.sum() > 0 else -steps
+    return bool((steps > SEPARATE * 1e-3).all() and round(float(steps.sum()) / (2 * np.pi)) == 1)
+
+
+def _inside(inner: Floats, outer: Floats) -> bool:
+    """Whether directions (N, 3) are inside the convex cone of a loop (M, 3)."""
+    across = np.cross(outer, np.roll(outer, -1, axis=0))
+    across /= np.sqrt((across * across).sum(axis=1))[:, None]
+    depths = (inner / np.sqrt((inner * inner).sum(axis=1))[:, None]) @ across.T
+    return bool((depths > SEPARATE).all() or (depths < -SEPARATE).all())
+
+
+def _spread(loop: Floats, ring: Ring | OpeningRim) -> float:
+    return max(_angle(point, ring.middle) for point in loop)
+
+
+def _angle(a: Floats, b: Floats) -> float:
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))

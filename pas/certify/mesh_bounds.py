@@ -1,0 +1,312 @@
+"""Bounds on every triangle of a mesh of a surface f = 0: |f|, and how steeply f rises across it.
+
+Near the walls, where the mesh ends, across means along the wall: see `pas.certify.mesh_proofs`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
+from pas.certify.local_mesh import LARGER, ROUNDINGS, LocalMesh, LocalSurface
+from pas.certify.triangle_forms import TriangleForms, on_corners
+from pas.mesh.field import Integers
+from pas.mesh.rows import any_of, cross, dots
+
+CUTS, MANY, MOST = 6, 4096, 1 << 22
+"""How often triangles are cut into four where bounds on them do not do, how many are cut for their distance, and how
+many at all, for bounds that some 100 bytes each are needed for."""
+
+CLEAR = 1e-9
+"""In local units: how far what is apart from a triangle is from a plane of it."""
+
+TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
+"""How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
+the share `USUAL` of them."""
+
+TASK = "bounding the function on triangles"
+
+USUAL, ENOUGH, HARDEST = 0.98, 1.2, 64
+"""That share; how many times as far triangles in several pieces are moved, before they are cut; and how many triangles,
+on which |f| by the least slope is largest, are moved first."""
+
+
+@dataclass(frozen=True)
+class TriangleBounds:
+    """Of each triangle: an upper bound of |f| and a lower one of the derivative of f along its normal, (T,)."""
+
+    most: Floats
+    least: Floats
+
+
+@dataclass(frozen=True)
+class Parts(Cells):
+    """Parts (P, 3, 3) of triangles, their numbers (P,), and which corners (P, 3) are marked, such as those on walls."""
+
+    corners: Floats
+    owner: Integers
+    marks: np.ndarray
+
+    @classmethod
+    def of(cls, corners: Floats) -> Parts:
+        """Whole triangles (T, 3, 3), all corners of which are marked."""
+        return cls(corners, np.arange(len(corners)), np.ones((len(corners), 3), dtype=bool))
+
+    def quarters(self) -> Parts:
+        """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
+        marks = _quarters(self.marks.astype(float)) == 1
+        parts = Parts(_quarters(self.corners), np.repeat(self.owner, 4), marks)
+        return parts if marks.all() else parts.select(marks.any(axis=1))
+
+
+class BoxTable:
+    """Many boxes from `low` (N, 3) to `high` (N, 3)."""
+
+    def __init__(self, low: Floats, high: Floats) -> None:
+        self._low, self._high = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
+
+    def meeting(self, low: Floats, high: Floats) -> Integers:
+        """The numbers of those that meet the box from `low` (3,) to `high` (3,)."""
+        rows = np.flatnonzero((self._low[0] <= high[0]) & (self._high[0] >= low[0]))
+        for axis in (1, 2):
+            rows = rows[(self._low[axis, rows] <= high[axis]) & (self._high[axis, rows] >= low[axis])]
+        return rows
+
+
+def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
+    """Which simplices (K, d + 1, 3) are parted from triangles (K, 3, 3) with unit normals (K, 3), each from one, by its
+    plane or one through a side of it.
+
+    Others may be apart as well.  The margin `CLEAR` is for rounding, and for corners on walls that are off these.
+    """
+    found = np.zeros(len(simplices), dtype=bool)
+    if not len(found):
+        return found
+    planes = [(corners[:, 0], normals), (corners[:, 0], -normals)]
+    for i in range(3):
+        way = corners[:, (i + 1) % 3] - corners[:, i]
+        planes.append((corners[:, i], cross(way, normals) / np.maximum(np.sqrt(dots(way, way)), 1e-300)[:, None]))
+    for point, out in planes:
+        x, y, z = (corner - p[:, None] for corner, p in zip(simplices.transpose(2, 0, 1), point.T, strict=True))
+        heights = x * out[:, :1] + y * out[:, 1:2] + z * out[:, 2:]
+        found |= heights.min(axis=1) > CLEAR
+    return found
+
+
+def bounds(mesh: LocalMesh) -> TriangleBounds:
+    """The bounds on all triangles, each for all pieces that it may touch.
+
+    Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
+    """
+    normals, loose = mesh.normals, mesh.loose
+    if len(mesh.local.makers) == 1:
+        return _bounded_by_one(mesh.local.makers[0], mesh.corners, normals, loose)
+    most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        nonlocal usual
+        large, small, several = _bounded(mesh.local, parts.corners, normals[parts.owner], loose[parts.owner])
+        if depth == 0 and not several.all():
+            usual = large[~several].max()
+        again = several & ((small <= 0) | (large > usual)) & (depth < CUTS)
+        np.maximum.at(most, parts.owner[~again], large[~again])
+        np.minimum.at(least, parts.owner[~again], small[~again])
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts.of(mesh.corners), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open.owner
+    most[left], least[left] = np.inf, -np.inf
+    return TriangleBounds(most, least)
+
+
+def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> TriangleBounds:
+    """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
+    by `loose`, (T,)."""
+    most = _largest(maker.ranges(corners)) + maker.value_error
+    along, size = maker.slopes(corners, normals)
+    large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
+    most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
+    return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
+
+
+def _bounded(local: LocalSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
+    """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
+    which may touch several pieces, (T,)."""
+    most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
+    touched = local.touched(corners)
+    several = _times(touched, len(corners)) > 1
+    for maker, rows in zip(local.makers, touched, strict=True):
+        most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
+        along, size = maker.slopes(corners[rows], normals[rows])
+        least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
+    large = most > most.max(initial=0.0, where=~several if not several.all() else several) / 2  # bounded more closely
+    closer = np.zeros(len(most))
+    for maker, rows in zip(local.makers, touched, strict=True):
+        part = rows[large[rows]]
+        closer[part] = np.maximum(closer[part], _largest(maker.ranges(corners[part], closer=True)) + maker.value_error)
+    return np.where(large, closer, most), least, several
+
+
+def _quarters(corners: Floats) -> Floats:
+    """The four parts (4 T, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
+    return np.stack(parts, axis=1).reshape(-1, *corners.shape[1:])
+
+
+def _largest(ranges: tuple[Floats, Floats]) -> Floats:
+    return np.maximum(-ranges[0], ranges[1])
+
+
+def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
+    """What derivatives along unit vectors may be off by, which are themselves off by `loose` (T,): of gradients of
+    some size (T,) whose coefficients err by so much."""
+    return np.asarray(3 * error + loose * (sizes + 3 * error))
+
+
+def along_walls(mesh: LocalMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+    """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
+    and the triangles (K,).
+
+    `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
+    """
+    if not rims:
+        return np.empty(0), np.empty(0, dtype=np.intp)
+    ends = mesh.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in rims], axis=0)[mesh.triangles]))]
+    rows = [some[any_of(vertices[ends])] for _, vertices in rims]
+    owner, rim = np.concatenate(rows), np.repeat(np.arange(len(rims)), [len(own) for own in rows])
+    marks = np.concatenate([vertices[mesh.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
+    normals = [mesh.normals[own] for own in rows]
+    ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, rims, strict=True)]
+    along, loose, corners = np.concatenate(ways), mesh.loose[owner], mesh.corners[owner]
+    found: list[tuple[Floats, Integers]] = []
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        least, several = _on_sides(mesh.local, parts, along[parts.owner], loose[parts.owner])
+        again = several & (least <= 0) & (depth < CUTS)
+        found.append((least[~again], parts.owner[~again]))
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts(corners, np.arange(len(owner)), marks), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open
+    found.append((np.full(len(left), -np.inf), left.owner))
+    least, part = (np.concatenate(column) for column in zip(*found, strict=True))
+    order = np.argsort(rim[part], kind="stable")
+    return least[order], owner[part[order]]
+
+
+def _on_sides(local: LocalSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
+    """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
+    that are marked; and which triangles may touch several pieces."""
+    least, touched = np.full(len(parts), np.inf), local.touched(parts.corners)
+    code = parts.marks @ np.array([1, 2, 4])
+    for maker, near in zip(local.makers, touched, strict=True):
+        gradients = maker.gradients(parts.corners[near])
+        slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
+        way = along[near].T
+        slopes = way[0] * gradients[0] + way[1] * gradients[1] + way[2] * gradients[2]
+        slopes[~on_corners(local.degree - 1)[code[near]].T] = np.inf
+        least[near] = np.minimum(least[near], slopes.min(axis=0) - slack)
+    return least, _times(touched, len(parts)) > 1
+
+
+def farthest(mesh: LocalMesh, bounds: TriangleBounds) -> Floats | None:
+    """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
+    how far the hardest is.
+
+    A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
+    f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
+    cones about the centre.  That is looked at where `_moves` does not say that it is so.
+    """
+    local = mesh.local
+    if local.center is None:
+        return None
+    longest = local.beyond
+    with np.errstate(all="ignore"):
+        need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
+    known = np.sort(need[need <= longest])
+    usual, most = known[[int(USUAL * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
+    tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
+    enough = _moves(mesh, bounds, min(TIMES[-1] * usual, longest))
+    hard = need >= np.partition(need, max(len(need) - HARDEST, 0))[max(len(need) - HARDEST, 0)]
+    way, least = np.zeros(len(need)), 0.0
+    for group in (hard, ~hard):  # the hardest say what is worth trying with others
+        rows = np.flatnonzero(group & (enough > least))
+        here = [away for away in tried if away >= least]
+        way[rows] = _reached(mesh, rows, enough[rows], here, max(ENOUGH * usual, least))
+        least = min(float(way.max(initial=0.0)), tried[-1])
+    return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
+
+
+def _reached(mesh: LocalMesh, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
+    """The first of rising ways for which chosen triangles (K,) were seen to have both signs, infinite without one.
+
+    Those that touch several pieces are moved no further than `within` before they are cut.
+    """
+    local, normals, way = mesh.local, mesh.normals[chosen], np.zeros(len(chosen))
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        several = _several(local, parts.corners, within * normals[parts.owner])
+        left, fates = np.arange(len(parts)), np.full(len(parts), Fate.SETTLED.value)
+        for away in tried:
+            some, owner = parts.select(left), parts.owner[left]
+            sure = enough[owner] <= away
+            rows = np.flatnonzero(~sure & (~several[left] | (away <= within) | (depth == CUTS)))
+            done = rows[_signs(local, some.corners[rows], -away * normals[owner[rows]], -1)]
+            done = done[_signs(local, some.corners[done], away * normals[owner[done]], 1)]
+            sure[done] = True
+            np.maximum.at(way, owner[sure], away)
+            left = left[~sure]
+        fates[left] = Fate.SPLIT
+        return fates
+
+    cells = Parts.of(mesh.corners[chosen])
+    way[search(cells, judge, Parts.quarters, Limits(CUTS, MANY), "bounding distances").open.owner] = np.inf
+    return way
+
+
+def _moves(mesh: LocalMesh, bounds: TriangleBounds, longest: float) -> Floats:
+    """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
+
+    Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
+    its least slope l across the triangle: that is to be more than |f|.
+    """
+    enough = np.full(len(bounds.most), np.inf)
+    if len(mesh.local.makers) > 1:
+        return enough
+    bend = mesh.local.makers[0].bend(np.abs(mesh.points).max(axis=0) + (1 + CLEAR) * longest)
+    with np.errstate(all="ignore"):
+        root = np.sqrt(bounds.least**2 - 2 * (1 + CLEAR) * bend * bounds.most)
+        found = 2 * (1 + CLEAR) * bounds.most / (bounds.least + root) + CLEAR**2
+    known = (bounds.least > 0) & (found <= longest)
+    enough[known] = found[known]
+    return enough
+
+
+def _several(local: LocalSurface, corners: Floats, ways: Floats) -> np.ndarray:
+    """Which triangles (T, 3, 3) may touch several pieces when they are moved along ways (T, 3) or back."""
+    if len(local.makers) == 1:
+        return np.zeros(len(corners), dtype=bool)
+    moved = [local.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
+    return np.asarray(np.maximum(*(_times(rows, len(corners)) for rows in moved)) > 1)
+
+
+def _times(rows: list[Integers], count: int) -> Integers:
+    """How often each of the first numbers stands in some rows."""
+    return np.bincount(np.concatenate(rows), minlength=count)
+
+
+def _signs(local: LocalSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+    """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
+    corners = corners + ways[:, None]
+    result = np.ones(len(corners), dtype=bool)
+    for maker, near in zip(local.makers, local.touched(corners, LARGER), strict=True):
+        rows = near[result[near]]
+        for closer in (False, True) if len(rows) else ():
+            low, high = maker.ranges(corners[rows], closer)
+            rows = rows[~((low if sign > 0 else -high) > maker.value_error)]
+        result[rows] = False
+    return result

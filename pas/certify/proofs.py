@@ -1,0 +1,189 @@
+"""The proofs of what a piecewise surface promises.
+
+Contacts and faces: exact division, remainder identically zero (Garrity and Warren 1991), and
+`alpha > 0` on each contact curve, so that the surface is regular there and on the right side (see
+`pas.certify.contact_proofs`).
+
+One sheet: with the guide field u(x) = x - O from the centre O, `grad f . u > 0` wherever `f = 0`
+in each cell.  Since rays from O do not change cells, f changes sign at most once along each, and
+upwards: no second sheet, no bubble, no singular point.
+
+Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with
+`alpha > 0` on all of the clip faces (alpha times all f_i of the contacts that share a face), so the
+surface leaves the region through its contact curves alone.  Together the two say that the surface is
+a graph over the sphere of directions less one disc a contact: for c contacts its Euler
+characteristic is 2 - c.
+
+A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
+`pas.certify.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.  The
+sides of an open region that no contact closes are walls like others, and as they hold the centre, f < 0 on a part of
+them.
+
+Any other contact whose clip passes through the region, as a curved one, leaves the surface in use on one
+side of the clip only.  One sheet is then still proved of all of the zero set in the region, and
+refuted only at a point that is in use; that what is in use is enclosed is never proved.
+
+All inequalities are proved by Bernstein branch and bound with rounding accounted for (see
+`pas.bernstein.signs`).  What is not promised: anything outside the region.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from flint import fmpq_mpoly
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.bernstein.forms import on_simplex
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import SignResult, positive_on
+from pas.certify.certificate import Certificate
+from pas.certify.contact_proofs import contact_verdict
+from pas.certify.incidence import alpha_signs, incidences
+from pas.certify.openings import opening_verdict
+from pas.certify.propositions import Proposition
+from pas.registry import Registry
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Status, Verdict
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One more thing that is promised of surfaces: `prove` gives its verdicts, with claims in words of their own."""
+
+    name: str
+    prove: Callable[[PiecewisePolynomial], Sequence[Verdict]]
+
+
+CLAIMS: Registry[Claim] = Registry("claim about surfaces", {})
+"""What is proved of every surface beside its contacts, faces, sheets and walls; old files have no verdicts on it."""
+
+
+def certify(surface: PiecewisePolynomial) -> Certificate:
+    """Prove everything that is promised of the surface."""
+    return Certificate(
+        tuple(contact_verdict(surface, i) for i in range(len(surface.contacts))),
+        tuple(face_verdict(surface, i) for i in range(len(surface.partition.interior_faces))),
+        sheet_verdict(surface),
+        enclosed_verdict(surface),
+        tuple(verdict for claim in CLAIMS.values() for verdict in claim.prove(surface)),
+    )
+
+
+def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
+    """Exact C^k across one interior face."""
+    face, k = surface.local.interior_faces[number], surface.order
+    claim = Proposition(surface, f"face {face.first + 1}|{face.second + 1} C^{k}")
+    difference = surface.patches[face.second].raw - surface.patches[face.first].raw
+    plane, power = face.plane.raw, 0
+    while power <= k and not difference.is_zero():
+        quotient, remainder = divmod(difference, plane)
+        if not remainder.is_zero():
+            jump = on_simplex(difference, surface.local.corners(face.vertices))
+            point = _nonzero_point(jump, surface.local.corners(face.vertices))
+            reached = "not continuous" if power == 0 else f"C^{power - 1} only"
+            reason = f"{reached}: pi^{power + 1} does not divide the difference"
+            return claim.refuted(reason, np.array(point))
+        difference, power = quotient, power + 1
+    return claim.proved(f"pi^{k + 1} divides the difference exactly")
+
+
+def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
+    """Every ray from the centre meets the surface at most once, transversally."""
+    claim = Proposition(surface, "one sheet")
+    if surface.partition.center is None or not surface.partition.cells:
+        return claim.undecided("the partition has no centre to look from")
+    if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
+        if _unused(surface, np.zeros(3)):
+            return claim.undecided("the centre is beyond a contact's clip")
+        return claim.refuted("the centre is not inside the surface", np.zeros(3))
+    result = sheet_signs(surface)
+    wrong = "a ray from the centre meets the surface more than once or tangentially"
+    said = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
+    return claim.settled(_where_used(surface, result), wrong, said)
+
+
+def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
+    """The surface leaves the region through its contact curves only."""
+    claim = Proposition(surface, "enclosed")
+    if not surface.partition.cells:
+        return claim.undecided("there is no region")
+    walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
+    if surface.partition.sides and not any(join.opening for join in surface.joins):
+        reached = "no contact closes the region, which is open: the inside reaches its sides"
+    failed = claim.failed(walls, reached)
+    if failed is not None and failed.status is Status.REFUTED:
+        return failed
+    for number, join in enumerate(surface.joins, start=1):
+        if not join.confined:
+            where = "passes through the region" if join.faces else "has no face of the region"
+            reason = f"the clip of contact {number} {where}, so that the surface is used in a part of it only"
+            return claim.undecided(reason)
+    if failed is not None:
+        return failed
+    examined = walls.examined
+    for number, join in enumerate(surface.joins, start=1):
+        if join.opening:
+            found = opening_verdict(claim, join)
+            if not found.proved:
+                return claim.undecided(f"contact {number}: {found.reason}")
+            continue
+        if any(met.division.order < 0 for met in incidences(surface, join, 0)):
+            return claim.undecided(f"contact {number} is not met on its clip face")
+        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
+        failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
+        if failed is not None:
+            return failed
+        examined += result.examined
+    return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
+
+
+def sheet_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
+    """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
+    local, degree = surface.local, surface.degree
+    cells = [local.corners(cell) for cell in local.cells]
+    radial = [_radial_derivative(patch) for patch in surface.patches]
+    values = [radial[piece] for piece in local.piece_of], degree
+    zeros = [surface.patches[piece].raw for piece in local.piece_of], degree
+    return positive_on(cells, values, [zeros], near=True, limits=limits)
+
+
+def wall_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
+    """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
+    faces = [surface.local.corners(face.vertices) for face in surface.walls]
+    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
+    return positive_on(faces, values, near=True, limits=limits)
+
+
+def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:
+    """Whether a local point (3,) is beyond a clip that passes through the region."""
+    place = exact_vector(point.tolist())
+    return any(join.contact.clip.raw(*place) > 0 for join in surface.joins if not join.confined)
+
+
+def _where_used(surface: PiecewisePolynomial, result: SignResult) -> SignResult:
+    """The result, no decision where the witness that refutes is not in use."""
+    if result.witness is None or not _unused(surface, result.witness):
+        return result
+    points = np.concatenate([result.witness[None], result.undecided])
+    return replace(result, status=Status.UNDECIDED, undecided=points, witness=None)
+
+
+def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:
+    return sum((g * patch.raw.derivative(i) for i, g in enumerate(GENERATORS)), GENERATORS[0] * 0)
+
+
+def _nonzero_point(restricted: fmpq_mpoly, corners: Sequence[Vector]) -> tuple[float, ...]:
+    """The lattice point of a face at which a polynomial on it is largest in absolute value."""
+    n = max(int(restricted.total_degree()), 1)
+    best = max(
+        ((i, j) for i in range(n + 1) for j in range(n + 1 - i)),
+        key=lambda ij: abs(Polynomial.from_raw(restricted).at((f"{ij[0]}/{n}", f"{ij[1]}/{n}", 0))),
+    )
+    a, b, c = (np.array(to_floats(p)) for p in corners)
+    u, v = best[0] / n, best[1] / n
+    return tuple(((1 - u - v) * a + u * b + v * c).tolist())

@@ -1,0 +1,111 @@
+"""What contacts with an axis have in common: exact coordinates along it and across, and a plane that ends them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Any, Literal
+
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.inputs import shown
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
+from pas.contacts.contact import Contact
+from pas.contacts.movable import Movable
+
+ZERO = GENERATORS[0] * 0
+
+
+class Axial(Movable):
+    """A contact around an axis that ends at the plane across it through `point + clip * axis`.
+
+    With `w = x - point`, `along` is `u = w . axis / |axis|^2` and the plane is where u is `clip`.  To be inherited by
+    frozen dataclasses.
+    """
+
+    axis: Vector
+    clip: fmpq | Literal["auto"]
+    point: Vector
+
+    def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
+        """Make what was given exact, and check it; raises `ValueError` for a zero axis."""
+        exact = {name: rational(value, name) for name, value in numbers.items()}
+        for name, value in ({"axis": vector(axis, "axis"), "point": vector(point, "point")} | exact).items():
+            object.__setattr__(self, name, value)
+        if all(a == 0 for a in self.axis):
+            raise ValueError("axis must not be the zero vector")
+
+    @property
+    def end(self) -> fmpq:
+        """The clip as a number."""
+        return rational(self.clip, "clip")
+
+    @property
+    def ending(self) -> str:
+        """Where it ends, in words."""
+        return f"clipped at {plain(self.end)}"
+
+    @property
+    def along(self) -> fmpq_mpoly:
+        """The coordinate along the axis, 0 at the point and 1 at the tip of the axis."""
+        return self.part(self.axis)
+
+    @property
+    def square(self) -> fmpq_mpoly:
+        """The square of the distance from the point."""
+        return sum(((g - p) ** 2 for g, p in zip(GENERATORS, self.point, strict=True)), ZERO)
+
+    def part(self, direction: Vector) -> fmpq_mpoly:
+        """The coordinate along any vector, 0 at the point and 1 at the vector's tip."""
+        terms = ((g - p) * a for g, p, a in zip(GENERATORS, self.point, direction, strict=True))
+        return sum(terms, ZERO) * (1 / dot(direction, direction))
+
+    def squares(self, semiaxes: Sequence[Vector]) -> fmpq_mpoly:
+        """The sum of the squared coordinates along some vectors."""
+        return sum((self.part(a) ** 2 for a in semiaxes), ZERO)
+
+    def ended(self, surface: fmpq_mpoly, turned: bool = True) -> Contact:
+        """The contact of a surface with the clip plane; `turned` to the point where `clip` is negative."""
+        scale = -self.clip_scale if turned and self.end < 0 else self.clip_scale
+        return Contact(Polynomial.from_raw(surface), Polynomial.from_raw((self.along - self.end) * scale))
+
+    @property
+    def clip_scale(self) -> fmpq:
+        """The factor of the clip polynomial, which is (u - clip) else."""
+        return fmpq(1)
+
+
+def perpendicular(values: Any, name: str, number: int, to: Vector | None = None) -> tuple[Vector, ...]:
+    """So many exact vectors, across one another and across the vector `to`; none of them zero.
+
+    Raises `ValueError` or `TypeError`, naming the argument.
+    """
+    if isinstance(values, str) or not isinstance(values, Sequence) or len(values) != number:
+        raise ValueError(f"{name} must be {number} vectors across one another, not {shown(values)}")
+    vectors = tuple(vector(v, f"{name}[{i}]") for i, v in enumerate(values))
+    for i, v in enumerate(vectors):
+        if all(c == 0 for c in v):
+            raise ValueError(f"{name}[{i}] must not be the zero vector")
+        if to is not None and dot(v, to) != 0:
+            raise ValueError(f"{name}[{i}] must be perpendicular to ({listed(to)}), and ({listed(v)}) is not")
+    for (i, a), (j, b) in combinations(enumerate(vectors), 2):
+        if dot(a, b) != 0:
+            raise ValueError(f"{name} must be perpendicular to one another, and number {i + 1} and {j + 1} are not")
+    return vectors
+
+
+def longest(vectors: Sequence[Vector]) -> float:
+    """The largest length."""
+    return max(to_float(dot(v, v)) for v in vectors) ** 0.5
+
+
+def positive(value: fmpq, name: str) -> None:
+    """Raise `ValueError` for a number that is not positive."""
+    if value <= 0:
+        raise ValueError(f"{name} must be positive, not {plain(value)}")
+
+
+def listed(values: Vector) -> str:
+    """Three numbers as a sentence has them."""
+    return ", ".join(map(plain, values))

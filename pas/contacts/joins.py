@@ -1,0 +1,304 @@
+"""Where contacts sit on a partition: the clip faces and the curves in them.
+
+A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes
+identically, and the pieces behind them, which carry the contact.  A clip vanishes on a face iff
+the face's plane divides it; what is left of the clip, its cofactor, says on which side the clip
+is negative and where else it may cut the surface.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import combinations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector
+from pas.bernstein.signs import SignResult, apart_on
+from pas.contacts.cones import first_met, nappe, nappe_rays
+from pas.contacts.contact import Contact
+from pas.errors import GeometryError
+from pas.partition.cells import Partition
+from pas.partition.complex import Indices, OuterFace
+from pas.verdicts import Status
+
+CURVE_LATTICE = 24
+"""Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""
+
+OPENING_POINTS = 96
+"""Of the curve through which a region is open."""
+
+BISECTIONS = 52
+"""Halvings of an edge that leave it as long as its rounding."""
+
+
+@dataclass(frozen=True)
+class ClipPlane:
+    """The clip faces in one plane, `plane > 0` outside the region, where `clip = plane * cofactor`."""
+
+    plane: Polynomial
+    faces: tuple[OuterFace, ...]
+    cofactor: Polynomial
+
+    @property
+    def simple(self) -> bool:
+        """Whether the clip changes its sign at the plane, not having it for a factor twice."""
+        return not _divides(self.plane, self.cofactor)
+
+    def rim(self, partition: Partition) -> list[tuple[Vector, Vector]]:
+        """The edges that bound the union of the faces."""
+        owners = Counter(edge for face in self.faces for edge in combinations(face.vertices, 2))
+        a = partition.vertices
+        return [(a[i], a[j]) for (i, j), times in owners.items() if times == 1]
+
+
+@dataclass(frozen=True)
+class Join:
+    """A contact, the clip faces it passes through and the partition they belong to."""
+
+    contact: Contact
+    faces: tuple[OuterFace, ...]
+    partition: Partition
+
+    @property
+    def pieces(self) -> tuple[int, ...]:
+        """The pieces that carry the contact."""
+        if len(self.partition.pieces) == 1 or self.opening:
+            return tuple(range(len(self.partition.pieces)))
+        return tuple(dict.fromkeys(face.piece for face in self.faces))
+
+    @cached_property
+    def planes(self) -> tuple[ClipPlane, ...]:
+        """The planes of the clip faces, each with its faces."""
+        clip = self.contact.clip.raw
+        planes = dict.fromkeys(face.plane for face in self.faces)
+        return tuple(
+            ClipPlane(
+                plane,
+                tuple(face for face in self.faces if face.plane == plane),
+                Polynomial.from_raw(divmod(clip, plane.raw)[0]),
+            )
+            for plane in planes
+        )
+
+    def rim(self) -> list[tuple[Vector, Vector]]:
+        """The edges that bound the clip faces, in each of their planes."""
+        return [edge for plane in self.planes for edge in plane.rim(self.partition)]
+
+    @cached_property
+    def rest(self) -> Polynomial:
+        """The clip without the planes of its clip faces: what may cut the surface elsewhere."""
+        rest = self.contact.clip.raw
+        for plane in self.planes:
+            quotient, remainder = divmod(rest, plane.plane.raw)
+            rest = quotient if remainder.is_zero() else rest
+        return Polynomial.from_raw(rest)
+
+    @cached_property
+    def elsewhere(self) -> SignResult:
+        """The proof that in the region the contact's curve is in the clip faces only.
+
+        Not proved where the clip has no face, as a curved one, or has another factor or a plane
+        that passes through the region and meets the surface there.
+        """
+        where = [(self.rest, self.partition.cells)] if self.rest.degree > 0 else []
+        where += [(plane.plane, cells) for plane in self.planes if (cells := self._cut_by(plane))]
+        results = (self._apart(polynomial, cells) for polynomial, cells in where)
+        nothing = apart_on((), ())
+        return next((result for result in results if result.status is not Status.PROVED), nothing)
+
+    @property
+    def confined(self) -> bool:
+        """Whether the contact's curve is proved to be in its clip faces alone, or the region opens through it."""
+        return self.opening or (bool(self.faces) and self.elsewhere.status is Status.PROVED)
+
+    @cached_property
+    def opening(self) -> bool:
+        """Whether the clip is a cone of degree 2 around the centre of a region that is open (see `openings`)."""
+        return not self.faces and opens(self.partition, self.contact)
+
+    def _apart(self, polynomial: Polynomial, simplices: Sequence[Indices]) -> SignResult:
+        """The proof that a polynomial and the surface have no common zero on simplices."""
+        exact = [self.partition.corners(s) for s in simplices]
+        return apart_on(exact, (self.contact.surface.raw, polynomial.raw))
+
+    def _cut_by(self, plane: ClipPlane) -> tuple[Indices, ...]:
+        """The cells that a clip plane meets elsewhere than in a clip face (none in a convex region)."""
+        signs = [plane.plane.raw(*v) for v in self.partition.vertices]
+        known = [set(face.vertices) for face in plane.faces]
+        return tuple(
+            cell
+            for cell in self.partition.cells
+            if any(signs[v] > 0 for v in cell)
+            or not any({v for v in cell if signs[v] == 0} <= vertices for vertices in known)
+        )
+
+    def curve(self) -> Floats:
+        """Points (m, 3) of the contact curve, spread along it, to about 1e-14."""
+        return np.concatenate([np.empty((0, 3)), *(points for points, _ in self.measured_curves())])
+
+    def measured_curves(self, subdivisions: int = CURVE_LATTICE) -> list[tuple[Floats, Floats]]:
+        """For each clip face, the points (m, 3) of the curve on it, and how much of the curve each stands for, (m,).
+
+        An opening has one such curve, though no face.
+
+        Points are those where the curve crosses a lattice of so many `subdivisions` of the face's edges.
+
+        Curves are measured in their face: by the sum of the changes of the barycentric coordinates, so that
+        a small face counts as much as a large one.  Sums with these weights are integrals along
+        the curve, and depend on it continuously, even where it passes through points of the lattice.
+        """
+        return self._measured(subdivisions)
+
+    @cached_property
+    def rays(self) -> Floats:
+        """Unit vectors (m, 3) from the centre, 0, to points spread along the curve of an opening, in order."""
+        return nappe_rays(self.nappe, OPENING_POINTS)
+
+    @cached_property
+    def nappe(self) -> Floats:
+        """The axes (3, 3) of the nappe of an opening that is in the region, see `cones.nappe`."""
+        return nappe(self.contact.clip, self.partition.points.mean(axis=0))
+
+    def _through_opening(self) -> list[tuple[Floats, Floats]]:
+        """The measured curve of an opening, which is in no face: weights are shares of its length."""
+        points = self.rays * first_met(self.contact.surface, self.rays)[:, None]
+        steps = np.sqrt(((points - np.roll(points, 1, axis=0)) ** 2).sum(axis=1))
+        return [(points, (steps + np.roll(steps, -1)) / (2 * steps.sum()))]
+
+    @cached_property
+    def _measured(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
+        if self.opening:
+            through = self._through_opening()
+            return lambda _: through
+        surface, triangles = self.contact.surface, self._triangles()
+        return cache(lambda subdivisions: [_zeros_on_triangle(surface, t, subdivisions) for t in triangles])
+
+    @cached_property
+    def radius(self) -> float:
+        """The smallest distance of the curve from its mean point (a circle's radius)."""
+        curve = self.curve()
+        if not len(curve):
+            return np.inf
+        return float(np.linalg.norm(curve - curve.mean(axis=0), axis=1).min())
+
+    def inside_point(self) -> Vector | None:
+        """An exact point of a clip face where the surface is negative, if a lattice has one."""
+        for face in self.faces:
+            a, b, c = self.partition.corners(face.vertices)
+            for i in range(CURVE_LATTICE + 1):
+                for j in range(CURVE_LATTICE + 1 - i):
+                    u, v = i, j
+                    w = CURVE_LATTICE - i - j
+                    x, y, z = ((u * p + v * q + w * r) / CURVE_LATTICE for p, q, r in zip(a, b, c, strict=True))
+                    if self.contact.surface.at((x, y, z)) < 0:
+                        return x, y, z
+        return None
+
+    def _triangles(self) -> list[Floats]:
+        return [self.partition.points[list(face.vertices)] for face in self.faces]
+
+
+def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]:
+    """The place of each contact on the partition.
+
+    A single piece carries every contact, wherever its clip lies, and all pieces carry one through which the region is
+    open; else a contact needs a face: raises `GeometryError` for a clip that vanishes on no outer face.
+    """
+    result = []
+    for number, contact in enumerate(contacts, start=1):
+        clip = contact.clip
+        faces = tuple(
+            face
+            for face in partition.outer_faces
+            if all(clip.raw(*p) == 0 for p in partition.corners(face.vertices))
+            and (clip.degree == 1 or _divides(face.plane, clip))
+        )
+        if not faces and len(partition.pieces) > 1 and not opens(partition, contact):
+            what = "lies in its clip plane" if clip.degree == 1 else "is a face of its clip"
+            raise GeometryError(
+                f"contact {number}: no outer face of the partition ({partition.name}) {what} {clip} = 0"
+            )
+        result.append(Join(contact, faces, partition))
+    return tuple(result)
+
+
+def opens(partition: Partition, contact: Contact) -> bool:
+    """Whether a contact's clip is a cone of degree 2 whose apex is the centre of a partition, at a corner of it."""
+    if not partition.sides or contact.clip.degree != 2 or partition.center is None:
+        return False
+    clip = contact.clip
+    return not any(p.raw(*partition.center) for p in (clip, *map(clip.diff, range(3))))
+
+
+def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
+    return bool(divmod(polynomial.raw, plane.raw)[1].is_zero())
+
+
+def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
+    """Points of a triangle's uniform lattice (m, 3), and the edges of its small triangles."""
+    weights, pairs = _lattice(subdivisions)
+    return weights @ corners, pairs
+
+
+@cache
+def _lattice(n: int) -> tuple[Floats, np.ndarray]:
+    """Barycentric coordinates of the points of a triangle's uniform lattice, and the edges."""
+    index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
+    weights = np.array([(i, j, n - i - j) for i, j in index]) / n
+    steps = ((1, 0), (0, 1), (1, -1))
+    pairs = [(k, index[i + di, j + dj]) for (i, j), k in index.items() for di, dj in steps if (i + di, j + dj) in index]
+    return weights, np.array(pairs)
+
+
+def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) -> tuple[Floats, Floats]:
+    points, pairs = lattice(corners, subdivisions)
+    negative = surface(points) < 0
+    crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
+    first, second = pairs[crossed].T
+    first, second = np.where(negative[first], first, second), np.where(negative[first], second, first)
+    along = _along_edges(surface, points[first], points[second])
+    low, high = np.zeros(len(first)), np.ones(len(first))
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        value = np.zeros_like(middle)
+        for coefficients in along[::-1]:
+            value = value * middle + coefficients
+        low, high = np.where(value < 0, middle, low), np.where(value < 0, high, middle)
+    zeros = points[first] + ((low + high) / 2)[:, None] * (points[second] - points[first])
+    inverse = np.linalg.pinv(np.vstack([corners.T, np.ones(3)]))
+    barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
+    number = np.cumsum(crossed) - 1
+    # the curve crosses two edges of a small triangle, or none: half of the piece between belongs to each
+    edges = _triangle_edges(subdivisions)
+    ends = number[edges[crossed[edges]]].reshape(-1, 2)
+    pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
+    lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)
+    return zeros, lengths
+
+
+def _along_edges(surface: Polynomial, first: Floats, second: Floats) -> Floats:
+    """The coefficients (n + 1, m) of a polynomial along m edges, in the shares of their lengths."""
+    shares = np.arange(surface.degree + 1) / max(surface.degree, 1)
+    values = [surface(first + share * (second - first)) for share in shares]
+    return np.asarray(np.linalg.solve(np.vander(shares, increasing=True), np.array(values)))
+
+
+@cache
+def _triangle_edges(subdivisions: int) -> np.ndarray:
+    """The edges (numbers of `lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
+    weights, pairs = lattice(np.eye(3), subdivisions)
+    place = {tuple(index): k for k, index in enumerate(np.rint(weights * subdivisions).astype(int).tolist())}
+    edge = {frozenset(pair): k for k, pair in enumerate(pairs.tolist())}
+    triangles = []
+    for i, j, k in place:
+        for step in (1, -1):  # upward and downward triangles
+            corners = [place.get(c) for c in ((i, j, k), (i + step, j - step, k), (i + step, j, k - step))]
+            if None not in corners:
+                triangles.append([edge[frozenset(pair)] for pair in combinations(corners, 2)])
+    return np.array(triangles)

@@ -1,0 +1,174 @@
+/* The signatures of all functions of the library: included by every source, so that the compiler checks them, and read
+   by library.py, which declares them to ctypes.  They return 0, or else there was no memory; those with other results
+   are called from C alone.
+
+   Arrays of numbers are `double` or `whole`, of truth values `char`; what is `const` is only read.  Other types are those
+   of structures, of which addresses are given. */
+
+#ifndef PAS_H
+#define PAS_H
+
+#include <stddef.h>
+
+typedef ptrdiff_t whole;
+typedef struct Mesh Mesh; /* see halfedge.h */
+
+/* contour.c */
+int pas_crossings(whole count, const whole *tetrahedra, whole size, const char *negative, whole *keys, whole *number);
+int pas_oriented(whole count, whole *triangles, const double *points, const whole *edges, const double *nodes,
+                 const char *negative);
+
+/* cut.c */
+int pas_mesh_cut_counts(const Mesh *m, whole q, whole *base, whole *counts);
+int pas_mesh_cut(const Mesh *m, whole q, const whole *base, double *points, whole *corners, whole *codes,
+                 whole *labels);
+
+/* drawn.c */
+int pas_pieces_of(const whole *sizes, const double *maps, const whole *piece_of, whole count, const double *points,
+                  whole *pieces);
+int pas_bent(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+             const double *tables, whole count, const double *points, double *values, double *gradients, double *bends);
+int pas_drawn(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+              const double *tables, const whole *all_degrees, const whole *all_starts, const double *all_tables,
+              whole count, const double *points, const char *still, double left, double close, double *moved,
+              double *gradients, double *bends, char *lost);
+int pas_distances(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
+                  const whole *starts, const double *tables, whole count, const double *points, double *distances);
+int pas_closed(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+               const double *tables, whole count, whole steps, double close, double *points, double *gradients);
+int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const double *tables, const double *middles,
+                 const double *normals, whole count, const double *points, const whole *numbers, whole steps,
+                 double settled, double *result);
+int pas_slid(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+             const double *tables, whole walls, const double *planes, const double *across, const double *back,
+             const whole *numbers, whole steps, double settled, double farthest, whole count, double *points);
+
+/* edits.c */
+int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends);
+int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole passes);
+int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *limits, whole *done);
+
+/* forms.c */
+int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, whole higher, const double *raising,
+               const double *coefficients, whole count, const double *corners, double *low, double *high);
+int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, const double *coefficients, whole count,
+               const double *corners, const double *normals, double *least, double *sizes);
+int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
+void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
+
+/* halfedge.c */
+int pas_twins(whole count, const whole *corners, whole size, whole *twins);
+int pas_fans(whole count, const whole *corners, whole size, const whole *twins, whole *fans);
+int pas_mesh_pack(Mesh *m);
+int pas_mesh_labels_about(const Mesh *m, whole count, const whole *chosen, whole width, whole *labels);
+int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, double *centres, whole some, const whole *halves,
+                     double *middles);
+
+/* horner.c */
+int pas_horner(whole n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
+               double *values);
+int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
+              const double *places, whole stride, whole step, const whole *piece_of, double *values);
+
+/* keys.c */
+int pas_numbered(whole count, const whole *keys, whole wanted, whole *distinct, whole *inverse, whole *number);
+
+/* labelled.c */
+int pas_labelled_edges(whole count, const whole *triangles, const whole *labels, whole size, whole *room, whole *edges,
+                       whole *both);
+int pas_labelled_pairs(whole count, const whole *triangles, const whole *labels, whole size, whole span, whole *room,
+                       whole *keys, whole *rows, whole *number);
+int pas_cosines(whole number, const whole *chosen, const whole *triangles, const whole *corners, const double *points,
+                const double *normals, double *cosines);
+int pas_sizes(whole number, const whole *edges, const double *lengths, const char *seams, whole size, whole *room,
+              double *total, double *sizes);
+int pas_flipped_faces(whole count, whole *triangles, whole *corners, const whole *labels, whole size, whole *room,
+                      const double *points, const double *normals, double *facing, const char *lines, whole lined,
+                      double limit, char *near, whole bounded, whole passes, whole *flipped);
+
+/* lattice.c */
+int pas_eighths(whole count, whole m, whole means, const whole *halves, const whole *taken, const whole *corners,
+                double rounding, const whole *keys, const double *points, const double *forms, whole *new_keys,
+                double *new_points, double *new_forms, whole *number);
+int pas_risings(whole count, whole m, whole lower, const whole *up, const double *forms, const double *points,
+                double *means, double *least, double *sizes);
+
+/* lengths.c */
+int pas_mesh_bends(Mesh *m);
+int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, double bent, double grade);
+int pas_mesh_mean_sizes(Mesh *m);
+int pas_mesh_ratios(const Mesh *m, double *ratios);
+
+/* levels.c */
+int pas_levels(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
+               whole *ray_of, double *share_of, double *slope_of, whole *number);
+
+/* merges.c */
+int pas_merged_faces(whole count, const whole *triangles, const whole *corners, const whole *labels, whole size,
+                     const double *points, const double *normals, whole number, const whole *edges,
+                     const whole *label_count, whole some, const whole *removed, const whole *kept, const double *most,
+                     whole straight, const double *slenderest, whole span, double upright, double held, double turned,
+                     whole most_rounds, char *chosen);
+
+/* octree.c */
+int pas_tetrahedra(whole levels, const whole *halved, const whole *halved_ends, const whole *missed,
+                   const whole *missed_ends, const whole *counts, whole *found);
+int pas_tetrahedra_taken(whole count, whole place, whole *corners);
+
+/* places.c */
+int pas_better_places(whole count, const whole *vertices, const whole *starts, const whole *first, const whole *second,
+                      const double *points, const double *normals, const double *before, const double *weights,
+                      const double *floors, const double *limits, whole steps, const double *shares, whole turns,
+                      const double *turned, double *places, double *was, double *left);
+int pas_sines(whole count, const whole *triangles, const double *points, double *found);
+
+/* radial.c */
+int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
+            const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
+            double *result);
+int pas_around(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
+               const double *tables, whole rings, const double *middles, const double *squares, whole count,
+               const double *points, whole steps, double settled, double most, double away, double *result);
+int pas_near(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
+             const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
+             const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
+             double off, double *result, char *grazed);
+int pas_once(whole parts, whole count, const double *profiles, const double *leave, whole samples, const double *shares,
+             whole *once);
+
+/* rays.c */
+int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,
+             const whole *piece_of, const double *tables, const double *sizes, const double *jets, const double *nodes,
+             const double *to_bernstein, const double *largest, whole count, const double *origins,
+             const double *directions, whole room, whole *rays, double *parameters, whole *sides, whole *exact,
+             whole *number);
+
+/* simplices.c */
+int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
+               double bound, double roundings, whole *states);
+int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
+               const whole *taken, const double *forms, const double *corners, double *new_forms, double *new_corners);
+
+/* smooth.c */
+int pas_mesh_targets(const Mesh *m, double *to);
+int pas_mesh_cosines(const Mesh *m, double *cosines);
+int pas_mesh_settle(Mesh *m, const double *to, const double *normals, const double *bends, whole known, double turned);
+int pas_mesh_sines(const Mesh *m, double *sines);
+int pas_mesh_better(Mesh *m, double aim, whole count, const whole *vertices, whole *chosen, double *places,
+                    whole *number);
+int pas_mesh_stars(const Mesh *m, whole count, const whole *vertices, whole room, whole *rows, whole *owners,
+                   whole *number);
+int pas_mesh_move(Mesh *m, whole count, const whole *vertices, const double *places, const double *normals,
+                  const char *good, double aim, double held, whole *moved);
+
+/* splits.c */
+int pas_marked(whole count, const whole *triangles, whole size, const char *ends, whole edges, const whole *keys,
+               whole *marks, whole *numbers);
+int pas_split(whole count, const whole *triangles, whole size, const whole *marks, const whole *numbers, whole *parts,
+              whole *parents);
+
+/* windings.c */
+int pas_crossed(whole count, const whole *triangles, const double *points, const double *origin, whole ends,
+                const double *ways, const double *towards, double grazing, double sure, whole *times, char *known);
+
+#endif

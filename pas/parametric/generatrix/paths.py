@@ -1,0 +1,142 @@
+"""Curves and vectors along them as the user gives them: three expressions in s, one callable, or samples.
+
+Samples are interpolated by cubic splines (scipy), which also give any curve its length as parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pas.algebra.callables import ComponentLike, component
+from pas.algebra.expressions import Names
+from pas.algebra.inputs import shown
+from pas.algebra.lengths import lengths, unit
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Exact, rational, to_float
+from pas.algebra.rational_function import GENERATORS, RationalFunction
+from pas.errors import GeometryError
+from pas.parametric.curves import one_parameter
+from pas.parametric.surface import ParametricSurface
+
+NAMES: Names = ("s", "t")
+
+CurveLike: TypeAlias = "ParametricSurface | Sequence[ComponentLike] | Callable[[Floats], ArrayLike]"
+"""What is taken for vectors along a curve: three expressions in s, or a callable from (n,) to (n, 3)."""
+
+Curve = Callable[[Floats], Floats]
+"""Vectors (n, 3), or numbers (n,), at parameters (n,)."""
+
+
+def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float, float], RationalFunction]:
+    """The ends of an interval of s, and the map low + (high - low) s; raises `ValueError` for a bad one."""
+    if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
+        raise ValueError(f"the interval of {name} must be two numbers (low, high), not {shown(interval)}")
+    low, high = (rational(end, f"an end of the interval of {name}") for end in interval)
+    if not low < high:
+        raise ValueError(f"the interval of {name} must have low < high, not {shown(interval)}")
+    line = RationalFunction.quotient(GENERATORS[0] * (high - low) + low, GENERATORS[0] ** 0, NAMES)
+    return (to_float(low), to_float(high)), line
+
+
+def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
+    """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
+    if isinstance(expression, ParametricSurface):
+        return expression
+    if callable(expression):
+        first, second, third = (_coordinate(expression, axis) for axis in range(3))
+        return ParametricSurface(first, second, third, NAMES)
+    if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
+        raise TypeError(f"{name} must be three expressions in s or one callable, not {shown(expression)}")
+    parts: list[Any] = []
+    for entry, axis in zip(expression, "xyz", strict=True):
+        made = component(one_parameter(entry), ("s", ""), f"{axis} of {name}")
+        parts.append(made.formula if made.exact is None else RationalFunction(made.exact, NAMES))
+    x, y, z = parts
+    return ParametricSurface(x, y, z, NAMES)
+
+
+def _coordinate(function: Callable[[Any], ArrayLike], axis: int) -> Callable[[Any, Any], Any]:
+    return lambda s, _: np.asarray(function(s), dtype=float)[..., axis]
+
+
+def read_path(curve: CurveLike, interval: Sequence[Exact], name: str) -> ParametricSurface:
+    """A curve as a surface in (s, t), t without influence, over 0 <= s <= 1."""
+    (low, high), line = on_unit_interval(interval, name)
+    path = space_curve(curve, name)
+    if path.is_exact:
+        x, y, z = (c.substitute(line, line) for c in path.components)
+        return ParametricSurface(x, y, z, NAMES)
+    return ParametricSurface.from_parts(
+        lambda s, t: path.values(low + (high - low) * s, t), None, NAMES, None, path.inexact
+    )
+
+
+def value_at(path: ParametricSurface, s: Floats, order: int = 0) -> Floats:
+    """Points, or derivatives in s of an order, (n, 3) at s (n,)."""
+    return path.derivative(np.stack([s, np.zeros_like(s)], axis=-1), order, 0)
+
+
+def splined(points: ArrayLike, normals: ArrayLike, closed: bool, name: str) -> tuple[Curve, Curve, Curve]:
+    """C, C' and N as functions of s in [0, 1]: periodic or natural cubic splines over the chords' lengths.
+
+    The interpolated normals are made perpendicular to C', which changes them between the samples, and at a
+    sample only as far as they were not.  Raises `ValueError` for arrays of other shapes, `GeometryError` for
+    repeated points.
+    """
+    from scipy.interpolate import CubicSpline
+
+    p, n = (_samples(a, what, name) for a, what in ((points, "points"), (normals, "normals")))
+    if len(p) != len(n):
+        raise ValueError(f"{name} has {len(p)} points but {len(n)} normals; give one for each")
+    number = len(p)
+    if closed:
+        p, n = np.concatenate([p, p[:1]]), np.concatenate([n, n[:1]])
+    chords, sizes = lengths(np.diff(p, axis=0)), lengths(n)
+    if not chords.min() > 1e-12 * chords.max():
+        where = int(chords.argmin())
+        raise GeometryError(f"{name}: points {where} and {(where + 1) % number} coincide; leave one out")
+    if not sizes.min() > 0:
+        raise GeometryError(f"{name}: normal {int(sizes.argmin())} is zero")
+    s = np.concatenate([[0.0], np.cumsum(chords)])
+    s /= s[-1]
+    kind = "periodic" if closed else "natural"
+    curve, field = CubicSpline(s, p, bc_type=kind), CubicSpline(s, unit(n), bc_type=kind)
+    velocity = curve.derivative()
+
+    def direction(at: Floats) -> Floats:
+        along, raw = np.nan_to_num(unit(velocity(at))), field(at)
+        return np.asarray(raw - (raw * along).sum(axis=1)[:, None] * along)
+
+    return curve, velocity, direction
+
+
+def _samples(values: ArrayLike, what: str, name: str) -> Floats:
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) < 4:
+        raise ValueError(f"{what} of {name} must have shape (n, 3) with n >= 4, not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{what} of {name} must be finite")
+    return array
+
+
+def by_length(speed: Curve, closed: bool) -> tuple[Curve, Curve]:
+    """For |C'| as a function of u in [0, 1]: u as a function of the share s of the length, and du/ds.
+
+    Lengths by Simpson's rule, their inverse by a cubic spline of u - s (periodic for closed curves).
+    """
+    from scipy.interpolate import CubicSpline
+
+    u = np.linspace(0.0, 1.0, 1025)
+    at = speed(u)
+    pieces = (at[1:] + at[:-1] + 4 * speed((u[1:] + u[:-1]) / 2)) / 6
+    s = np.concatenate([[0.0], np.cumsum(pieces)]) / pieces.sum()
+    s[-1] = 1.0
+    away = u - s
+    away[-1] = away[0]
+    inverse = CubicSpline(s, away, bc_type="periodic" if closed else "not-a-knot")
+    slope = inverse.derivative()
+    return lambda s: s + inverse(s), lambda s: 1.0 + slope(s)

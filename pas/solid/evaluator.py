@@ -1,0 +1,315 @@
+"""A tree of inequalities compiled for arrays of points and boxes.
+
+Polynomials are evaluated together (`pas.solid.taylor`), in coordinates local to the solid (all points
+here are), so that far from the origin nothing is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.evaluation import PolynomialBatch
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import to_float
+from pas.algebra.scaling import Scaled
+from pas.solid.taylor import TaylorForms
+from pas.solid.tree import Atom, Bools, CompiledTree, Field, Function, Integers, Tree
+from pas.surface.geometry import derivative_batch
+
+SPLITS = 6
+"""Columns read from both sides that are tried together as either: a box that meets more is halved first."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A function of the tree and the different names of the faces on it, in the order of the tree (none: a wall)."""
+
+    function: Function
+    names: tuple[str, ...]
+
+    @property
+    def face(self) -> str:
+        """What its face is called, "" for a wall."""
+        return called(self.names)
+
+
+def called(names: Iterable[str]) -> str:
+    """What a face of a mesh is called on which faces of some different names lie: "a", or "a + b"."""
+    return " + ".join(names)
+
+
+class TreeEvaluator:
+    """The columns of a tree and the code that combines their signs.
+
+    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between
+    them; the column has the names of all faces on it.  `extra` functions are columns that the code
+    does not use.
+    """
+
+    def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
+        self.center, self.scale = center, scale
+        self._numbers: dict[object, int] = {}
+        self.columns: list[Column] = []
+        self._signs: list[int] = []
+        self._tree = tree
+        self._compiled = CompiledTree(tree, self._column_of)
+        self.used = len(self.columns)
+        for function in extra:
+            self.columns.append(Column(function, ()))
+
+    def _column_of(self, atom: Atom) -> tuple[int, bool]:
+        """The column of an inequality, and whether that is to be > 0."""
+        key, sign = _key(atom.function)
+        number = self._numbers.setdefault(key, len(self.columns))
+        if number == len(self.columns):
+            self.columns.append(Column(atom.function, ()))
+            self._signs.append(sign)
+        column = self.columns[number]
+        if atom.face and atom.face not in column.names:
+            self.columns[number] = Column(column.function, (*column.names, atom.face))
+        return (number, atom.outside != (sign != self._signs[number]))
+
+    @cached_property
+    def _named(self) -> tuple[dict[tuple[int, str], int], CompiledTree]:
+        """Each column once for each name on it, "" included, and the tree over these."""
+        rows: dict[tuple[int, str], int] = {}
+
+        def row_of(atom: Atom) -> tuple[int, bool]:
+            column, negated = self._column_of(atom)
+            return rows.setdefault((column, atom.face), len(rows)), negated
+
+        return rows, CompiledTree(self._tree, row_of)
+
+    def names_within(self, number: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names on a column that may be on the boundary in some boxes of given half edges (N, 3).
+
+        One is not where, with all other inequalities on that surface held to be true, or to be false, the tree does not
+        depend on its own.
+        """
+        names = self.columns[number].names
+        if len(names) < 2:
+            return names
+        rows, tree = self._named
+        columns = np.array([column for column, _ in rows])
+        yes, no = (known[columns] for known in self.taylor(centers, halves))
+        found = []
+        for name in names:
+            own = rows[number, name]
+            for held in (True, False):
+                yes[columns == number], no[columns == number] = held, not held
+                yes[own], no[own] = False, False
+                if any(side[own].any() for side in tree.relevant(yes, no)):
+                    found.append(name)
+                    break
+        return tuple(found) or names
+
+    def holds(self, yes: Bools, no: Bools) -> Bools:
+        """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
+        return self._compiled.holds(yes, no)
+
+    def inside(self, signs: Bools) -> Bools:
+        """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
+        return self._compiled.holds(signs, ~signs)
+
+    def local(self, points: Floats) -> Floats:
+        """Points (..., 3) in local coordinates."""
+        return (points - self._shift) / to_float(self.scale)
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3) given in local ones."""
+        return points * to_float(self.scale) + self._shift
+
+    @cached_property
+    def _shift(self) -> Floats:
+        return np.array([to_float(c) for c in self.center])
+
+    def signs(self, points: Floats) -> Bools:
+        """Which columns (M, N) are <= 0 at points (N, 3)."""
+        result = np.empty((self.used, len(points)), dtype=bool)
+        result[self._rows] = self._bank.signs(points)
+        for number in self._fields:
+            result[number] = self._field_jets(number, points)[:, 0] <= 0
+        return result
+
+    def values(self, points: Floats) -> Floats:
+        """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""
+        result = np.empty((self.used, len(points)))
+        result[self._rows] = self._bank.values(points)
+        for number in self._fields:
+            result[number] = self._field_jets(number, points)[:, 0]
+        return result
+
+    def field(self, points: Floats) -> Floats:
+        """Minimum and maximum of the columns (N,), as they were given, at points (N, 3).
+
+        Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
+        """
+        values = self._true(self.values(points))
+        plain = self._compiled.extremes(values)
+        selecting = values.copy()
+        selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)
+        chosen = self._compiled.extremes(selecting)
+        return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
+
+    def _true(self, values: Floats) -> Floats:
+        """Values (M, N) of the tree's functions themselves, given those of the columns."""
+        exponents = np.zeros(self.used, dtype=np.intp)
+        exponents[self._rows] = [found.exponent for found in self._scaled]
+        for number, field in self._fields.items():
+            exponents[number] = field.exponent
+        with np.errstate(over="ignore", under="ignore"):
+            return np.asarray(np.ldexp(values, exponents[:, None]))
+
+    def jets(self, points: Floats, numbers: Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3), each of a column of its own (N,), extra ones included."""
+        places = self._places[numbers]
+        if places.min(initial=0) >= 0:
+            return self._jets(points, places)
+        result, known = np.empty((len(points), 4)), places >= 0
+        result[known] = self._jets(points[known], places[known])
+        for number in np.unique(numbers[~known]):
+            rows = numbers == number
+            result[rows] = self._field_jets(int(number), points[rows])
+        return result
+
+    def _field_jets(self, number: int, points: Floats) -> Floats:
+        """Values and gradients (N, 4) of a column that is no polynomial, in local coordinates."""
+        jets = self._fields[number].jets(self.world(points))
+        return jets * np.array([1 / to_float(self.scale), 1.0, 1.0, 1.0])
+
+    def _boxes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Centres and half edges of boxes in the user's coordinates."""
+        return self.world(centers), np.broadcast_to(halves * to_float(self.scale), centers.shape)
+
+    def _localised(self, p: Polynomial) -> Scaled:
+        moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
+        return Scaled.of([p.compose(*moved)])
+
+    @cached_property
+    def walls(self) -> Bools:
+        """Which columns of the tree (M,) are no faces."""
+        return np.array([not c.names for c in self.columns[: self.used]])
+
+    @cached_property
+    def planes(self) -> Bools:
+        """Which columns of the tree (M,) are planes."""
+        functions = (c.function for c in self.columns[: self.used])
+        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
+
+    @cached_property
+    def _fields(self) -> dict[int, Field]:
+        """The columns that are no polynomials."""
+        functions = enumerate(c.function for c in self.columns[: self.used])
+        return {i: f for i, f in functions if not isinstance(f, Polynomial)}
+
+    @cached_property
+    def _rows(self) -> Integers:
+        """The columns that are polynomials, in the order of the bank."""
+        return np.array([i for i in range(self.used) if i not in self._fields], dtype=np.intp)
+
+    @cached_property
+    def _scaled(self) -> list[Scaled]:
+        """The tree's polynomials in local coordinates, each scaled by itself."""
+        functions = (c.function for c in self.columns[: self.used])
+        return [self._localised(f) for f in functions if isinstance(f, Polynomial)]
+
+    @cached_property
+    def _bank(self) -> TaylorForms:
+        return TaylorForms([p for found in self._scaled for p in found.polynomials])
+
+    def polynomial(self, number: int) -> Polynomial | None:
+        """The polynomial of a column in local coordinates, scaled; None where it is none."""
+        if number in self._fields:
+            return None
+        return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
+
+    def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
+        """The columns that hold those of another evaluator, and whether with the opposite sign."""
+        keys = {column: key for key, column in other._numbers.items()}
+        found = [self._numbers[keys[int(c)]] for c in columns]
+        turned = [self._signs[a] != other._signs[int(b)] for a, b in zip(found, columns, strict=True)]
+        return np.array(found, dtype=np.intp), np.array(turned, dtype=bool)
+
+    @cached_property
+    def _places(self) -> Integers:
+        """Of each column its number in `_jets`, -1 where it is no polynomial."""
+        result = np.full(len(self.columns), -1, dtype=np.intp)
+        known = np.array([i for i in range(len(self.columns)) if i not in self._fields], dtype=np.intp)
+        result[known] = np.arange(len(known))
+        return result
+
+    @cached_property
+    def _jets(self) -> PolynomialBatch:
+        """Values and gradients of the polynomials of all columns, extra ones after those of the tree."""
+        extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
+        every = [p for found in (*self._scaled, *extra) for p in found.polynomials]
+        return derivative_batch([p.dense(max(p.degree, 0)) for p in every], (0, 1))
+
+    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Which columns (M, N) are certainly <= 0 and > 0 in boxes of given half edges (N, 3), or (1, 3) for all."""
+        yes, no = np.zeros((2, self.used, len(centers)), dtype=bool)
+        yes[self._rows], no[self._rows] = self._bank.taylor(centers, halves)
+        for number, field in self._fields.items():
+            yes[number], no[number] = field.decided(*self._boxes(centers, halves))
+        return yes, no
+
+    def slopes(self, columns: Integers, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (m, N, 3) of columns at the centres of boxes (N, 3), and how much they may change in these."""
+        gradients, changes = np.zeros((2, len(columns), len(centers), 3))
+        known = np.isin(columns, self._rows)
+        rows = np.searchsorted(self._rows, columns[known])
+        gradients[known], changes[known] = self._bank.slopes(rows, centers, halves)
+        for place in np.flatnonzero(~known):
+            boxes = self._boxes(centers, halves)
+            gradients[place], changes[place] = self._fields[int(columns[place])].slopes(*boxes)
+        return gradients, changes
+
+    @cached_property
+    def is_empty(self) -> bool:
+        """Whether the tree is false whatever the signs of its columns are, as for a solid less itself."""
+        unknown = np.zeros((self.used, 1), dtype=bool)
+        return bool(self.decided(unknown, unknown)[1][0])
+
+    def decided(self, yes: Bools, no: Bools, splits: int = SPLITS) -> tuple[Bools, Bools]:
+        """Where the tree is certainly true, and certainly false (N,), as far as its columns say.
+
+        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.  A column that the tree reads
+        from both sides is tried as either, up to `splits` of them together.
+        """
+        true, false = self.holds(yes, no), ~self.holds(~no, ~yes)
+        open_ = np.flatnonzero(~(true | false))
+        if not splits or not len(open_):
+            return true, false
+        both = np.logical_and(*self.relevant(yes[:, open_], no[:, open_]))
+        chosen = both.any(axis=0)
+        rows, columns, number = open_[chosen], both[:, chosen].argmax(axis=0), np.arange(chosen.sum())
+        always, never = np.ones((2, len(rows)), dtype=bool)
+        for side in (True, False):
+            certain, excluded = yes[:, rows], no[:, rows]
+            certain[columns, number], excluded[columns, number] = side, not side
+            whole, nothing = self.decided(certain, excluded, splits - 1)
+            always &= whole
+            never &= nothing
+        true[rows], false[rows] = always, never
+        return true, false
+
+    def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`.
+
+        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
+        """
+        return self._compiled.relevant(yes, no)
+
+
+def _key(function: Function) -> tuple[object, int]:
+    """What makes a column, and the sign of the function in it."""
+    if not isinstance(function, Polynomial):
+        return function, 1
+    primitive = function.primitive()
+    return primitive, 1 if function.raw.coeffs()[0] > 0 else -1

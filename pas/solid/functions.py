@@ -1,0 +1,196 @@
+"""Functions of solids that are no polynomials: distances, and the set inside a piecewise algebraic surface."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import ClassVar
+
+import numpy as np
+
+from pas.algebra.affine import Affine
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_float
+from pas.partition.cells import Partition
+from pas.piecewise import PiecewiseSurface
+from pas.solid.taylor import TaylorForms
+from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, image, mapped
+
+CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+"""Of a cube about the origin."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Faces, by name, of a set from which something is a distance, less a thickness; the names of all of its faces."""
+
+    tree: Tree
+    faces: frozenset[str]
+    all: frozenset[str]
+    thickness: float
+
+    def moved(self, map_: Affine) -> Followed:
+        """The image under a similarity."""
+
+        def move(atom: Atom) -> Atom:
+            return replace(atom, function=image(atom.function, map_))
+
+        return replace(self, tree=mapped(self.tree, move), thickness=self.thickness * map_.similarity())
+
+
+class Distance(ABC):
+    """A function whose values change by at most 1 per unit of length, such as a distance less a radius.
+
+    `follows` are the faces of a set, if any, on which it is negative: it is a distance from them, less a thickness.
+    """
+
+    follows: Followed | None = None
+    exponent: ClassVar[int] = 0
+
+    @abstractmethod
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3)."""
+
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in boxes: in the balls about them."""
+        return self.decided_within(centers, np.sqrt((halves * halves).sum(axis=1)))
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
+        value = self.jets(centers)[:, 0]
+        return value + radii <= 0, value - radii > 0
+
+    def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
+        gradients = self.jets(centers)[:, 1:]
+        corners = (centers[:, None] + halves[:, None] * CORNERS).reshape(-1, 3)
+        changes = self.jets(corners)[:, 1:].reshape(-1, len(CORNERS), 3) - gradients[:, None]
+        return gradients, np.abs(changes).max(axis=1)
+
+    def moved(self, map_: Affine) -> Distance:
+        """The distance after a similarity; raises `ValueError` for other maps."""
+        return Moved(self, map_, map_.similarity())
+
+
+@dataclass(frozen=True, eq=False)
+class Moved(Distance):
+    """A distance after a similarity that changes lengths by a factor."""
+
+    inner: Distance
+    map: Affine
+    factor: float
+
+    @property
+    def follows(self) -> Followed | None:  # type: ignore[override]
+        """The images of the faces that the inner one follows."""
+        return self.inner.follows and self.inner.follows.moved(self.map)
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4)."""
+        jets = self.inner.jets(self.map.inverse.points(points))
+        jets[:, 0] *= self.factor
+        jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
+        return jets
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """What the inner one says of the balls before they were moved."""
+        return self.inner.decided_within(self.map.inverse.points(centers), radii / self.factor)
+
+
+def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
+    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
+    parts = tree.parts if isinstance(tree, Node) and not tree.union else ()
+    for part in parts:
+        others = [other for other in parts if other is not part]
+        walls = part.parts if isinstance(part, Node) and part.union else (part,)
+        functions = [w.function for w in walls if isinstance(w, Atom) and not w.outside]
+        found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
+        if others and len(found) == len(walls):
+            rest = combined(False, *others)
+            if all(follows.tree == rest for _, follows in found):
+                return rest, found
+    return None
+
+
+class Pieces:
+    """One exact polynomial in each piece of a partition, with the same zeros where two pieces meet.
+
+    Outside the partition's cells it has no meaning: a tree has it together with `region(partition)`.
+    """
+
+    def __init__(self, partition: Partition, polynomials: Sequence[Polynomial]) -> None:
+        self.partition = partition
+        self.polynomials = tuple(polynomials)
+        self.surface = PiecewiseSurface.from_polynomials(partition, (), 0, self.polynomials)
+
+    @property
+    def cells(self) -> tuple[tuple[Polynomial, tuple[Polynomial, ...]], ...]:
+        """Each cell's polynomial and the planes (`>= 0` in the cell) that bound it."""
+        planes = [tuple(-p for p in self.partition.planes(i)) for i in range(len(self.partition.cells))]
+        return tuple((self.polynomials[p], walls) for p, walls in zip(self.partition.piece_of, planes, strict=True))
+
+    @property
+    def exponent(self) -> int:
+        """Of the power of two that the pieces are scaled by."""
+        return self.surface.scaled.exponent
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) of the scaled pieces at points (N, 3); outside all cells, of one that is near."""
+        frame = self.partition.frame
+        local = frame.local_points(points)
+        jets = self.surface.local_jets(local, self.partition.local.location.pieces(local.T, np.inf))
+        return jets * np.array([1.0, *[1 / to_float(frame.scale)] * 3])
+
+    def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, where boxes meet cells; > 0 where they meet none."""
+        scale = to_float(self.partition.frame.scale)
+        local, half = self.partition.frame.local_points(centers), halves / scale
+        touched = self._touched(local, half)
+        yes, no = self._bank.taylor(local, half)
+        of_cells = self.partition.piece_of
+        inside, outside = (np.asarray((side[of_cells] | ~touched).all(axis=0)) for side in (yes, no))
+        return inside & np.asarray(touched.any(axis=0)), outside
+
+    def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """The middle (N, 3) of all gradients of the cells that boxes meet, and how far these are from it."""
+        scale = to_float(self.partition.frame.scale)
+        local, half = self.partition.frame.local_points(centers), halves / scale
+        touched = self._touched(local, half)[..., None]
+        of_pieces = self._bank.slopes(np.arange(len(self._bank)), local, half)
+        gradients, changes = (g[self.partition.piece_of] / scale for g in of_pieces)
+        highest = np.where(touched, gradients + changes, -np.inf).max(axis=0)
+        lowest = np.where(touched, gradients - changes, np.inf).min(axis=0)
+        met = touched.any(axis=0)
+        return np.where(met, (highest + lowest) / 2, 0.0), np.where(met, (highest - lowest) / 2, 0.0)
+
+    def moved(self, map_: Affine) -> Pieces:
+        """The image under an affine map, exact."""
+        return Pieces(self.partition.moved(map_), [map_.polynomial(f) for f in self.polynomials])
+
+    def _touched(self, local: Floats, half: Floats) -> Bools:
+        """Which cells (C, N) boxes in local coordinates may meet."""
+        partition = self.partition.local
+        slopes = partition.barycentric(np.eye(3)) - partition.barycentric(np.zeros((3, 3)))
+        reach = np.einsum("cbx,nx->cbn", np.abs(slopes), half)
+        return np.asarray((partition.barycentric(local) + reach >= -1e-9).all(axis=1))
+
+    @cached_property
+    def _bank(self) -> TaylorForms:
+        return TaylorForms(self.surface.scaled.polynomials)
+
+
+def polynomials_of(function: Function) -> tuple[Polynomial, ...]:
+    """The polynomials that a function consists of: itself, those of its pieces, or none."""
+    if isinstance(function, Polynomial):
+        return (function,)
+    return function.polynomials if isinstance(function, Pieces) else ()
+
+
+def region(partition: Partition) -> Tree:
+    """The points in the partition's cells; its walls are no faces."""
+    planes = [[Atom(p, "") for p in partition.planes(i)] for i in range(len(partition.cells))]
+    return Node(tuple(Node(tuple(walls), False) for walls in planes), True)

@@ -1,0 +1,187 @@
+"""Many polynomials evaluated together, and bounded over boxes.
+
+All are evaluated by one matrix product.  Over a box a polynomial is bounded by its Taylor expansion
+about the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for
+`|u_i| <= r_i`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache, cached_property
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.evaluation import CHUNK_ENTRIES, evaluate
+from pas.algebra.monomials import Floats, count, exponents, positions
+from pas.algebra.polynomial import Polynomial
+from pas.solid.tree import Bools
+
+Integers = NDArray[np.intp]
+
+BOX_CHUNK = 1 << 22
+"""Numbers held at once while boxes are bounded."""
+
+MOST_BENT, TOGETHER = 5, 4096
+"""Degree above which boxes have too many B-coefficients for what they tell; and boxes of which all are held at once."""
+
+NOISE = 1e-13
+"""Over what a polynomial may change in a box: what rounding leaves unknown of its B-coefficients."""
+
+
+class TaylorForms:
+    """M polynomials as doubles."""
+
+    def __init__(self, polynomials: Sequence[Polynomial]) -> None:
+        self.polynomials = tuple(polynomials)
+
+    def __len__(self) -> int:
+        return len(self.polynomials)
+
+    def signs(self, points: Floats) -> Bools:
+        """Which polynomials (M, N) are <= 0 at points (N, 3)."""
+        result = np.empty((len(self), len(points)), dtype=bool)
+        step = max(1, CHUNK_ENTRIES // max(len(self._matrix), 1))
+        for start in range(0, len(points), step):
+            result[:, start : start + step] = self.values(points[start : start + step]) <= 0
+        return result
+
+    def values(self, points: Floats) -> Floats:
+        """Values (M, N) at points (N, 3)."""
+        return evaluate(points, self._matrix).T if len(self) else np.empty((0, len(points)))
+
+    def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
+        """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3), or (1, 3) for all."""
+        yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)
+        for expansion in self._expansions:
+            for part, values, powers in expansion.about(centers, halves):
+                below, above = expansion.range_of(values, powers)
+                yes[expansion.rows, part] = (above <= 0).T
+                no[expansion.rows, part] = (below > 0).T
+        return yes, no
+
+    def slopes(self, chosen: Integers, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
+        """Gradients (m, N, 3) of chosen polynomials at the centres of boxes, and bounds of their changes in these."""
+        gradients, changes = np.zeros((2, len(chosen), len(centers), 3))
+        for expansion in self._expansions:
+            own = np.flatnonzero(np.isin(chosen, expansion.rows))
+            table = expansion.exponents
+            orders = np.where(table.sum(axis=1, keepdims=True) > 1, table, 0)  # of each term's derivative by x, y, z
+            units = [int(np.flatnonzero((table == unit).all(axis=1))[0]) for unit in np.eye(3, dtype=int)]
+            members = np.searchsorted(expansion.rows, chosen[own])
+            for part, values, powers in expansion.about(centers, halves, members):
+                gradients[own, part] = values[:, :, units].transpose(1, 0, 2)
+                terms = (np.abs(values) * powers[:, None]) @ orders
+                changes[own, part] = terms.transpose(1, 0, 2) / (halves if len(halves) == 1 else halves[part])
+        return gradients, changes
+
+    def never_both(self, centers: Floats, halves: Floats) -> Bools:
+        """Where two polynomials certainly do not vanish together in boxes (N,): where p - m q has one sign."""
+        p, q = self.polynomials
+        result = np.zeros(len(centers), dtype=bool)
+        for part, values, powers in _Expansion((p, q), np.arange(2), max(p.degree, q.degree, 1)).about(centers, halves):
+            terms = values * powers[:, None]
+            slopes = terms[:, :, 1:4]
+            square = np.maximum((slopes[:, 1] ** 2).sum(axis=1), 1e-300)
+            share = (slopes[:, 0] * slopes[:, 1]).sum(axis=1) / square
+            both = terms[:, 0] - share[:, None] * terms[:, 1]
+            result[part] = np.abs(both[:, 0]) > np.abs(both[:, 1:]).sum(axis=1)
+        return result
+
+    @cached_property
+    def _expansions(self) -> list[_Expansion]:
+        """The polynomials by degree: those of low degree have short expansions."""
+        degrees = np.array([max(p.degree, 1) for p in self.polynomials], dtype=np.intp)
+        return [_Expansion(self.polynomials, np.flatnonzero(degrees == d), int(d)) for d in np.unique(degrees)]
+
+    @cached_property
+    def _degree(self) -> int:
+        return max((p.degree for p in self.polynomials), default=0)
+
+    @cached_property
+    def _matrix(self) -> Floats:
+        """The coefficients as columns (count, M)."""
+        matrix = np.zeros((count(self._degree), len(self)))
+        for k, p in enumerate(self.polynomials):
+            matrix[:, k] = p.dense(self._degree)
+        return matrix
+
+
+class _Expansion:
+    """Taylor expansions of some of the polynomials (their `rows`), all of one degree."""
+
+    def __init__(self, polynomials: Sequence[Polynomial], rows: Integers, degree: int) -> None:
+        self.rows, self.degree, self.exponents = rows, degree, np.array(exponents(degree))
+        where = positions(degree)
+        size = len(self.exponents)
+        self._table = np.zeros((size, len(rows), size))
+        self._table[:, :, 0] = np.stack([polynomials[row].dense(degree) for row in rows], axis=1)
+        operators = [_shift_operator(degree, i) for i in range(3)]
+        for e in exponents(degree)[1:]:  # p^(a) / a! from that of the lower exponent
+            axis = next(i for i in range(3) if e[i])
+            lower = tuple(v - (i == axis) for i, v in enumerate(e))
+            self._table[:, :, where[e]] = operators[axis] @ self._table[:, :, where[lower]] / e[axis]
+
+    def about(
+        self, centers: Floats, halves: Floats, members: Integers | slice = slice(None)
+    ) -> Iterator[tuple[slice, Floats, Floats]]:
+        """Coefficients (n, m, count) about centres, powers (n or 1, count) of half edges, some boxes at a time."""
+        table = self._table[:, members]
+        step = max(1, BOX_CHUNK // max(1, table[0].size))
+        for start in range(0, len(centers) if table.shape[1] else 0, step):
+            part = slice(start, start + step)
+            values = evaluate(centers[part], table.reshape(len(table), -1))
+            yield (
+                part,
+                values.reshape(len(values), *table.shape[1:]),
+                self._powers(halves if len(halves) == 1 else halves[part]),
+            )
+
+    def range_of(self, values: Floats, powers: Floats) -> tuple[Floats, Floats]:
+        """The least and greatest values (n, count) that polynomials may have in boxes; see `about`.
+
+        By the Taylor expansion, and where that leaves the sign open by B-coefficients: blends touch the walls in which
+        they end, and beside a multiple zero the terms are large, of opposite signs.
+        """
+        middle, powers = values[:, :, 0], np.broadcast_to(powers, (len(values), powers.shape[1]))
+        change = (np.abs(values[:, :, 1:]) @ powers[:, 1:, None])[..., 0]
+        below, above = middle - change, middle + change
+        boxes, members = np.nonzero((below <= 0) & (above > 0) & (2 <= self.degree <= MOST_BENT))
+        for start in range(0, len(boxes), TOGETHER):
+            row, member = boxes[start : start + TOGETHER], members[start : start + TOGETHER]
+            forms = (values[row, member] * powers[row]) @ b_forms(self.degree)
+            noise = NOISE * change[row, member]
+            below[row, member], above[row, member] = forms.min(axis=1) - noise, forms.max(axis=1) + noise
+        return below, above
+
+    def _powers(self, half: Floats) -> Floats:
+        """`r^a` for all exponents (N, count)."""
+        powers = np.ones((*half.shape, int(self.exponents.max()) + 1))
+        np.multiply.accumulate(np.broadcast_to(half[..., None], powers[..., 1:].shape), axis=-1, out=powers[..., 1:])
+        x, y, z = (powers[:, axis, self.exponents[:, axis]] for axis in range(3))
+        return np.asarray(x * y * z)
+
+
+@cache
+def b_forms(degree: int) -> Floats:
+    """The matrix (count, (degree + 1)^3) from coefficients to B-coefficients of degree n in each of three in [-1, 1].
+
+    Those of `u^a` are its polar form at i ones and n - i times -1: mean products of a of these.
+    """
+    ends = [np.repeat([1.0, -1.0], [i, degree - i]) for i in range(degree + 1)]
+    sums = np.array([np.poly(-e) for e in ends]).T  # of all products of a of them
+    polar = sums / np.array([comb(degree, a) for a in range(degree + 1)])[:, None]
+    x, y, z = (polar[[e[axis] for e in exponents(degree)]] for axis in range(3))
+    return np.asarray(np.einsum("ai,aj,ak->aijk", x, y, z).reshape(len(x), -1))
+
+
+def _shift_operator(degree: int, axis: int) -> Floats:
+    """The matrix that maps a polynomial's coefficients to those of its derivative."""
+    where = positions(degree)
+    result = np.zeros((len(where), len(where)))
+    for e, column in where.items():
+        if e[axis]:
+            result[where[tuple(v - (i == axis) for i, v in enumerate(e))], column] = e[axis]
+    return result

@@ -1,0 +1,222 @@
+"""One page's conversation: what is asked last is answered first, and what is not wanted any more is stopped.
+
+The page numbers its states.  "move" asks for a picture quickly, of the newest state only; after a rest its verdicts
+follow.  "rest" asks for the final shape with all proofs.  Every picture has a number of its own, its `shot`, and every
+verdict says to which shot it belongs: so no lamp is ever lit for another picture.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+import traceback
+from collections.abc import Awaitable, Callable, Coroutine
+from contextlib import suppress
+from typing import Any
+
+from pas.studio.gallery import GALLERY
+from pas.studio.messages import Message, refusal
+from pas.studio.workers import INSIDE, RefusedError, StoppedError, Worker
+
+REST = 0.08
+"""Seconds without a move after which what is seen is proved."""
+
+LONGEST_REQUEST = 1 << 18
+"""Characters of a request; those that bring a file may have `LONGEST_FILE`."""
+
+LONGEST_FILE = 1 << 23
+
+Send = Callable[[Message], Awaitable[None]]
+Request = dict[str, Any]
+
+
+class Conversation:
+    """A page, and the two processes that work for it: `quick` follows what is dragged, `final` solves and exports."""
+
+    def __init__(self, send: Send, quick: Worker, final: Worker) -> None:
+        self._send, self.quick, self.final = send, quick, final
+        self._shot = self._seen = self._proved = 0
+        self._move: Request | None = None
+        self._rest: Request | None = None
+        self._moved, self._rested = asyncio.Event(), asyncio.Event()
+        self._others: set[asyncio.Task[None]] = set()
+        self._taken: asyncio.Task[None] | None = None
+        self._proving = False
+        self._early: dict[str, Any] | None = None
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self._moving())
+            group.create_task(self._resting())
+
+    def end(self) -> None:
+        """End both processes."""
+        self.quick.end()
+        self.final.end()
+
+    async def receive(self, text: str) -> None:
+        """Take one request; one that is none is refused in a sentence."""
+        try:
+            request = request_of(text)
+        except ValueError as error:
+            await self._send(refusal(error))
+            return
+        verb = request["do"]
+        if verb == "move":
+            self._move = request
+            self._moved.set()
+            if self._proving:
+                self.quick.stop()
+            if self._early is not None:
+                self.final.stop()
+        elif verb == "rest":
+            self._rest, self._move, self._early = request, None, None
+            verb, *document = self.final.doing or ("",)
+            if verb in STOPPABLE and document != [request["document"]]:
+                self.final.stop()
+            self._rested.set()
+            self._begin(self._prove_once(request))
+        else:
+            self._begin(self._answer(request, self._do(verb, request)))
+
+    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._others.add(task)
+        task.add_done_callback(self._others.discard)
+
+    async def _moving(self) -> None:
+        while True:
+            await self._moved.wait()
+            self._moved.clear()
+            request, self._move = self._move, None
+            if request is None:
+                continue
+            await self._answer(request, self._follow(request))
+            try:
+                await asyncio.wait_for(self._moved.wait(), REST)
+            except TimeoutError:
+                self._begin(self._ahead(request["document"]))
+                await self._prove_once(request)
+
+    async def _follow(self, request: Request) -> None:
+        asked = ("move", request["document"], str(request.get("scene", "")), bool(request.get("mesh")))
+        message = await self.quick.ask(*asked)
+        anew = message.head["kind"] == "outline"  # of what has to be solved anew, which takes longer
+        if anew:
+            await self._send(message.numbered(int(request.get("seq", 0))))
+            message = await self.quick.ask(*asked, True)
+        await self._picture(message, request)
+        self._seen = self._shot
+        if anew:  # measuring takes less: so a hand that does not rest is told how fair what it made is
+            await self._tell("measure", self._shot)
+
+    async def _prove_once(self, request: Request) -> None:
+        """Prove what is seen, unless that was done, or it is a final picture, which has its verdicts."""
+        if self._seen == self._shot and self._proved != self._shot:
+            self._proved = self._shot
+            await self._answer(request, self._prove(self._shot))
+
+    async def _prove(self, shot: int) -> None:
+        self._proving = True
+        try:
+            for verb in ("prove", "measure"):
+                await self._tell(verb, shot)
+        finally:
+            self._proving = False
+
+    async def _tell(self, verb: str, shot: int) -> None:
+        """Send what is known of the shape of the last move, which a shot shows."""
+        message: Message = await self.quick.ask(verb)
+        await self._send(Message({**message.head, "shot": shot}))
+
+    async def _ahead(self, document: dict[str, Any]) -> None:
+        """Solve where the hand rests, before it lets go: the answer is kept by the session, and sent when asked for."""
+        if self._move is None and self._rest is None and not self.final.doing:
+            self._early = document
+            with suppress(RefusedError, StoppedError):
+                await self.final.ask("solve", document)
+            self._early = None
+
+    async def _resting(self) -> None:
+        while True:
+            await self._rested.wait()
+            self._rested.clear()
+            request, self._rest = self._rest, None
+            if request is not None:
+                await self._answer(request, self._solve(request))
+
+    async def _solve(self, request: Request) -> None:
+        document = request["document"]
+        await self._picture(await self.final.ask("solve", document), request)
+        shot = self._shot
+        if (kept := await self.final.ask("kept", document)) is not None and self._rest is None:
+            self._taken = asyncio.create_task(self._take(kept))
+        measures = await self.final.ask("measure", document)
+        await self._send(Message({**measures.head, "shot": shot}))
+
+    async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
+        with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
+            await self.quick.ask("take", *kept)
+
+    async def _picture(self, message: Message, request: Request) -> None:
+        self._shot += 1
+        head = {**message.head, "shot": self._shot, "seq": request.get("seq", 0)}
+        await self._send(Message(head, message.arrays))
+
+    async def _answer(self, request: Request, work: Awaitable[None]) -> None:
+        """Do it; what is refused is said, and of which request; what was stopped is not."""
+        try:
+            await work
+        except StoppedError:
+            pass
+        except Exception as error:
+            if not isinstance(error, RefusedError):  # no user's: the page is told, the terminal shows where
+                traceback.print_exc(file=sys.stderr)
+            told = refusal(error if isinstance(error, RefusedError) else RefusedError(INSIDE))
+            await self._send(Message({**told.head, "seq": int(request.get("seq", 0)), "of": request["do"]}))
+
+    async def _do(self, verb: str, request: Request) -> None:
+        if verb == "gallery":
+            await self._send(Message({"kind": "gallery", "documents": GALLERY}))
+        elif verb == "read":
+            name, text = str(request.get("name")), str(request.get("text"))
+            document = await self.final.ask("read", name, text)
+            if document["kind"] == "project":
+                await self.quick.ask("read", name, text)
+            await self._send(Message({"kind": "document", "document": document}))
+        elif verb in ("repair", "handle"):
+            more = (request.get("at"),) if verb == "handle" else ()
+            document = await self.final.ask(verb, request["document"], *more)
+            await self._send(Message({"kind": "changed", "document": document}))
+        elif verb == "export":
+            await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
+        elif verb in ("combs", "safe", "mesh"):
+            message = await self.final.ask(verb, request["document"])
+            await self._send(message.numbered(int(request.get("seq", 0))))
+
+
+STOPPABLE = {"solve", "measure", "repair"}
+"""What is worthless once another document is final."""
+
+VERBS = {"move", "rest", "gallery", "read", "repair", "handle", "export", "combs", "safe", "mesh"}
+WITH_DOCUMENT = VERBS - {"gallery", "read"}
+
+
+def request_of(text: str) -> Request:
+    """A request; raises `ValueError` with one sentence for what is none."""
+    try:
+        request = json.loads(text)
+    except (ValueError, RecursionError):
+        raise ValueError("a request must be JSON") from None
+    if not isinstance(request, dict) or request.get("do") not in VERBS:
+        raise ValueError(f"a request says what to do: one of {', '.join(sorted(VERBS))}")
+    if len(text) > (LONGEST_FILE if request["do"] == "read" else LONGEST_REQUEST):
+        raise ValueError("the request is too long")
+    if request["do"] in WITH_DOCUMENT and not isinstance(request.get("document"), dict):
+        raise ValueError("the request has no document")
+    seq = request.get("seq", 0)
+    if not isinstance(seq, int) or isinstance(seq, bool):
+        raise ValueError("seq must be a whole number")
+    return request

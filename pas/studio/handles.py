@@ -1,0 +1,210 @@
+"""What of a blend can be set freely beside points: of single cells, members' coefficients and B-coefficients.
+
+Where all is one polynomial, the members of the basis are classical blends themselves, and their coefficients are what
+such families are shaped by.  B-coefficients are handles by which the surface is pulled.  Both belong to one degree and
+one region: a document that holds some has to say its degree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil, log2
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linprog
+
+from pas.algebra.inputs import short, shown
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float, to_floats
+from pas.blending.shaping import handles
+from pas.errors import InfeasibleError, InputError
+from pas.fairing.basis import to_doubles
+from pas.fairing.fit_settings import SETTINGS
+from pas.fairing.functionals import b_coefficient
+from pas.fairing.programme import MemberProgramme
+from pas.fairing.refit import compliance
+from pas.fairing.sampled import Inequalities
+from pas.fairing.solver import Conditions
+from pas.fairing.wishes import Handle, Wishes
+from pas.pipeline.result import Blend
+from pas.studio.controls import Control
+from pas.studio.gallery import Data
+
+FREE = 1e-6
+"""How far a B-coefficient gives way, over that which gives way most, if it is not settled."""
+
+NEARER = 5.0
+"""How much a handle near by is better than one at the end of the region with which the surface goes along as well."""
+
+LIGHT = 1e-2
+"""How much the function must change where a good handle takes hold, over the coefficient."""
+
+NEAR = 1e-9
+"""Of a domain point to the centre, in local coordinates, from where no ray goes through it."""
+
+MOST_MEMBERS = 40
+"""Coefficients that are offered: more are no family that anybody shapes by hand."""
+
+DIGITS = 6
+"""Of a new handle's value: so the surface stays where it is to all that can be seen."""
+
+WIDE = 4.0
+"""Ends of a coefficient that nothing limits, over the larger of its value and what gives the member its own size."""
+
+
+def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
+    """Of a single cell, the B-coefficient by which the surface is pulled next to a point, and its value.
+
+    It is one that nothing wished has settled and with which the surface goes along, whatever else follows by energy.
+    Raises `InputError` where none is free.
+    """
+    candidates = handles(blend.space)
+    places, along = _grips(blend, blend.wishes, candidates)
+    local = (point - to_floats(blend.surface.partition.frame.origin)) / to_float(blend.surface.partition.frame.scale)
+    size = float(np.linalg.norm(blend.surface.local.points, axis=1).max())
+    near = 1 / (1 + NEARER * np.linalg.norm(places - local, axis=1) / size)
+    good = np.where(along.share > LIGHT, along.correlation * near, 0.0)
+    if not good.max() > 0:
+        raise InputError("no handle is free: what is held settles the surface, or it goes along with none")
+    handle = candidates[int(good.argmax())]
+    return handle, float(blend.surface.cells[handle[0]].b_coefficients[handle[1]])
+
+
+@dataclass(frozen=True)
+class Along:
+    """How a surface goes along with each of some B-coefficients where they take hold of it: the correlation, 0 where
+    one is settled or the surface is not met, and how much the function changes there with the coefficient."""
+
+    correlation: Floats
+    share: Floats
+
+
+def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[Floats, Along]:
+    """Where B-coefficients take hold of the surface, in local coordinates (N, 3), and how it goes along.
+
+    A place is where the ray from the centre through the domain point meets the surface.
+    """
+    surface, prepared = blend.surface, blend.space.prepared
+    local, frame, degree = surface.local, surface.partition.frame, surface.degree
+    domains = np.array([np.array(index) / degree @ local.points[list(local.cells[cell])] for cell, index in candidates])
+    seen = np.linalg.norm(domains, axis=1) > NEAR
+    distances = np.full(len(domains), np.inf)
+    distances[seen] = surface.intersect_rays(to_floats(frame.origin), domains[seen]) / to_float(frame.scale)
+    met = np.isfinite(distances)
+    places = np.where(met, distances, 1.0)[:, None] * domains
+    basis = prepared.basis
+    columns = np.hstack([to_doubles(b_coefficient(surface.partition, handle, degree).column) for handle in candidates])
+    rows, values = (basis.coefficients[0] @ columns).T, basis.values(0, places)
+    follows = compliance(prepared, surface, blend.choice, wishes)
+    own, there = (np.einsum("ij,jk,ik->i", a, follows, a) for a in (rows, values))
+    both = np.einsum("ij,jk,ik->i", rows, follows, values)
+    free = met & (own > FREE * own.max()) & (there > 0)
+    own, there = np.where(free, own, 1.0), np.where(free, there, 1.0)
+    return places, Along(np.where(free, np.abs(both) / np.sqrt(own * there), 0.0), np.where(free, both / own, 0.0))
+
+
+def shares_of(blend: Any) -> list[float | None]:
+    """For each handle that is held, how much the function changes at its place with the coefficient, if all else
+    follows; None where that cannot be told."""
+    if not pulled_by_coefficients(blend):
+        return []
+    return [_share(blend, number) for number in range(len(blend.wishes.handles))]
+
+
+def _share(blend: Blend, number: int) -> float | None:
+    handle, _ = blend.wishes.handles[number]
+    try:
+        _, along = _grips(blend, blend.wishes.without([("handles", number)]), [handle])
+    except InfeasibleError:
+        return None
+    return float(along.share[0]) or None
+
+
+def with_handle(document: Data, blend: Any, point: Any) -> Data:
+    """A document of a blend's degree that holds one handle more, at its value; see `free_handle`."""
+    if not isinstance(point, list) or len(point) != 3 or not all(isinstance(c, int | float) for c in point):
+        raise InputError(f"a place must be three numbers, not {shown(point)}")
+    (cell, index), value = free_handle(blend, np.array(point, dtype=float))
+    table, points, name = path_of(document, "handles")
+    held = document.get(table, {})
+    there = held.get(points, {})
+    handles = [*there.get(name, []), [[cell, list(index)], f"{value:.{DIGITS}g}"]]
+    return {**document, table: {**held, points: {**there, name: handles}}}
+
+
+def at_degree(document: Data, degree: int) -> Data:
+    """A document that says its degree, where that was left to be found."""
+    if document["kind"] != "problem" or isinstance(document["problem"].get("degree"), int):
+        return document
+    return {**document, "problem": {**document["problem"], "degree": degree}}
+
+
+def handle_controls(document: Data, shape: Any) -> Iterator[Control]:
+    """The controls of handles and of members' coefficients, where a shape has some; see `pas.studio.controls`.
+
+    Of "coefficients", `names` are the members as polynomials and `ends` the least and the greatest values that any
+    surface with clean contacts and walls has, as far as samples tell, whatever else is wished.
+    """
+    if getattr(shape, "kind", "") != "blend" or shape.dimension < 2:
+        return
+    if coefficients_of(shape):
+        yield {"kind": "coefficients", "path": path_of(document, "coefficients"), "label": "coefficients",
+               "group": "Coefficients", **_members(shape)}  # fmt: skip
+    if shape.surface.partition.cells:
+        yield {"kind": "handles", "path": path_of(document, "handles"), "label": "handles", "group": "Handles",
+               "through": not pulled_by_coefficients(shape)}  # fmt: skip
+
+
+def pulled_by_coefficients(shape: Any) -> bool:
+    """Whether B-coefficients are good handles: of single polynomials.
+
+    On many cells they are not: what the surface does correlates with a single one by 0.1 or so, since all others
+    follow by energy.  There points to pass through take hold of the surface.
+    """
+    return (
+        getattr(shape, "kind", "") == "blend"
+        and shape.surface.partition.cells
+        and len(shape.surface.partition.pieces) == 1
+    )
+
+
+def path_of(document: Data, name: str) -> list[Any]:
+    """Where a document holds what is wished under a name."""
+    return ["problem" if document["kind"] == "problem" else "sliders", "points", name]
+
+
+def coefficients_of(shape: Any) -> list[float]:
+    """The coefficients of a single cell's members, where a shape has few enough to show them."""
+    single = getattr(shape, "kind", "") == "blend" and len(shape.surface.partition.pieces) == 1
+    return [float(value) for value in shape.coefficients] if single and shape.dimension <= MOST_MEMBERS else []
+
+
+def _members(blend: Blend) -> dict[str, Any]:
+    found = [member for (member,) in blend.space.basis]
+    whole = np.linalg.norm(blend.surface.polynomials[0].dense(blend.surface.degree))
+    sizes = [float(whole / np.linalg.norm(member.dense(blend.surface.degree))) for member in found]
+    wide = [WIDE * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
+    wishes = blend.wishes.without(list(blend.wishes.hard()))
+    prepared = blend.space.prepared
+    slim = Conditions(prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+    rows = slim.first if wishes.guard else Inequalities.none(blend.dimension)
+    equations = MemberProgramme(prepared, wishes).equations
+    among = {"A_ub": -rows.rows, "b_ub": -rows.at_least, "A_eq": equations[:, :-1], "b_eq": equations[:, -1]}
+    ends = [
+        [_least(column, among, -_rounded(end)), -_least(-column, among, -_rounded(end))]
+        for column, end in zip(to_doubles(prepared.basis.transform).T, wide, strict=True)
+    ]
+    return {"names": [short(str(member)) for member in found], "ends": ends}
+
+
+def _least(cost: Floats, among: dict[str, Floats], otherwise: float) -> float:
+    """The least value of a linear form under linear conditions, to four digits; where there is none, what is said."""
+    found = linprog(cost, **among, bounds=(None, None))
+    return float(f"{found.fun:.4g}") if found.status == 0 else otherwise
+
+
+def _rounded(wide: float) -> float:
+    """The power of two above, so that the ends of sliders stay when values change a little."""
+    return float(2.0 ** ceil(log2(wide)))

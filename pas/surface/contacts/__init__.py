@@ -1,1 +1,0 @@
-"""Kinds of contacts beside pipes and cones, one short file each."""
