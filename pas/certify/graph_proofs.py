@@ -26,8 +26,7 @@ from pas.certify.windings import crossed, volumes
 from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
-from pas.surface.opening_rim import OpeningRim
-from pas.surface.rings import Ring
+from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 
 CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the contacts' curves"
@@ -48,7 +47,7 @@ def certify_graph(mesh: LocalMesh, edges: Edges, promised: Callable[[], Certific
     assert mesh.local.center is not None
     points = mesh.points - mesh.local.center
     try:
-        rings = surface.placed.rings
+        rings = surface.placed.loops
     except ArithmeticError as unseen:
         return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
     loops = _loops(edges)
@@ -101,7 +100,7 @@ def _loops(edges: Edges) -> list[Integers]:
     return found
 
 
-def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[Ring | OpeningRim]) -> str:
+def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[BoundaryLoop]) -> str:
     """Why the loops may not bound discs that are apart; empty where they do."""
     if sorted(int(owner[loop[0]]) for loop in loops) != list(range(len(rings))):
         return "the mesh does not end in one loop on each contact's curve"
@@ -121,7 +120,7 @@ def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: S
     return ""
 
 
-def _once_round(loop: Floats, ring: Ring | OpeningRim) -> bool:
+def _once_round(loop: Floats, ring: BoundaryLoop) -> bool:
     """Whether a loop goes round the middle of a ring once, always on."""
     first = np.cross(ring.normal, np.eye(3)[np.abs(ring.normal).argmin()])
     second = np.cross(ring.normal, first)
@@ -140,7 +139,7 @@ def _inside(inner: Floats, outer: Floats) -> bool:
     return bool((depths > SEPARATE).all() or (depths < -SEPARATE).all())
 
 
-def _spread(loop: Floats, ring: Ring | OpeningRim) -> float:
+def _spread(loop: Floats, ring: BoundaryLoop) -> float:
     return max(_angle(point, ring.middle) for point in loop)
 
 

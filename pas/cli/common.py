@@ -32,7 +32,7 @@ INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CommandResult:
     """What a command came to: the text that it prints, the same as a record for `--json`, and the exit code."""
 
     text: str
