@@ -12,11 +12,10 @@ from pas.algebra.rational import Exact, to_fraction
 from pas.blending.generators import Generator, generators
 from pas.blending.multipliers import Consistency, Multipliers, consistency
 from pas.blending.place import PartitionLike, place
-from pas.blending.regularity import is_regular
+from pas.blending.regularity import TrivialPart, is_regular, trivial_part
 from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_squares, optimum
 from pas.blending.solving import check_method, solve
 from pas.blending.space import Space
-from pas.blending.trivial import TrivialPart, trivial_part
 from pas.contacts.contact import ContactLike
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.prepared import PreparedSpace
