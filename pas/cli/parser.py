@@ -73,7 +73,6 @@ def parser() -> argparse.ArgumentParser:
         _convert_parser,
         _teapot_parser,
         _studio_parser,
-        _bench_parser,
     ):
         add(added)
     return result
@@ -281,18 +280,3 @@ def _studio_parser(added: Any) -> None:
     parser.add_argument("file", metavar="FILE", nargs="?", help="a problem file (.toml) or a project (.pas.json)")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page")
-
-
-def _bench_parser(added: Any) -> None:
-    parser = _command(
-        added,
-        commands.run_bench,
-        "bench",
-        "measure speed, beside other programs where these are installed",
-        "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
-        "Suites: algebra, fit, eval, mesh, blend, node, parametric, solid; all of them take some minutes.",
-    )
-    parser.add_argument("--suite", action="append", default=[], metavar="NAME", help="this suite; may be repeated")
-    parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
-    parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
-    parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
