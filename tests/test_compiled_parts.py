@@ -15,9 +15,9 @@ from pas.bernstein.search import Fate
 from pas.bernstein.simplices import Simplices
 from pas.bernstein.subdivision import bisection, edges, means, raised
 from pas.certify.critical_points import isolated
-from pas.certify.local_mesh import LocalMesh
+from pas.certify.graph_proofs import crossed
+from pas.certify.local_mesh import FramedMesh
 from pas.certify.mesh_bounds import _moves, bounds
-from pas.certify.windings import crossed
 from pas.mesh import topology
 from pas.mesh.edges import Edges
 from pas.mesh.lattice import Subdivision, eighths, risings
@@ -102,7 +102,7 @@ def test_risings_are_products_with_the_mean_gradient(degree):
 
 
 def test_parts_that_are_kept_hold_all_critical_points():
-    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).local_surface
+    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).framed
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     assert not any(len(some.open) for some in found)
     solid, _, _, ends = (some.kept.corners for some in found)
@@ -141,9 +141,7 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
 
 
 def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
-    stage = (
-        pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).local_surface
-    )  # tangential to four edges of the box
+    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).framed  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
@@ -301,7 +299,7 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
 def test_triangles_moved_so_far_have_one_sign():
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
     mesh = surface.mesh(2e-2)
-    sheet = LocalMesh(surface.local_surface, mesh.points, mesh.triangles)
+    sheet = FramedMesh(surface.framed, mesh.points, mesh.triangles)
     found = bounds(sheet)
     enough = _moves(sheet, found, 0.02)
     assert np.isfinite(enough).mean() > 0.8
@@ -310,17 +308,16 @@ def test_triangles_moved_so_far_have_one_sign():
     weights = np.random.default_rng(8).dirichlet(np.ones(3), size=10)
     for sign in (-1, 1):
         moved = sheet.corners[near] + sign * (enough[near, None] * sheet.normals[near])[:, None]
-        values, _ = surface.local_surface.jets((weights @ moved).reshape(-1, 3))
+        values, _ = surface.framed.jets((weights @ moved).reshape(-1, 3))
         assert (sign * values > 0).all()
     tight = enough[near, None, None] * sheet.normals[near, None] * 0.2
     assert not all(
-        (sign * surface.local_surface.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all()
-        for sign in (-1, 1)
+        (sign * surface.framed.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
     )
 
 
 def test_second_derivatives_are_bounded():
-    stage = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).local_surface
+    stage = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).framed
     reach = np.array([0.5, 0.7, 0.2])
     bound = stage.makers[0].bend(reach)
     rng = np.random.default_rng(9)

@@ -148,7 +148,7 @@ def test_meshes(blends, name):
 
 def test_meshes_that_are_another_surface(second):
     mesh = second.surface.mesh(5e-2)
-    whole = second.surface.local_surface
+    whole = second.surface.framed
     points, triangles = np.array(mesh.points), np.array(mesh.triangles)
 
     def verdicts(points, triangles):

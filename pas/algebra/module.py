@@ -14,6 +14,7 @@ from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
 from pas.algebra.brief import whole_or_brief
 from pas.algebra.buchberger import RINGS, TupleEncoding, Vector, graded_basis, graded_syzygies, lead, vector_degree
+from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
@@ -52,8 +53,8 @@ def syzygies(
     [['-y', 'x']]
     """
     vectors = _vectors(polynomials, "polynomials")
-    if degree is not None and (not isinstance(degree, int) or isinstance(degree, bool) or degree < 0):
-        raise ValueError(f"degree must be a whole number >= 0 or None, not {degree!r}")
+    if degree is not None:
+        natural(degree, "degree", words=" or None")
     found = graded_syzygies(vectors) if degree is None else _bounded(vectors, degree)
     for syzygy in found:
         if not all(p.is_zero() for p in combination(syzygy, vectors)):

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import formula_repr, latex
 from pas.algebra.evaluation import evaluate
 from pas.algebra.expressions import read_polynomial
-from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, natural, shown
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 from pas.registry import loaded
@@ -193,8 +193,7 @@ class Polynomial:
         return Polynomial.from_raw(self.raw * (1 / divisor))
 
     def __pow__(self, exponent: int) -> Polynomial:
-        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent < 0:
-            raise ValueError(f"the exponent must be a whole number >= 0, not {shown(exponent)}")
+        natural(exponent, "the exponent")
         try:
             check_power(self.raw, exponent)
         except ValueError as error:

@@ -252,18 +252,9 @@ def homogenised(
     terms: Mapping[tuple[int, ...], fmpq], tops: Sequence[fmpq_mpoly], over: fmpq_mpoly, highest: int
 ) -> fmpq_mpoly:
     """`over^highest` times the polynomial at `tops / over`."""
-    bases = [*tops, over]
-    powers = [[ONE] for _ in bases]
-    for base, table in zip(bases, powers, strict=True):
-        for _ in range(highest):
-            table.append(table[-1] * base)
-    result = ONE * 0
-    for exponents, coefficient in terms.items():
-        product = powers[-1][highest - sum(map(int, exponents))] * coefficient
-        for table, exponent in zip(powers, exponents, strict=False):
-            product = product * table[int(exponent)]
-        result = result + product
-    return result
+    ring = fmpq_mpoly_ctx.get([f"u{i}" for i in range(len(tops) + 1)], Ordering.degrevlex)
+    lifted = ring.from_dict({(*map(int, e), highest - sum(map(int, e))): c for e, c in terms.items()})
+    return lifted.compose(*tops, over, ctx=RING)
 
 
 def _total_degree(polynomial: fmpq_mpoly) -> int:

@@ -76,7 +76,8 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
 
 
 def _elevated(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
-    """The same as a homogeneous polynomial in all barycentric coordinates, whose sum is 1, degree after degree."""
+    """What `b_form` gives, for any degree: as a homogeneous polynomial in all barycentric coordinates, whose sum is 1,
+    degree after degree."""
     ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
     whole = sum(ring.gens(), ring.constant(0))
     parts: dict[int, dict[tuple[int, ...], fmpq]] = {}
@@ -118,7 +119,7 @@ def rounded(values: Sequence[fmpq]) -> Floats:
 
 
 def _rounded(whole: Sequence[int]) -> Floats:
-    """The same of whole numbers."""
+    """Whole numbers over the largest of their sizes, rounded to the nearest doubles."""
     largest = max(map(abs, whole), default=0)
     if largest == 0:
         return np.zeros(len(whole))

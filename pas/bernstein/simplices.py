@@ -24,7 +24,7 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fates
 from pas.bernstein.subdivision import bisection, edges, raised
-from pas.kernels.library import Functions
+from pas.kernels.library import compiled
 
 ROUNDINGS = 16
 """Of derivatives, over the largest coefficient, beyond what halvings make of it."""
@@ -68,7 +68,7 @@ class Simplices(Cells):
         table, corners = np.empty((twice, size)), np.empty((twice, vertices, 3))
         pairs, halves, taken = cuts
         tables = (len(pairs), pairs, halves.shape[1], halves, taken)
-        _compiled().call("pas_halved", count, size, vertices - 1, *tables, self.table, self.corners, table, corners)
+        compiled().call("pas_halved", count, size, vertices - 1, *tables, self.table, self.corners, table, corners)
         source = np.repeat(self.source, 2)
         return replace(self, table=table, corners=corners, source=source, halvings=self.halvings + 1)
 
@@ -82,7 +82,7 @@ class Simplices(Cells):
         (count, size), vertices, fates = self.table.shape, self.corners.shape[1], np.empty(len(self), dtype=np.intp)
         up = _raised(self.degrees[0], vertices)
         given, bounds = (count, size, vertices - 1, len(up), up, self.table), (self.bound, ROUNDINGS * UNIT_ROUNDOFF)
-        _compiled().call("pas_judged", *given, self.corners, *bounds, fates)
+        compiled().call("pas_judged", *given, self.corners, *bounds, fates)
         return fates
 
 
@@ -128,8 +128,3 @@ def _cuts(degrees: tuple[int, ...], vertices: int) -> tuple[Integers, Integers, 
         starts, places = starts + means.shape[1], places + size
     known = np.zeros((len(edges(vertices)), sum(sizes), 2), dtype=np.intp)
     return np.array(edges(vertices)), np.concatenate([known, *halves], axis=1), np.concatenate(taken, axis=2)
-
-
-@cache
-def _compiled() -> Functions:
-    return Functions()

@@ -126,7 +126,7 @@ def _times(places: Sequence[int], index: Sequence[int], size: int) -> Times:
 
 
 def _replaced(times: Times, node: int, end: int) -> Times:
-    """The same with one node less and an end more."""
+    """How often each is an argument after one node has given way to an end."""
     result = list(times)
     result[node] -= 1
     result[end] += 1

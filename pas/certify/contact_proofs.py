@@ -23,10 +23,10 @@ A unit at the points of the curve changes no ideal there, so with these `<f, h^(
 from __future__ import annotations
 
 from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.certify.certificate import Proposition
 from pas.certify.free_curves import free_verdict, transversality
 from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
 from pas.certify.openings import opening_verdict
-from pas.certify.propositions import Proposition
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.surface.function import PiecewisePolynomial

@@ -31,7 +31,7 @@ from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, plain
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import prove_positive
-from pas.certify.propositions import Proposition
+from pas.certify.certificate import Proposition
 from pas.contacts.contact import ContactLike, as_contact, contact_ideal
 from pas.errors import GeometryError
 from pas.limits import checkpoint

@@ -36,7 +36,7 @@ from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.algebra.scaling import scaled
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
-from pas.certify.propositions import Proposition
+from pas.certify.certificate import Proposition
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.verdicts import Status, Verdict
@@ -68,7 +68,7 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     if len(surface.patches) > 1 or d.degree < 1:
         what = f"{d} = 0" if d.degree > 0 else "the plane of a clip face"
         return claim.undecided(f"the clip cuts the surface inside the region as well, where {what}")
-    patch, curve = surface.patches[0], Curve(f, d, join.partition)
+    patch, curve = surface.patches[0], RegionCurve(f, d, join.partition)
     achieved, obstacle = contact_order(patch, f, d, k)
     if obstacle is not None:
         return _unmet(claim, curve, achieved, obstacle)
@@ -93,7 +93,7 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
 
 
-def _unmet(claim: Proposition, curve: Curve, achieved: int, obstacle: Polynomial) -> Verdict:
+def _unmet(claim: Proposition, curve: RegionCurve, achieved: int, obstacle: Polynomial) -> Verdict:
     power = claim.surface.order + 1
     met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
     found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
@@ -162,7 +162,7 @@ class Enclosure:
         return _sign(polynomial, ((a, b, c), (a, c, e)))
 
 
-class Curve:
+class RegionCurve:
     """The curve V(f, d) in a region, or in all of space where there are no cells."""
 
     def __init__(self, f: Polynomial, d: Polynomial, partition: Partition) -> None:

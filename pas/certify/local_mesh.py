@@ -49,7 +49,7 @@ BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
 
 
-class LocalSurface:
+class FramedSurface:
     """A surface's patches and cells, the `cells` being a partition in local coordinates."""
 
     def __init__(self, function: PiecewisePolynomial) -> None:
@@ -236,11 +236,11 @@ def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
     return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
 
 
-class LocalMesh:
+class FramedMesh:
     """A mesh beside a surface: its points (N, 3) in local coordinates, triangles (T, 3), their corners (T, 3, 3) and
     unit normals (T, 3), and by how much these may be turned (T,)."""
 
-    def __init__(self, local: LocalSurface, points: Floats, triangles: Integers) -> None:
+    def __init__(self, local: FramedSurface, points: Floats, triangles: Integers) -> None:
         self.local, self.triangles = local, triangles
         self.points = (points - local.origin) / local.scale
         self.corners = np.take(self.points, triangles, axis=0)

@@ -12,7 +12,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.certify.local_mesh import LARGER, ROUNDINGS, LocalMesh, LocalSurface
+from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import TriangleForms, on_corners
 from pas.mesh.field import Integers
 from pas.mesh.rows import any_of, cross, dots
@@ -97,7 +97,7 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     return found
 
 
-def bounds(mesh: LocalMesh) -> TriangleBounds:
+def bounds(mesh: FramedMesh) -> TriangleBounds:
     """The bounds on all triangles, each for all pieces that it may touch.
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
@@ -132,7 +132,9 @@ def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loos
     return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
 
 
-def _bounded(local: LocalSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
+def _bounded(
+    local: FramedSurface, corners: Floats, normals: Floats, loose: Floats
+) -> tuple[Floats, Floats, np.ndarray]:
     """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
     which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
@@ -168,7 +170,7 @@ def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
-def along_walls(mesh: LocalMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(mesh: FramedMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
@@ -198,7 +200,7 @@ def along_walls(mesh: LocalMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple
     return least[order], owner[part[order]]
 
 
-def _on_sides(local: LocalSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
+def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
     """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
     that are marked; and which triangles may touch several pieces."""
     least, touched = np.full(len(parts), np.inf), local.touched(parts.corners)
@@ -213,7 +215,7 @@ def _on_sides(local: LocalSurface, parts: Parts, along: Floats, loose: Floats) -
     return least, _times(touched, len(parts)) > 1
 
 
-def farthest(mesh: LocalMesh, bounds: TriangleBounds) -> Floats | None:
+def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
     how far the hardest is.
 
@@ -241,7 +243,7 @@ def farthest(mesh: LocalMesh, bounds: TriangleBounds) -> Floats | None:
     return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
 
 
-def _reached(mesh: LocalMesh, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
+def _reached(mesh: FramedMesh, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
     """The first of rising ways for which chosen triangles (K,) were seen to have both signs, infinite without one.
 
     Those that touch several pieces are moved no further than `within` before they are cut.
@@ -268,7 +270,7 @@ def _reached(mesh: LocalMesh, chosen: Integers, enough: Floats, tried: list[floa
     return way
 
 
-def _moves(mesh: LocalMesh, bounds: TriangleBounds, longest: float) -> Floats:
+def _moves(mesh: FramedMesh, bounds: TriangleBounds, longest: float) -> Floats:
     """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
 
     Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
@@ -286,7 +288,7 @@ def _moves(mesh: LocalMesh, bounds: TriangleBounds, longest: float) -> Floats:
     return enough
 
 
-def _several(local: LocalSurface, corners: Floats, ways: Floats) -> np.ndarray:
+def _several(local: FramedSurface, corners: Floats, ways: Floats) -> np.ndarray:
     """Which triangles (T, 3, 3) may touch several pieces when they are moved along ways (T, 3) or back."""
     if len(local.makers) == 1:
         return np.zeros(len(corners), dtype=bool)
@@ -299,7 +301,7 @@ def _times(rows: list[Integers], count: int) -> Integers:
     return np.bincount(np.concatenate(rows), minlength=count)
 
 
-def _signs(local: LocalSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
     """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
     corners = corners + ways[:, None]
     result = np.ones(len(corners), dtype=bool)

@@ -15,8 +15,8 @@ same surface up to an isotopy along the curves, and neither has a component that
 
 The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (see
 `pas.certify.critical_points`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
-along segments from the centre (`pas.certify.windings`).  All count their rounding.  Points of the boundary may be off
-the walls by rounding, and are then taken to be on them.
+along segments from the centre (`pas.certify.graph_proofs.crossed`).  All count their rounding.  Points of the boundary
+may be off the walls by rounding, and are then taken to be on them.
 """
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
-from pas.certify.graph_proofs import certify_graph
-from pas.certify.local_mesh import ON_WALL, SCALED, LocalMesh, LocalSurface
+from pas.certify.graph_proofs import certify_graph, crossed
+from pas.certify.local_mesh import ON_WALL, SCALED, FramedMesh, FramedSurface
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
-from pas.certify.windings import crossed
 from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
 from pas.mesh.topology import same_places
@@ -64,7 +63,7 @@ class MeshCertificate(Findings):
 
 
 def certify_mesh(
-    local: LocalSurface, points: Floats, triangles: Integers, promised: Callable[[], Certificate]
+    local: FramedSurface, points: Floats, triangles: Integers, promised: Callable[[], Certificate]
 ) -> MeshCertificate:
     """The verdicts on a mesh (N, 3), (T, 3) of a surface: whether it is its boundary on walls, topology, distance.
 
@@ -74,7 +73,7 @@ def certify_mesh(
     if not len(triangles) or not edges.manifold:
         verdict = Verdict(Status.REFUTED, "a manifold", "there are no triangles, or some edge does not have one or two")
         return MeshCertificate((verdict,), partly_measured=True)
-    mesh = LocalMesh(local, points, triangles)
+    mesh = FramedMesh(local, points, triangles)
     if np.abs(mesh.points).max() > mesh.local.reach:
         return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
     found = bounds(mesh)
@@ -94,7 +93,7 @@ def certify_mesh(
     return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
 
 
-def _vertices(mesh: LocalMesh) -> Verdict:
+def _vertices(mesh: FramedMesh) -> Verdict:
     """How near the vertices are, to first order: what a vertex that was moved fails."""
     claim, local = "vertices on the surface", mesh.local
     values, gradients = local.jets(mesh.points)
@@ -111,7 +110,7 @@ def _vertices(mesh: LocalMesh) -> Verdict:
     return Verdict(Status.FAILS_MEASURED, claim, reason, local.point(mesh.points[worst]))
 
 
-def _border(mesh: LocalMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
     claim, local, points = BORDER, mesh.local, mesh.points
     middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
@@ -136,7 +135,7 @@ def _border(mesh: LocalMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, 
     return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(mesh, edges, wall)
 
 
-def _rims(mesh: LocalMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _rims(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
     on, local = {}, mesh.local
     for number in np.unique(wall).tolist():
@@ -151,7 +150,7 @@ def _rims(mesh: LocalMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, n
 
 
 def _topology(
-    mesh: LocalMesh, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]
+    mesh: FramedMesh, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
 
@@ -190,7 +189,7 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _critical(mesh: LocalMesh, most: Floats) -> list[CriticalParts]:
+def _critical(mesh: FramedMesh, most: Floats) -> list[CriticalParts]:
     """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = mesh.local.size, most.max()
     a, b, c = (mesh.corners[:, i] for i in range(3))
@@ -234,7 +233,7 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _counted(mesh: LocalMesh, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
+def _counted(mesh: FramedMesh, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
     """Whether the mesh is crossed as the surface is between all critical points.
 
     None of them is on the mesh, so one of each group with common corners stands for all.
@@ -276,7 +275,7 @@ def _counted(mesh: LocalMesh, parts: list[CriticalParts]) -> tuple[Verdict, tupl
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(mesh: LocalMesh, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
     local, way = mesh.local, farthest(mesh, found)
     if way is None or not np.isfinite(way).all():

@@ -31,7 +31,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import Exact, SignResult, alike, positive_on
-from pas.certify.propositions import Proposition
+from pas.certify.certificate import Proposition
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial

@@ -27,8 +27,8 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from pas.algebra.monomials import exponents
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.certify.certificate import Proposition
 from pas.certify.incidence import on_faces
-from pas.certify.propositions import Proposition
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.surface.function import PiecewisePolynomial

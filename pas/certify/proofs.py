@@ -41,11 +41,10 @@ from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import on_simplex
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import SignResult, positive_on
-from pas.certify.certificate import Certificate
+from pas.certify.certificate import Certificate, Proposition
 from pas.certify.contact_proofs import contact_verdict
 from pas.certify.incidence import alpha_signs, incidences
 from pas.certify.openings import opening_verdict
-from pas.certify.propositions import Proposition
 from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict

@@ -35,7 +35,8 @@ BARYCENTRIC = 1e-12
 """How far outside all cells, in barycentric coordinates, a point counts as inside: what rounding makes of it."""
 
 SPACINGS = 8
-"""The same, in spacings of doubles at the region's furthest point from the user's origin, over the region's size."""
+"""How far outside the region a point counts as inside, in spacings of doubles at the region's furthest point from the
+user's origin, over the region's size."""
 
 
 class Piecewise(Protocol):

@@ -41,7 +41,7 @@ AREA = QUANTITIES
 
 
 @dataclass(frozen=True)
-class View:
+class Evaluation:
     """A member as its rays meet it: `distances` (N,), local, `jets` (N, 20) there and their `geometry`, also local, the
     `points`, and the `areas` (N,) that they stand for."""
 
@@ -53,7 +53,7 @@ class View:
     areas: Floats
 
 
-class Sight:
+class RaySamples:
     """The rays, and all members along them; lengths are local, what is seen is in the user's units.
 
     `scale` is the user's length of a local unit, `center` the user's point at local 0, `slope` the mean of
@@ -75,7 +75,7 @@ class Sight:
         result *= factors.ravel()
         return result.reshape(-1, *factors.shape)
 
-    def view(self, member: Floats, near: Floats) -> View | None:
+    def view(self, member: Floats, near: Floats) -> Evaluation | None:
         """What is to be seen of a member, found from distances near by; None where a ray misses or grazes it."""
         t = self._distances(member, near)
         if t is None:
@@ -86,7 +86,7 @@ class Sight:
         if not bool((cosines > GRAZING).all()):
             return None
         areas = self.rays.solid_angles * t * t / cosines * self.scale**2
-        return View(member, t, found, geometry, self._seen(geometry, t), areas)
+        return Evaluation(member, t, found, geometry, self._seen(geometry, t), areas)
 
     def _distances(self, member: Floats, start: Floats) -> Floats | None:
         profile = np.empty((self.basis.degree + 1, len(start)))
@@ -144,7 +144,7 @@ class Sight:
             np.ascontiguousarray(geometry.frame[:, :, :2]),
         )
 
-    def change(self, view: View, chosen: NDArray[np.intp] | None = None) -> Change:
+    def change(self, view: Evaluation, chosen: NDArray[np.intp] | None = None) -> Jacobian:
         """How what is seen changes with the member; at some points, by rising numbers, or at all."""
         points = np.arange(len(view.distances)) if chosen is None else chosen
         geometry = view.geometry if chosen is None else MovingGeometry(view.jets[chosen])
@@ -163,7 +163,7 @@ class Sight:
         last[AREA, COLUMNS] = 2 / t
         along = self._jets_along(view.member, view.distances)[points]
         frames = tuple(map(_points_first, geometry.frame_to_jet()))
-        return Change(self, points, t, by_jet, frames, along, steepness)
+        return Jacobian(self, points, t, by_jet, frames, along, steepness)
 
 
 def _points_first(table: Floats) -> Floats:
@@ -171,14 +171,14 @@ def _points_first(table: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Change:
+class Jacobian:
     """The derivatives of what is seen at some points (K,) by the member, as products multiplied out when needed.
 
     `by_jet` (K, 15, 13): quantities and log of area by framed jets and by the movement along the ray; `frames`: the
     framed jets by the derivatives of first, second and third order, (K, 3, 3), (K, 5, 6) and (K, 4, 10).
     """
 
-    sight: Sight
+    sight: RaySamples
     points: NDArray[np.intp]
     distances: Floats
     by_jet: Floats
@@ -186,13 +186,13 @@ class Change:
     jets_along: Floats
     steepness: Floats
 
-    def some(self, chosen: NDArray[np.intp]) -> Change:
+    def some(self, chosen: NDArray[np.intp]) -> Jacobian:
         """The same for some of the points, by rising numbers."""
         frames = tuple(frame[chosen] for frame in self.frames)
         t, by_jet, along, steepness = (
             array[chosen] for array in (self.distances, self.by_jet, self.jets_along, self.steepness)
         )
-        return Change(self.sight, self.points[chosen], t, by_jet, frames, along, steepness)
+        return Jacobian(self.sight, self.points[chosen], t, by_jet, frames, along, steepness)
 
     def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.

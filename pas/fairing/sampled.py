@@ -2,13 +2,13 @@
 
 `f > 0` on the outer walls, `alpha > 0` on the clip faces, and for the one sheet `grad f . u > 0` near the
 surface.  The first two are linear in the member wherever they are asked; the third is asked at points
-of the surface, which is not known beforehand: see `pas.fairing.exchange`.
+of the surface, which is not known beforehand: see `pas.fairing.solver`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass
 from functools import cached_property, lru_cache
 from math import ceil, pi
 
@@ -21,8 +21,8 @@ from pas.contacts.joins import Join
 from pas.fairing.basis import WorkingBasis
 from pas.surface.placed import PlacedContacts
 
-CELL_LATTICE, EDGE_LATTICE = 5, 8
-"""Subdivisions of an edge of the cells, and of the walls and clip faces, for the rows to begin with."""
+EDGE_LATTICE = 8
+"""Subdivisions of an edge of the walls and clip faces for the inequalities to begin with."""
 
 CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
 """Points of an opening's curve that the cone through it is looked at beside, and where, in multiples of them."""
@@ -43,48 +43,39 @@ class Margins:
     r the smallest distance of a contact's tangent planes from the centre O (a pipe's radius), R the
     radius of the region and f of unit mean gradient on the contact curves; `alpha >= alpha` with mean 1.
     `depth`: `f <= -depth * r` at O, so that the surface keeps away from the centre.
-    `everywhere` asks the sheet condition at lattice points of all cells, not only near the surface.
     """
 
-    sheet: float
-    wall: float
-    alpha: float
-    band: float
-    depth: float
-    everywhere: bool = False
+    sheet: float = 0.1
+    wall: float = 0.03
+    alpha: float = 0.05
+    band: float = 0.005
+    depth: float = 0.1
 
-
-WIDE = Margins(sheet=0.1, wall=0.03, alpha=0.05, band=0.005, depth=0.1)
-SLIM = Margins(sheet=0.01, wall=0.003, alpha=0.005, band=0.0005, depth=0.01)
-LADDER = (WIDE, SLIM, replace(WIDE, everywhere=True), replace(SLIM, everywhere=True))
-"""Tried in turn.  Asking the sheet condition only near the surface leaves the shape its freedom: the
-energy of the unequal GC^2 corner at degree 5 is 101, and 4923 with the condition everywhere.  Slim
-margins exist in lower degrees; the condition everywhere is safer where the exchange wanders."""
-
-SLIMMEST = SLIM
-"""What cannot be met with these margins cannot be met with any of the others."""
+    def times(self, share: float) -> Margins:
+        """A share of each."""
+        return Margins(*(share * value for value in astuple(self)))
 
 
 @dataclass(frozen=True)
-class Rows:
+class Inequalities:
     """Inequalities `rows @ q >= at_least` on the working coefficients, (N, m) and (N,)."""
 
     rows: Floats
     at_least: Floats
 
-    def __add__(self, other: Rows) -> Rows:
-        return Rows(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
+    def __add__(self, other: Inequalities) -> Inequalities:
+        return Inequalities(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
 
     def __len__(self) -> int:
         return len(self.rows)
 
-    def missed(self, unknowns: Floats, share: float) -> Rows:
+    def missed(self, unknowns: Floats, share: float) -> Inequalities:
         """Those of which a member does not reach a share of the right-hand side."""
         chosen = self.rows @ unknowns < share * self.at_least
-        return Rows(self.rows[chosen], self.at_least[chosen])
+        return Inequalities(self.rows[chosen], self.at_least[chosen])
 
     @classmethod
-    def none(cls, unknowns: int) -> Rows:
+    def none(cls, unknowns: int) -> Inequalities:
         """No rows at all."""
         return cls(np.empty((0, unknowns)), np.empty(0))
 
@@ -158,7 +149,7 @@ class AlphaOnCone:
         return self.scale * np.concatenate(found)
 
 
-class Guard:
+class SampledConstraints:
     """The guard rows of one solution space: points are local, values in the user's units."""
 
     def __init__(self, basis: WorkingBasis, placed: PlacedContacts) -> None:
@@ -188,23 +179,16 @@ class Guard:
         self.reach = self.local_reach * scale
         self.radius = float(_lengths(placed.local.points).max())
 
-    def initial(self, margins: Margins) -> Rows:
-        """Rows on lattices of the walls and clip faces, at the centre, and of the cells where these are asked for."""
-        rows = self.edges(EDGE_LATTICE, margins) + self._depth(margins)
-        if margins.everywhere:
-            local = self.placed.local
-            for number, cell in enumerate(local.cells):
-                points = lattice_weights(CELL_LATTICE, 4) @ local.points[list(cell)]
-                points = points[_lengths(points) > self.local_reach / 2]
-                rows += self.sheet(int(local.piece_of[number]), points, margins.sheet)
-        return rows
+    def initial(self, margins: Margins) -> Inequalities:
+        """Rows on lattices of the walls and clip faces and at the centre."""
+        return self.edges(EDGE_LATTICE, margins) + self._depth(margins)
 
     @cached_property
-    def edges(self) -> Callable[[int, Margins], Rows]:
+    def edges(self) -> Callable[[int, Margins], Inequalities]:
         """Rows on lattices of so many subdivisions of the walls and the clip faces; the last ones are kept."""
         return lru_cache(maxsize=8)(self._edges)
 
-    def _edges(self, subdivisions: int, margins: Margins) -> Rows:
+    def _edges(self, subdivisions: int, margins: Margins) -> Inequalities:
         rows, at_least = [np.empty((0, self.basis.size))], [np.empty(0)]
         for wall in self.placed.walls:
             points = self._lattice(self.placed.local.points[list(wall.vertices)], subdivisions)
@@ -219,7 +203,7 @@ class Guard:
             at_least.append(np.full(len(rows[-1]), margins.alpha))
             rows.append(cone.depths())
             at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
-        return Rows(np.concatenate(rows), np.concatenate(at_least))
+        return Inequalities(np.concatenate(rows), np.concatenate(at_least))
 
     def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
         """The points (N, 3) of a lattice on an outer face."""
@@ -238,15 +222,15 @@ class Guard:
         angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
         return min(subdivisions, max(LEAST_PARTS, ceil(round(subdivisions * angle / WIDE_ANGLE, 6))))
 
-    def _depth(self, margins: Margins) -> Rows:
+    def _depth(self, margins: Margins) -> Inequalities:
         """The row at the centre, if there is one; all pieces have the same value there."""
         if self.placed.partition.center is None:
-            return Rows.none(self.basis.size)
-        return Rows(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
+            return Inequalities.none(self.basis.size)
+        return Inequalities(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
 
-    def sheet(self, piece: int, points: Floats, margin: float) -> Rows:
+    def sheet(self, piece: int, points: Floats, margin: float) -> Inequalities:
         """Rows of the sheet condition at points (N, 3) of a piece."""
-        return Rows(self.basis.radial(piece, points), margin * self.reach * _lengths(points) / self.radius)
+        return Inequalities(self.basis.radial(piece, points), margin * self.reach * _lengths(points) / self.radius)
 
 
 @lru_cache(maxsize=64)

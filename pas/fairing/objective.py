@@ -16,15 +16,14 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
-from pas.fairing.basis import WorkingBasis
 from pas.fairing.energy import Energy, terms_of
+from pas.fairing.evaluation import AREA, Evaluation, RaySamples
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
-from pas.fairing.sight import AREA, Sight, View
+from pas.fairing.prepared import PreparedSpace
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
 from pas.surface.geometry import Geometry, jets
-from pas.surface.placed import PlacedContacts
 
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 """Rays, at the least."""
@@ -45,16 +44,16 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 
 
 @dataclass(frozen=True)
-class Look:
+class ObjectiveValue:
     """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
 
     `residuals` (N, R) are the energy's at each point; `views` are what each term of what is beyond limits looks at, and
     `excesses` what it finds there.
     """
 
-    view: View
+    view: Evaluation
     residuals: Floats
-    views: tuple[View, ...]
+    views: tuple[Evaluation, ...]
     excesses: tuple[tuple[Excess, ...], ...]
 
     @cached_property
@@ -76,7 +75,7 @@ class Look:
 class Beyond(Protocol):
     """What is beyond one of the limits."""
 
-    def values(self, view: View) -> Iterator[Excess]:
+    def values(self, view: Evaluation) -> Iterator[Excess]:
         """Residuals where it is."""
 
 
@@ -84,33 +83,32 @@ class Beyond(Protocol):
 class Term:
     """What is beyond limits, along rays of its own or along those of the surface."""
 
-    sight: Sight
+    sight: RaySamples
     beyond: Beyond
 
 
-class Landscape:
+class SurfaceObjective:
     """The energy over the members that rays see which were laid for one of them, `start`."""
 
     def __init__(
         self,
-        basis: WorkingBasis,
-        placed: PlacedContacts,
-        mean_alpha: Floats,
+        space: PreparedSpace,
         energy: Energy,
         limits: FairnessLimits,
         start: Floats,
         live: bool = False,
     ) -> None:
+        basis, placed = space.basis, space.placed
         self.energy, self.basis, self.placed, self.limits = energy, basis, placed, limits
         self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
         columns = [start @ coefficients for coefficients in basis.coefficients]
         number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
         directions = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
-        self.slope = abs(float(mean_alpha @ start))
+        self.slope = abs(float(space.guard.mean_alpha @ start))
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
         self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
-        self.sight = Sight(basis, directions, self.center, self.slope)
+        self.sight = RaySamples(basis, directions, self.center, self.slope)
         self.curvature = CurvatureExcess.of(neighbours, limits)
         self.terms = [
             Term(self.sight, self.curvature),
@@ -118,13 +116,13 @@ class Landscape:
         ]
         self.first = self._first(start, columns, neighbours)
 
-    def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> Look | None:
+    def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> ObjectiveValue | None:
         """The start as it is seen; None where it cannot be seen along all rays."""
         view = self.sight.view(start, self.sight.rays.distances)
         if view is None:
             return None
         sections = SectionExcess(self.basis, self.placed, columns, neighbours, self.limits)
-        across = Sight(self.basis, sections.rays, self.center, self.slope)
+        across = RaySamples(self.basis, sections.rays, self.center, self.slope)
         seen = across.view(start, sections.rays.distances)
         if seen is None:
             return None
@@ -133,7 +131,7 @@ class Landscape:
         self._check(view)
         return self._look(view, [view, view, seen])
 
-    def of(self, energy: Energy, look: Look) -> tuple[Landscape, Look]:
+    def of(self, energy: Energy, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
         """The same rays for another energy, and what is seen of a member there."""
         if energy == self.energy:
             return self, look
@@ -141,16 +139,7 @@ class Landscape:
         other.energy = energy
         return other, replace(look, residuals=other._residuals(look.view))
 
-    def seen_by(self, energy: Energy) -> Landscape:
-        """The same rays for another energy, from the same start."""
-        if self.first is None or energy == self.energy:
-            return self
-        other, first = self.of(energy, self.first)
-        other.first = first
-        other._check(self.first.view)
-        return other
-
-    def look(self, member: Floats, near: Look) -> Look | None:
+    def look(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
         """Another member, found from one near by; None where it cannot be seen along all rays."""
         view = self.sight.view(member, near.view.distances)
         if view is None:
@@ -163,14 +152,14 @@ class Landscape:
             views.append(seen)
         return self._look(view, views)
 
-    def _look(self, view: View, views: Sequence[View]) -> Look:
+    def _look(self, view: Evaluation, views: Sequence[Evaluation]) -> ObjectiveValue:
         found = tuple(tuple(term.beyond.values(seen)) for term, seen in zip(self.terms, views, strict=True))
-        return Look(view, self._residuals(view), tuple(views), found)
+        return ObjectiveValue(view, self._residuals(view), tuple(views), found)
 
-    def _residuals(self, view: View) -> Floats:
+    def _residuals(self, view: Evaluation) -> Floats:
         return np.asarray(self.energy.residuals(view.points, self.sizes))
 
-    def linearised(self, look: Look) -> tuple[Floats, Floats]:
+    def linearised(self, look: ObjectiveValue) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
         view, r = look.view, look.residuals
@@ -187,7 +176,7 @@ class Landscape:
                 normal, gradient = normal + more[0], gradient + more[1]
         return normal, gradient
 
-    def closer(self, look: Look) -> tuple[Landscape, Look] | None:
+    def closer(self, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
         """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
         member = look.view.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
@@ -202,7 +191,7 @@ class Landscape:
         if not len(hidden) or over.max() <= HIDDEN:
             return None
         share = len(rays.directions) / len(self.sight.rays.directions)  # each counts like a ray of the first ones
-        sight = Sight(self.basis, rays.some(hidden, share), self.center, self.slope)
+        sight = RaySamples(self.basis, rays.some(hidden, share), self.center, self.slope)
         seen = sight.view(member, sight.rays.distances)
         if seen is None:
             return None
@@ -211,7 +200,7 @@ class Landscape:
         more = (*look.excesses, tuple(self.curvature.values(seen)))
         return other, replace(look, views=(*look.views, seen), excesses=more)
 
-    def _check(self, view: View) -> None:
+    def _check(self, view: Evaluation) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""
         points = view.points[:: max(1, len(view.points) // CHECKED)]
         for _, energy in terms_of(self.energy):
