@@ -23,7 +23,17 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile(f"{'same' if config.option.markexpr == 'not slow' else 'other'} cases each time")
 
 
-pas.keep_blends(0)  # what a test asks for is solved, not remembered from another test
+@pytest.hookimpl(tryfirst=True)  # before those that are slow are left out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of each adversarial net a sample is run always, the first case of each test; the others are slow."""
+    met: set[str] = set()
+    for item in items:
+        if item.path.parent.name == "adversarial" and item.get_closest_marker("slow") is None:
+            name = item.nodeid.partition("[")[0]
+            if name in met:
+                item.add_marker(pytest.mark.slow)
+            met.add(name)
+
 
 DATA = Path(__file__).parent / "data"
 ROOT = Path(__file__).parent.parent
@@ -41,14 +51,6 @@ def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) 
 def corner(radii: tuple[str, ...]) -> list[pas.Pipe]:
     """Pipes along the first axes, as many as there are radii."""
     return [pas.Pipe(axis=a, radius=r, clip=1) for a, r in zip(AXES, radii, strict=False)]
-
-
-@pytest.fixture
-def blends_are_kept():
-    """What is solved is remembered, as for users."""
-    pas.keep_blends()
-    yield
-    pas.keep_blends(0)
 
 
 @cache

@@ -225,7 +225,7 @@ def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
 )
 def test_points_of_convex_regions_are_placed_as_those_of_all(region):
     surface = pas.PiecewiseSurface.from_polynomials(region, (), 0, ["x + y/2 + z/3 - 1/3"])
-    stage, field = surface.stage, surface.mesher.cell_field
+    stage, field = surface.framed, surface.mesher.cell_field
     assert stage.convex
     points = np.random.default_rng(3).uniform(
         stage.corners.min((0, 1)) - 0.1, stage.corners.max((0, 1)) + 0.1, (400, 3)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from math import factorial, prod
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import EQUAL, solved
+from halving import halving
 
 import pas
 from pas.algebra.monomials import homogeneous_exponents
-from pas.bernstein.polar import bisection, means
 from pas.bernstein.search import Fate
 from pas.bernstein.simplices import Simplices
-from pas.bernstein.subdivision import edges, halving, raised
+from pas.bernstein.subdivision import bisection, edges, means, raised
 from pas.certify.critical_points import isolated
+from pas.certify.graph_proofs import crossed
+from pas.certify.local_mesh import FramedMesh
 from pas.certify.mesh_bounds import _moves, bounds
-from pas.certify.mesh_stage import Sheet
-from pas.certify.windings import crossed
 from pas.mesh import topology
 from pas.mesh.edges import Edges
 from pas.mesh.lattice import Subdivision, eighths, risings
@@ -103,7 +102,7 @@ def test_risings_are_products_with_the_mean_gradient(degree):
 
 
 def test_parts_that_are_kept_hold_all_critical_points():
-    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
+    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).framed
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     assert not any(len(some.open) for some in found)
     solid, _, _, ends = (some.kept.corners for some in found)
@@ -142,12 +141,12 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
 
 
 def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
-    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
+    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).framed  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     _, _, sides, ends = (some.open.corners for some in found)
-    off = np.linalg.norm(stage.world(sides.mean(axis=1))[:, None] - places, axis=2)
+    off = np.linalg.norm(stage.frame.global_points(sides.mean(axis=1))[:, None] - places, axis=2)
     assert not len(ends)
     assert off.min(axis=1).max() < 1e-6
     assert off.min(axis=0).max() < 1e-6
@@ -250,7 +249,7 @@ def test_points_belong_to_the_cell_in_which_they_are_deepest():
     field, local = LocalField(surface), surface.local
     points = np.random.default_rng(8).uniform(-1.5, 1.5, (500, 3))
     assert field.pieces(points).tolist() == local.piece_of[local.locate(points, tolerance=np.inf)].tolist()
-    jets = surface.evaluator.local_derivatives(points, field.pieces(points), (0, 1))
+    jets = surface.evaluator.batch(0, 1)(points, field.pieces(points))
     assert np.array_equal(field.jets(points), jets)
     rims = np.arange(len(points)) % len(field.rims)
     for rim, point in zip(rims.tolist(), field.on_rims(points, rims), strict=True):
@@ -300,7 +299,7 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
 def test_triangles_moved_so_far_have_one_sign():
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
     mesh = surface.mesh(2e-2)
-    sheet = Sheet(surface.stage, mesh.points, mesh.triangles)
+    sheet = FramedMesh(surface.framed, mesh.points, mesh.triangles)
     found = bounds(sheet)
     enough = _moves(sheet, found, 0.02)
     assert np.isfinite(enough).mean() > 0.8
@@ -309,21 +308,21 @@ def test_triangles_moved_so_far_have_one_sign():
     weights = np.random.default_rng(8).dirichlet(np.ones(3), size=10)
     for sign in (-1, 1):
         moved = sheet.corners[near] + sign * (enough[near, None] * sheet.normals[near])[:, None]
-        values, _ = surface.stage.jets((weights @ moved).reshape(-1, 3))
+        values, _ = surface.framed.jets((weights @ moved).reshape(-1, 3))
         assert (sign * values > 0).all()
     tight = enough[near, None, None] * sheet.normals[near, None] * 0.2
     assert not all(
-        (sign * surface.stage.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
+        (sign * surface.framed.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
     )
 
 
 def test_second_derivatives_are_bounded():
-    stage = SimpleNamespace(maker=pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).stage.makers[0])
+    stage = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).framed
     reach = np.array([0.5, 0.7, 0.2])
-    bound = stage.maker.bend(reach)
+    bound = stage.makers[0].bend(reach)
     rng = np.random.default_rng(9)
     points, ways = rng.uniform(-reach, reach, (400, 3)), rng.normal(size=(400, 3))
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    slopes = [(stage.maker.jets(points + s * ways)[1] * ways.T).sum(axis=0) for s in (-1e-5, 1e-5)]
+    slopes = [(stage.patches[0].gradient(points + s * ways) * ways).sum(axis=1) for s in (-1e-5, 1e-5)]
     found = np.abs(slopes[1] - slopes[0]).max() / 2e-5
     assert found <= bound <= 20 * found

@@ -17,6 +17,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -107,6 +108,13 @@ def whole(value: Any, name: str, least: int, most: int, words: str = "") -> int:
     return number
 
 
+def natural(value: Any, name: str, least: int = 0, words: str = "") -> int:
+    """A whole number from `least` on, however large; raises `ValueError` for anything else (see also `whole`)."""
+    if not isinstance(value, int) or isinstance(value, bool) or value < least:
+        raise ValueError(f"{name} must be a whole number >= {least}{words}, not {shown(value)}")
+    return value
+
+
 def check_flag(value: Any, name: str) -> bool:
     """A truth value, of Python or numpy; raises `TypeError` for anything else, which might mean the opposite."""
     if not isinstance(value, bool | np.bool_):
@@ -168,6 +176,14 @@ def check_tolerance(tolerance: Any, size: float | None = None) -> float:
             f"would be finer than its vertices are placed; it is {value:.3g}"
         )
     return value
+
+
+def points_of(points: ArrayLike) -> NDArray[np.float64]:
+    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
+    array = np.asarray(points, dtype=float)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+    return array
 
 
 def check_text(text: str) -> str:

@@ -20,7 +20,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.products import Products
-from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
+from pas.blending.net import Row, across, domain_point, members, multinomial, numbered
 from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
@@ -39,7 +39,7 @@ def solve(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
 def _solved(
     contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
 ) -> Products:
-    """The same by what it depends on: regions of one layout differ in their walls alone."""
+    """The patches of all members, kept by what they depend on: regions of one layout differ in their walls alone."""
     parts = [splines(layout, order, d) for d in range(degree + 1)]
     total = sum(part[0].nrows() for part in parts)
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))

@@ -11,13 +11,13 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact
 from pas.designs.body import Body, below
 from pas.designs.exact import number
-from pas.designs.handle import Handle
+from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper import PaperHandle, PaperSpout
-from pas.designs.spout import Spout, SpoutShape
+from pas.designs.spout import PaperSpout, Spout, SpoutShape
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.solid import Solid
@@ -70,6 +70,11 @@ class Teapot(Shape):
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The mesh of the closed solid by settings."""
+        mesh: Mesh = self.solid.meshed(settings)
+        return mesh
 
     @property
     def description(self) -> str:

@@ -55,6 +55,9 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
                const double *corners, const double *normals, double *least, double *sizes);
 int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
 void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
+int pas_located(const whole *sizes, const double *maps, const whole *piece_of, const double *normals, const whole *table,
+                const whole *starts, const double *walls, whole count, const double *points, double tolerance,
+                whole *pieces);
 
 /* halfedge.c */
 int pas_twins(whole count, const whole *corners, whole size, whole *twins);

@@ -20,8 +20,7 @@ from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.algebra.rational_function import RING, RationalFunction
 from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
-from pas.exchange.schema import ANYTHING, NUMBER, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
-from pas.exchange.shapes import POINT
+from pas.exchange.schema import ANYTHING, NUMBER, POINT, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
 from pas.parametric.blends import ParametricBlend, blend_by, method_of
 from pas.parametric.conversion import bezier_patches
 from pas.parametric.data import BlendingData
@@ -257,7 +256,6 @@ PATCH = Kind(
     _patch_record,
     _read_patch,
     lambda patch, scene: surface_layers(patch.surface(), scene),
-    mesh=lambda patch, settings: patch.surface().meshed(settings),
     patches=lambda patch, domain: (patch,),
     curved=True,
 )

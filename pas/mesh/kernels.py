@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.bernstein.polar import Means
+from pas.bernstein.subdivision import Means
 from pas.kernels.library import Functions
 from pas.mesh.field import Floats, Integers
 

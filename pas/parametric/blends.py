@@ -21,7 +21,7 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import Values
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.rational import Exact, plain
-from pas.algebra.rational_function import RationalFunction, total
+from pas.algebra.rational_function import total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -33,10 +33,11 @@ from pas.parametric.hermite import exact_hermite
 from pas.parametric.meshing import mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.regularity import regularity
-from pas.parametric.series import Components, univariate
+from pas.parametric.series import Components
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
+from pas.settings import MeshSettings
 from pas.shape import Shape
 
 
@@ -112,6 +113,11 @@ class ParametricBlend(Shape):
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain, quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The surface's mesh by settings."""
+        mesh: Mesh = self.surface.meshed(settings)
+        return mesh
 
     def __str__(self) -> str:
         kind = "" if self.weights is None else "weighted "
@@ -193,7 +199,7 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
             if part.denominator.degree() > 0:
                 j = next(j for j in range(k + 1) if part.denominator.gcd(part.numerators[j]) != part.denominator)
                 what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
-                below = RationalFunction.quotient(univariate(part.numerators[j], 0), univariate(part.denominator, 0))
+                below = part.functions[j]
                 where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {short(plain(value))}"
                 return PolynomialCriterion(
                     False, f"{what} of {where} is no polynomial; its denominator is {short(str(below.denominator))}"
@@ -224,32 +230,21 @@ def _require_data(data: Any) -> None:
 
 
 @dataclass(frozen=True)
-class Method:
-    """`build(data, order, **options)` makes a blend; `options_of` finds the options of one, None for another's blend.
+class BlendMethod:
+    """`build(data, order, **options)` makes a blend; `options` names those that there are.
 
-    `options` names those that there are, with their types (`Any` for exact numbers and lists of them).
+    They come with their types (`Any` for exact numbers and lists of them).
     """
 
     build: Callable[..., ParametricBlend]
     options: Mapping[str, Any]
-    options_of: Callable[[ParametricBlend], dict[str, Any] | None]
 
 
-def _hermite(blend: ParametricBlend) -> dict[str, Any] | None:
-    return {} if type(blend) is ParametricBlend and blend.weights is None else None
-
-
-def _weights(blend: ParametricBlend) -> dict[str, Any] | None:
-    w = blend.weights
-    if type(blend) is not ParametricBlend or w is None:
-        return None
-    return {"balance": [plain(u) for u in w.balance], "normalized": w.normalized, "exponent": w.exponent}
-
-
-METHODS: dict[str, Method] = {
-    "hermite": Method(hermite_blend, {}, _hermite),
-    "weighted": Method(weighted_blend, {"balance": Any, "normalized": bool, "exponent": int}, _weights),
+METHODS: dict[str, BlendMethod] = {
+    "hermite": BlendMethod(hermite_blend, {}),
+    "weighted": BlendMethod(weighted_blend, {"balance": Any, "normalized": bool, "exponent": int}),
 }
+"""By name, for files and the command line."""
 
 
 def blend_by(method: str, data: BlendingData, order: int, options: Mapping[str, Any]) -> ParametricBlend:
@@ -265,8 +260,7 @@ def blend_by(method: str, data: BlendingData, order: int, options: Mapping[str, 
 
 def method_of(blend: ParametricBlend) -> tuple[str, dict[str, Any]]:
     """The name of the method that made a blend, and its options."""
-    for name, method in METHODS.items():
-        options = method.options_of(blend)
-        if options is not None:
-            return name, options
-    raise ValueError(f"no method is known that makes {blend}")
+    w = blend.weights
+    if w is None:
+        return "hermite", {}
+    return "weighted", {"balance": [plain(u) for u in w.balance], "normalized": w.normalized, "exponent": w.exponent}

@@ -24,20 +24,8 @@ from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import SMALLEST, Nets, bernstein_at
 from pas.parametric.tiling import GRID, Placing
 
-SAMPLES = 5
-"""Points a side of a cell at which a surface that is not exact is compared."""
-
-SAFETY = 1.1
-"""On what is measured at them: of a parabola they may miss a sixteenth."""
-
 PRODUCT = 32 * UNIT_ROUNDOFF
 """Relative error of a coefficient of a product of nets by bilinear ones: some 20 operations."""
-
-OPERATIONS = 24
-"""Operations behind a term of a Bernstein sum besides those that grow with the degrees; powers err by some units."""
-
-ROWS = 1 << 13
-"""Points at once."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +78,11 @@ def bounded(nets: Nets, _: Integers) -> CellErrors:
 
 
 def measured(surface: ParametricMap) -> Examination:
-    """Of other surfaces over the unit square: P - B at points of each cell."""
-    share = np.linspace(0.0, 1.0, SAMPLES)
+    """Of other surfaces over the unit square: P - B at 5 x 5 points of each cell, and a tenth more.
+
+    Of a parabola these may miss a sixteenth.
+    """
+    share = np.linspace(0.0, 1.0, 5)
 
     def examine(_: None, cells: Integers) -> CellErrors:
         places = cells / GRID
@@ -102,7 +93,7 @@ def measured(surface: ParametricMap) -> Examination:
         hats = np.stack([1 - share, share])
         errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, corners)
         none = np.zeros(len(cells))
-        return CellErrors(np.where(np.isfinite(errors), SAFETY * errors, np.inf), np.nan_to_num(corners), none, none)
+        return CellErrors(np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(corners), none, none)
 
     return examine
 
@@ -116,8 +107,9 @@ def surface_points(surface: ParametricMap) -> Placing:
 class NetPoints:
     """Points of an exact surface at parameters of its frame that are multiples of 1 / GRID, and bounds on their errors.
 
-    A Bernstein sum of degrees (m, n) errs by (2 m + 2 n + OPERATIONS) 2^-53 of the same sum of absolute values at most
-    (Higham 2002, section 3.1).  Where that is more than `allowed` the point is worked out exactly.
+    A Bernstein sum of degrees (m, n) errs by (2 m + 2 n + 24) 2^-53 of the same sum of absolute values at most, 24
+    being the operations that do not grow with the degrees (Higham 2002, section 3.1).  Where that is more than
+    `allowed` the point is worked out exactly.
     """
 
     framed: Framed
@@ -127,9 +119,10 @@ class NetPoints:
     def __call__(self, places: Integers) -> tuple[Floats, Floats]:
         """Points (N, 3) at places (N, 2) on the grid, and what they may be off by (N,)."""
         points, off = np.empty((len(places), 3)), np.empty(len(places))
-        for start in range(0, len(places), ROWS):
+        step = 1 << 13
+        for start in range(0, len(places), step):
             checkpoint("placing the vertices of a mesh", start / len(places))
-            rows = slice(start, start + ROWS)
+            rows = slice(start, start + step)
             points[rows], off[rows] = self._summed(places[rows] / GRID)
         for number in np.flatnonzero(~(off <= self.allowed)):
             checkpoint("placing vertices exactly")
@@ -144,7 +137,7 @@ class NetPoints:
             np.einsum("nj,njx->nx", bases[1], np.tensordot(bases[0], table, 1))
             for table in (self.table, np.abs(self.table))
         )
-        error = (2 * m + 2 * n + OPERATIONS) * UNIT_ROUNDOFF * most + SMALLEST
+        error = (2 * m + 2 * n + 24) * UNIT_ROUNDOFF * most + SMALLEST
         with np.errstate(all="ignore"):
             points = four[:, :3] / four[:, 3:]
             least = four[:, 3] - error[:, 3]

@@ -15,7 +15,7 @@ afresh: exact, scaled anew and rounded once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -29,7 +29,7 @@ from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
-from pas.limits import checkpoint
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.mesh.field import Integers
 from pas.parametric.domain import Ends, ExactDomain
 from pas.parametric.nets import Nets
@@ -47,12 +47,6 @@ DEPTH = 200
 RENEWALS = 64
 """Rectangles that wait to be worked out afresh at most; each takes as long as some hundred halvings."""
 
-SHORT = 1000
-"""Greatest denominator of the point near an open rectangle that is tried as an exact zero."""
-
-BISECTIONS = 30
-"""Of the segment on which a polynomial changes its sign: the zero is then known to 1e-9 of it."""
-
 
 @dataclass(frozen=True)
 class ZeroSearch:
@@ -65,7 +59,7 @@ class ZeroSearch:
 
 
 @dataclass(frozen=True)
-class Chart:
+class RationalChart:
     """A rectangle of the domain, seen from [0, 1]^2 by t = f(u), h = g(v); each map is (a u + b) / (c u + d)."""
 
     maps: tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
@@ -87,21 +81,21 @@ class Chart:
                 return False
         return True
 
-    def part(self, corner: Sequence[Fraction], size: Sequence[Fraction]) -> Chart:
+    def part(self, corner: Sequence[Fraction], size: Sequence[Fraction]) -> RationalChart:
         """The rectangle at a corner (u, v), of a size, as one of its own."""
         first, second = (
             (a * width, a * start + b, c * width, c * start + d)
             for (a, b, c, d), start, width in zip(self.maps, map(rational, corner), map(rational, size), strict=True)
         )
-        return Chart((first, second))
+        return RationalChart((first, second))
 
 
-UNIT_SQUARE = Chart(((fmpq(1), fmpq(0), fmpq(0), fmpq(1)),) * 2)
+UNIT_SQUARE = RationalChart(((fmpq(1), fmpq(0), fmpq(0), fmpq(1)),) * 2)
 
 
-def charts_of(domain: ExactDomain) -> list[Chart]:
+def charts_of(domain: ExactDomain) -> list[RationalChart]:
     """Rectangles that cover a domain together."""
-    return [Chart((first, second)) for first, second in product(*map(_maps, domain))]
+    return [RationalChart((first, second)) for first, second in product(*map(_maps, domain))]
 
 
 def _maps(interval: Ends) -> list[tuple[fmpq, ...]]:
@@ -118,19 +112,17 @@ def _maps(interval: Ends) -> list[tuple[fmpq, ...]]:
 
 
 @dataclass(frozen=True)
-class _Cells:
-    """C rectangles of a chart, nets of all polynomials on them: lower corners `start` / 2^`steps`, `steps` halvings."""
+class _Rectangles(Cells):
+    """C rectangles of a chart: lower corners `start` / 2^`steps` (C, 2), and nets of all polynomials on them.
 
-    chart: Chart
-    nets: Nets
+    `table` (C, n+1, m+1, k) and `off` (C,) are those of `Nets`, `steps` (C, 2) the halvings so far.
+    """
+
+    chart: RationalChart
+    table: Floats
+    off: Floats
     start: Integers
     steps: Integers
-
-    def __len__(self) -> int:
-        return len(self.start)
-
-    def part(self, chosen: Any) -> _Cells:
-        return _Cells(self.chart, self.nets.part(chosen), self.start[chosen], self.steps[chosen])
 
     def point(self, number: int, shares: Sequence[Any]) -> list[Fraction]:
         """Where shares of a rectangle's sides end, in the chart."""
@@ -142,24 +134,23 @@ class _Cells:
         u, v = self.point(number, shares)
         return self.chart.place(u, v)
 
-    def halves(self) -> _Cells:
+    def halves(self) -> _Rectangles:
         """Both halves of all, across the parameter along which the coefficients change more."""
-        changes = [np.abs(np.diff(self.nets.table, axis=a)).max(axis=(1, 2, 3), initial=0.0) for a in (1, 2)]
+        changes = [np.abs(np.diff(self.table, axis=a)).max(axis=(1, 2, 3), initial=0.0) for a in (1, 2)]
         across = np.where(changes[0] == changes[1], self.steps.sum(axis=1) % 2, changes[0] < changes[1])
         parts = []
         for axis in sorted(set(across.tolist())):
-            cells = self.part(across == axis)
-            start, steps = np.concatenate([cells.start] * 2), np.concatenate([cells.steps] * 2)
-            steps[:, axis] += 1
-            start[:, axis] *= 2
-            start[len(cells) :, axis] += 1
-            nets = cells.nets.halves(axis)
-            parts.append((nets.table, nets.off, start, steps))
-        table, off, start, steps = (np.concatenate(pair) for pair in zip(*parts, strict=True))
-        return _Cells(self.chart, Nets(table, off), start, steps)
+            cells = self.select(across == axis)
+            nets = Nets(cells.table, cells.off).halves(axis)
+            both = cells.joined([cells])
+            both.steps[:, axis] += 1
+            both.start[:, axis] *= 2
+            both.start[len(cells) :, axis] += 1
+            parts.append(replace(both, table=nets.table, off=nets.off))
+        return parts[0].joined(parts[1:])
 
 
-def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: Chart, effort: int) -> ZeroSearch:
+def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart, effort: int) -> ZeroSearch:
     """Whether the polynomials have no common zero on a rectangle; else a zero, or a place left open.
 
     `effort` bounds the rectangles that are looked at.
@@ -169,96 +160,98 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: Chart, effort:
     if all(p.is_zero() for p in polynomials):
         return ZeroSearch(Status.REFUTED, chart.place(HALF, HALF), True, 1)
     degrees = [max(int(p.degrees()[a]) for p in polynomials if not p.is_zero()) for a in (0, 1)]
-    search = _Search(polynomials, degrees, effort)
-    pending = [(chart, 0)]
-    while pending and search.found is None:
+    seeker, pending = _Seeker(polynomials, degrees, effort), [(chart, 0)]
+    while pending:
         part, depth = pending.pop()
         if depth >= DEPTH or len(pending) > RENEWALS:
-            return ZeroSearch(Status.UNDECIDED, part.place(HALF, HALF), False, search.cells)
-        pending += search.look(part, depth)
-    return search.found or ZeroSearch(Status.PROVED, cells=search.cells)
+            return ZeroSearch(Status.UNDECIDED, part.place(HALF, HALF), False, seeker.cells)
+        limits, work = Limits(HALVINGS, effort), "looking for common zeros"
+        found = search(seeker.whole(part), seeker.judge, _Rectangles.halves, limits, work)
+        if len(found.refuted):
+            return ZeroSearch(Status.REFUTED, seeker.zero, seeker.exact, seeker.cells)
+        if len(found.open):
+            return ZeroSearch(Status.UNDECIDED, found.open.place(0), False, seeker.cells)
+        for number in range(len(found.kept)):
+            steps = found.kept.steps[number].tolist()
+            corner, size = found.kept.point(number, (0, 0)), [Fraction(1, 1 << n) for n in steps]
+            pending.append((part.part(corner, size), depth + sum(steps)))
+    return ZeroSearch(Status.PROVED, cells=seeker.cells)
 
 
 @dataclass
-class _Search:
-    """A search for common zeros of polynomials of at most these degrees; counts the cells that were looked at."""
+class _Seeker:
+    """Judges rectangles for common zeros of polynomials of at most these degrees, and counts them.
+
+    `zero` is one, or near one where it is not `exact`.
+    """
 
     polynomials: Sequence[fmpq_mpoly]
     degrees: list[int]
     effort: int
     cells: int = 0
-    found: ZeroSearch | None = None
+    zero: Place | None = None
+    exact: bool = True
 
-    def look(self, chart: Chart, depth: int) -> list[tuple[Chart, int]]:
-        """Halve a chart, reached by so many halvings, until what is open is to be worked out afresh: returned."""
-        cells, left = self._whole(chart), list[tuple[Chart, int]]()
-        for halvings in range(HALVINGS + 1):
-            checkpoint("looking for common zeros")
-            if self.cells + len(cells) > self.effort:
-                self.found = ZeroSearch(Status.UNDECIDED, cells.place(0), False, self.cells)
-                return []
-            self.cells += len(cells)
-            cells = cells.part(~avoids_origin(cells.nets.table, cells.nets.off))
-            greatest, off = np.abs(cells.nets.table).max(axis=(1, 2)), cells.nets.off[:, None]
-            worn = ((greatest > 0) & (off > WORN * greatest)).any(axis=1) | (halvings == HALVINGS)
-            open_ones = np.flatnonzero(worn).tolist()
-            middles = (cells.place(number) for number in open_ones[:RENEWALS])
-            if self._finds_zero(cells) or any(self._near(place, chart) for place in middles):
-                return []
-            for number in open_ones:
-                size = [Fraction(1, 1 << n) for n in cells.steps[number].tolist()]
-                left.append((chart.part(cells.point(number, (0, 0)), size), depth + halvings))
-            cells = cells.part(~worn)
-            if not len(cells):
-                break
-            cells = cells.halves()
-        return left
-
-    def _whole(self, chart: Chart) -> _Cells:
-        """A whole chart with coefficients (1, n+1, m+1, k), those of each polynomial over the greatest, rounded."""
+    def whole(self, chart: RationalChart) -> _Rectangles:
+        """A whole chart, coefficients of each polynomial over its greatest, rounded."""
         tables = [box_form(_moved(p, chart, self.degrees), self.degrees) for p in self.polynomials]
         nets = [rounded([c for row in table for c in row]).reshape(len(table), -1) for table in tables]
         none = np.zeros((1, 2), dtype=np.intp)
-        return _Cells(chart, Nets(np.stack(nets, axis=-1)[None], np.array([UNIT_ROUNDOFF])), none, none)
+        return _Rectangles(chart, np.stack(nets, axis=-1)[None], np.array([UNIT_ROUNDOFF]), none, none)
 
-    def _finds_zero(self, cells: _Cells) -> bool:
-        """Whether all polynomials vanish at a corner, where coefficients are values, or the only one changes sign."""
-        ends, off = cells.nets.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.nets.off[:, None]
-        for number, corner in zip(*np.nonzero(np.abs(ends).max(axis=2) <= off), strict=True):
-            place = cells.place(number, divmod(int(corner), 2))
-            if place is not None and self._vanish(place):
-                self.found = ZeroSearch(Status.REFUTED, place, True, self.cells)
-                return True
-        if len(self.polynomials) > 1:
-            return False
+    def judge(self, cells: _Rectangles, depth: int) -> Fates:
+        """Settled where there is no zero; kept where coefficients are to be worked out afresh."""
+        if self.cells + len(cells) > self.effort:
+            return np.full(len(cells), Fate.WAIT)
+        self.cells += len(cells)
+        fates = np.where(avoids_origin(cells.table, cells.off), Fate.SETTLED, Fate.SPLIT)
+        greatest, off = np.abs(cells.table).max(axis=(1, 2)), cells.off[:, None]
+        worn = ((greatest > 0) & (off > WORN * greatest)).any(axis=1) | (depth == HALVINGS)
+        fates[worn & (fates == Fate.SPLIT)] = Fate.KEEP
+        number = self._with_zero(cells, fates)
+        if number is not None:
+            fates[number] = Fate.REFUTE
+        return fates
+
+    def _with_zero(self, cells: _Rectangles, fates: Fates) -> int | None:
+        """A rectangle with a zero: at a corner, where coefficients are values, by a change of sign, or near the middle
+        of one that is worked out afresh."""
+        ends, off = cells.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.off[:, None]
         values = ends[:, :, 0]
-        for number in np.flatnonzero((values < -off).any(axis=1) & (values > off).any(axis=1)).tolist():
+        flat = (np.abs(ends).max(axis=2) <= off) & (fates != Fate.SETTLED)[:, None]
+        for number, corner in zip(*(a.tolist() for a in np.nonzero(flat)), strict=True):
+            place = cells.place(number, divmod(corner, 2))
+            if place is not None and self._vanish(place):
+                self.zero = place
+                return int(number)
+        changing = (values < -off).any(axis=1) & (values > off).any(axis=1) & (len(self.polynomials) == 1)
+        for number in np.flatnonzero(changing).tolist():
             corners = [divmod(int(i), 2) for i in (values[number].argmin(), values[number].argmax())]
             if all(cells.place(number, corner) is not None for corner in corners):
                 self._bisect(cells.chart, *(cells.point(number, corner) for corner in corners))
-                return True
-        return False
+                return int(number)
+        kept = np.flatnonzero(fates == Fate.KEEP)[:RENEWALS].tolist()
+        return next((number for number in kept if self._near(cells.place(number), cells.chart)), None)
 
-    def _bisect(self, chart: Chart, negative: list[Fraction], positive: list[Fraction]) -> None:
-        """Find a zero between two finite points at which the only polynomial has values of both signs."""
-        place: Place | None = None
-        for _ in range(BISECTIONS):
+    def _bisect(self, chart: RationalChart, negative: list[Fraction], positive: list[Fraction]) -> None:
+        """Find a zero between two finite points at which the only polynomial has values of both signs, to 1e-9."""
+        for _ in range(30):
             u, v = ((a + b) / 2 for a, b in zip(negative, positive, strict=True))
             place = chart.place(u, v)
             assert place is not None
             if self._near(place, chart):
                 return
             negative, positive = ([u, v], positive) if self.polynomials[0](*place) < 0 else (negative, [u, v])
-        self.found = ZeroSearch(Status.REFUTED, place, False, self.cells)
+        self.zero, self.exact = place, False
 
-    def _near(self, place: Place | None, chart: Chart) -> bool:
+    def _near(self, place: Place | None, chart: RationalChart) -> bool:
         """Whether the simplest point near a place is a common zero in a chart."""
         if place is None:
             return False
-        t, h = (rational(to_fraction(x).limit_denominator(SHORT)) for x in place)
+        t, h = (rational(to_fraction(x).limit_denominator(1000)) for x in place)
         if not (chart.holds((t, h)) and self._vanish((t, h))):
             return False
-        self.found = ZeroSearch(Status.REFUTED, (t, h), True, self.cells)
+        self.zero = t, h
         return True
 
     def _vanish(self, place: Place) -> bool:
@@ -275,7 +268,7 @@ def avoids_origin(nets: Floats, off: Floats) -> NDArray[np.bool_]:
     return np.asarray(clear | ((length > 0) & (least > 8 * off * length)))  # the rest is for the sums' own rounding
 
 
-def _moved(polynomial: fmpq_mpoly, chart: Chart, degrees: list[int]) -> fmpq_mpoly:
+def _moved(polynomial: fmpq_mpoly, chart: RationalChart, degrees: list[int]) -> fmpq_mpoly:
     """The numerator of the polynomial after the maps, as one of the degrees given."""
     powers = []
     for generator, (a, b, c, d), degree in zip(GENERATORS, chart.maps, degrees, strict=True):

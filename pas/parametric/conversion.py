@@ -27,12 +27,6 @@ from pas.parametric.nets import ExactNet, exact_net
 from pas.parametric.patches import ExactControl, RationalPatch
 from pas.parametric.surface import ParametricSurface
 
-HALVINGS = 16
-"""Halvings after which a denominator without positive coefficients is taken to have a zero."""
-
-LIGHTEST = fmpq(1, 10**100)
-"""Weights from this to its inverse are left as they are; doubles hold them and their products."""
-
 
 def bezier_patch(surface: ParametricSurface, domain: DomainLike = None) -> RationalPatch:
     """The exact rational Bezier patch of an exact surface over a rectangle of rational numbers.
@@ -73,7 +67,7 @@ def bezier_patches(
             found.append(_patch(net))
             continue
         corners = [net.below[i][j] for i in (0, -1) for j in (0, -1)]
-        if depth >= HALVINGS or min(corners) <= 0:
+        if depth >= 16 or min(corners) <= 0:  # by then the denominator has a zero
             place = ", ".join(
                 f"{name} = {to_float((a + b) / 2):.6g}"
                 for name, (a, b) in zip(surface.parameters, net.rectangle, strict=True)
@@ -102,14 +96,14 @@ def _patch(net: ExactNet) -> RationalPatch:
 
 def _weight_scale(net: ExactNet) -> fmpq:
     """What the weights are divided by: 1, or the greatest of them where doubles would not hold them as they are."""
-    weights = [w for row in net.below for w in row]
+    weights, lightest = [w for row in net.below for w in row], fmpq(1, 10**100)
     least, greatest = min(weights), max(weights)
-    if least / greatest < LIGHTEST:
+    if least / greatest < lightest:
         raise GeometryError(
-            f"the weights of this patch differ by more than a factor of {to_float(1 / LIGHTEST):.0e}; convert a part "
-            "of the domain where the denominators vary less"
+            "the weights of this patch differ by more than a factor of 1e+100; convert a part of the domain where the "
+            "denominators vary less"
         )
-    return fmpq(1) if least > LIGHTEST and greatest < 1 / LIGHTEST else greatest
+    return fmpq(1) if least > lightest and greatest < 1 / lightest else greatest
 
 
 def _doubles(numbers: Any) -> Floats:

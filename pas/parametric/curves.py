@@ -24,9 +24,6 @@ from pas.algebra.rational_function import RationalFunction
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 
-FLAT = 1e-12
-"""Where the normal is shorter, over the tangents, there is no curvature."""
-
 
 @dataclass(frozen=True, eq=False, init=False)
 class SurfaceCurve:
@@ -147,7 +144,7 @@ class Forms:
         length = np.linalg.norm(cross, axis=-1)
         sizes = np.linalg.norm(p, axis=-1) * np.linalg.norm(q, axis=-1)
         with np.errstate(all="ignore"):
-            normals = cross / np.where(length > FLAT * sizes, length, np.nan)[:, None]
+            normals = cross / np.where(length > 1e-12 * sizes, length, np.nan)[:, None]
         first = _symmetric(*((u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))))
         return cls(first, _symmetric(*(-(b * normals).sum(axis=-1) for b in bends)), normals)
 

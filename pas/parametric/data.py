@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
@@ -123,18 +122,12 @@ class BlendingData:
 
     def curve(self, number: int) -> Components:
         """The exact curve surfaces[number](t, values[number])."""
-        x, y, z = self.coefficients(number, 0)[0]
-        return x, y, z
+        return self.coefficients(number, 0)[0]
 
-    def coefficients(self, number: int, order: int) -> list[tuple[RationalFunction, ...]]:
+    def coefficients(self, number: int, order: int) -> list[Components]:
         """Exact Taylor coefficients in h of one surface at its value, j = 0..order, as functions of t."""
-        parts = self.expansions(number, order)
-        return [
-            tuple(
-                RationalFunction.quotient(univariate(p.numerators[j], 0), univariate(p.denominator, 0)) for p in parts
-            )
-            for j in range(order + 1)
-        ]
+        x, y, z = (p.functions for p in self.expansions(number, order))
+        return list(zip(x, y, z, strict=True))
 
     def expansions(self, number: int, order: int) -> tuple[Expansion, ...]:
         """Exact Taylor coefficients in h of each component over their least common denominator."""
@@ -170,7 +163,11 @@ class BlendingData:
             for axis, component in zip(AXES, surface.components, strict=True):
                 if not component.is_polynomial and taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
-        elif not np.isfinite(surface.with_domain(None).on_grid(_samples(surface), to_float(value))).all(axis=-1).any():
+            return
+        low, high = surface.domain[0]
+        start = low if math.isfinite(low) else high - 1 if math.isfinite(high) else -1.0
+        places = start + ((high if math.isfinite(high) else start + 2) - start) * np.array([1, 2, 3, 5, 6]) / 7
+        if not np.isfinite(surface.with_domain(None).on_grid(places, to_float(value))).all(axis=-1).any():
             raise GeometryError(f"{name}: it has no finite value there")
 
     def __str__(self) -> str:
@@ -217,11 +214,3 @@ def _isolated(
                 text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
                 found.append(IsolatedPoint(number, axis, root, value, text, kind))
     return sorted(found, key=lambda p: p.t)
-
-
-def _samples(surface: ParametricSurface) -> list[float]:
-    """A few t of the domain."""
-    low, high = surface.domain[0]
-    start = low if math.isfinite(low) else (high - 1 if math.isfinite(high) else -1.0)
-    stop = high if math.isfinite(high) else start + 2
-    return [start + (stop - start) * float(Fraction(i, 7)) for i in (1, 2, 3, 5, 6)]

@@ -35,23 +35,11 @@ from pas.parametric.surface import ParametricSurface
 PRODUCT = 256 * UNIT_ROUNDOFF
 """Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
 
-DEGREE = 3
-"""Of B-splines in both parameters."""
+DEGREE, DENSE = 3, 6
+"""Of B-splines in both parameters, and points for each span at which surfaces that are not exact are compared."""
 
 MOST = 512
 """Spans of a B-spline in one parameter."""
-
-LINES = 17
-"""Lines of one parameter along which the spans of the other are chosen."""
-
-DENSE, LEAST = 6, 96
-"""Points for each span at which surfaces that are not exact are compared, and in all at least."""
-
-ROWS = 64
-"""Rows of them at once."""
-
-SHARE = 0.4
-"""Of the tolerance: what the choice of spans allows each parameter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,14 +89,14 @@ def fit_patch(
     framed = Framed.of(whole.with_domain(rectangle))
     aim = RELATIVE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
     nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
-    spans = [_spans(framed.surface, axis, aim * SHARE) for axis in (0, 1)]
+    spans = [_spans(framed.surface, axis, 0.4 * aim) for axis in (0, 1)]  # a share for each parameter
     while True:
         knots, points = _interpolated(framed.surface, spans)
-        outer = tuple(_outer(k, e) for k, e in zip(knots, rectangle, strict=True))
-        away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, outer)
+        outer, moved = zip(*(_outer(k, e) for k, e in zip(knots, rectangle, strict=True)), strict=True)
+        away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, moved)
         deviation = framed.outside(away)
         if away <= aim:
-            ends, control = (outer[0].knots, outer[1].knots), framed.points_outside(points)
+            control, ends = framed.points_outside(points), (outer[0], outer[1])
             return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
         if max(spans) >= MOST:
             raise GeometryError(
@@ -140,7 +128,7 @@ def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
     """The power of 2 of spans in one parameter that suffices along some lines."""
     from scipy.interpolate import BSpline
 
-    lines = np.linspace(*surface.domain[1 - axis], LINES)
+    lines = np.linspace(*surface.domain[1 - axis], 17)
 
     def along(t: Floats) -> Floats:
         values = surface.on_grid(t, lines) if axis == 0 else np.swapaxes(surface.on_grid(lines, t), 0, 1)
@@ -150,8 +138,7 @@ def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
 
     spans = 1
     while spans < MOST:
-        knots = _knots(surface.domain[axis], spans)
-        dense = np.linspace(*surface.domain[axis], DENSE * spans + 1)
+        knots, dense = _knots(surface.domain[axis], spans), np.linspace(*surface.domain[axis], DENSE * spans + 1)
         errors = along(dense) - BSpline(knots, _spline(knots, along(_sites(knots))), DEGREE)(dense)
         if np.linalg.norm(errors, axis=-1).max() <= tolerance:
             break
@@ -167,38 +154,29 @@ def _interpolated(surface: ParametricMap, spans: list[int]) -> tuple[Knots, Floa
 
 
 def _compared(surface: ParametricMap, knots: Knots, points: Floats) -> float:
-    """The greatest distance at DENSE points a span."""
+    """The greatest distance at DENSE points a span, and 97 at least in each parameter, some rows at once."""
     from scipy.interpolate import BSpline
 
-    places = [np.linspace(k[0], k[-1], max(LEAST, DENSE * (len(k) - 2 * DEGREE - 1)) + 1) for k in knots]
+    places = [np.linspace(k[0], k[-1], max(96, DENSE * (len(k) - 2 * DEGREE - 1)) + 1) for k in knots]
     first, second = (BSpline(k, np.eye(len(k) - DEGREE - 1), DEGREE)(p) for k, p in zip(knots, places, strict=True))
     worst = 0.0
-    for start in range(0, len(places[0]), ROWS):
-        rows = slice(start, start + ROWS)
+    for rows in np.array_split(np.arange(len(places[0])), -(-len(places[0]) // 64)):
         values = np.einsum("bj,ajx->abx", second, np.tensordot(first[rows], points, 1), optimize=True)
         off = surface.on_grid(places[0][rows], places[1]) - values
         worst = max(worst, float(np.linalg.norm(off, axis=-1).max()))
     return worst
 
 
-@dataclass(frozen=True)
-class _Outer:
+def _outer(knots: Floats, interval: tuple[fmpq, fmpq]) -> tuple[Floats, float]:
     """Knots in the surface's own parameter, rounded, and by what share of their distance that moves them at most."""
-
-    knots: Floats
-    moved: float
-
-
-def _outer(knots: Floats, interval: tuple[fmpq, fmpq]) -> _Outer:
     low, high = interval
     true = [low + (high - low) * exact(k) for k in knots]
     rounded = np.array([to_float(k) for k in true])
-    spans = len(knots) - 2 * DEGREE - 1
     worst = max(abs(exact(r) - k) for r, k in zip(rounded, true, strict=True))
-    return _Outer(rounded, to_float(worst * spans / (high - low)))
+    return rounded, to_float(worst * (len(knots) - 2 * DEGREE - 1) / (high - low))
 
 
-def _bound(nets: Nets, knots: Knots, points: Floats, outer: Sequence[_Outer]) -> float:
+def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> float:
     """The greatest coefficient of N - D S over the least of D's, over all rectangles between knots, and rounding.
 
     Knots that move by a share e of their distance change each of de Boor's weights by 3 e at most, and the spline by
@@ -220,7 +198,7 @@ def _bound(nets: Nets, knots: Knots, points: Floats, outer: Sequence[_Outer]) ->
         slack = 2 * far * (cells.off + PRODUCT * np.abs(cells.table).max(axis=(1, 2, 3)))
         worst = max(worst, float(((lengths(errors).max(axis=(1, 2)) + slack) / least).max()))
     steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
-    return worst + sum(6 * DEGREE * o.moved * step for o, step in zip(outer, steps, strict=True))
+    return worst + sum(6 * DEGREE * share * step for share, step in zip(moved, steps, strict=True))
 
 
 def _spread(nets: Nets, axis: int, count: int) -> Nets:

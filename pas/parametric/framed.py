@@ -24,10 +24,6 @@ from pas.parametric.maps import ParametricMap
 
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 
-UNIT_SQUARE = ((0, 1), (0, 1))
-POINTS = 17
-"""Points a side by which the extent is judged."""
-
 
 def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:
     """The finite rectangle to mesh, exact as its ends are given: `domain`, completed by the surface's own.
@@ -82,7 +78,7 @@ class Framed:
             parts = bounded.values(_moved(u, first), _moved(v, second))
             return tuple(_scaled(part, -exponent) for part in parts)
 
-        made = ParametricMap.from_parts(values, None, bounded.parameters, UNIT_SQUARE, "it is framed")
+        made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
         return cls(bounded, made, exponent, math.ldexp(size, -exponent))
 
     @property
@@ -121,7 +117,7 @@ def extent(surface: ParametricMap) -> float:
 
     Raises `GeometryError` where that is zero or infinite.
     """
-    t, h = (_moved(np.linspace(0.0, 1.0, POINTS), interval) for interval in surface.domain)
+    t, h = (_moved(np.linspace(0.0, 1.0, 17), interval) for interval in surface.domain)
     points = surface.on_grid(t, h).reshape(-1, 3)
     points = points[np.isfinite(points).all(axis=1)]
     with np.errstate(over="ignore"):

@@ -38,6 +38,12 @@ class Expansion:
     numerators: tuple[fmpq_poly, ...]
     denominator: fmpq_poly
 
+    @property
+    def functions(self) -> list[RationalFunction]:
+        """The coefficients, each in lowest terms."""
+        below = univariate(self.denominator, 0)
+        return [RationalFunction.quotient(univariate(n, 0), below) for n in self.numerators]
+
 
 def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
     """The polynomials L[i][j] in h, i = 0..n-1, j = 0..order.

@@ -42,35 +42,11 @@ from pas.parametric.tiling import GRID, SEAM, Placing, assemble
 RELATIVE = 1e-3
 """The tolerance over the surface's extent where none is given."""
 
-WHOLE = np.array([[0, GRID, 0, GRID]])
-"""The cell of all of the rectangle."""
-
-FIRST = 3
-"""Halvings each way before anything measured is believed."""
-
-LOST = 32
-"""Halvings after which a cell that still has no bound is reported as a pole: it is then 2e-5 wide each way."""
-
-DEEPEST = 40
-"""Halvings after which any cell is: smooth surfaces have run out of triangles before."""
-
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
 
-HIGHEST, LONGEST = 3000, 500
-"""Bernstein coefficients of one coordinate, and of these along one parameter, up to which bounds are worked out; above,
-they are measured."""
-
-ROUNDED = 1 + 2.0**-40
-"""On a sum of bounds, for its own rounding."""
-
-BATCH = 1 << 21
-"""Numbers held in one batch of cells."""
-
-
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
-
 
 PARTS = ((1, 1), (3, 1), (1, 3), (3, 3))
 """Into how many parts each way the rectangle is cut first, before parts are halved; usually there is one."""
@@ -81,12 +57,6 @@ WAYS = {
     Quality.ANGLES: ((PARTS[0], False), *((parts, True) for parts in PARTS)),
 }
 """Such parts, and whether long cells are halved as well: the best of these meshes is kept."""
-
-LONG = 1.5
-"""Length over width of a cell above which it is halved for good angles."""
-
-FINE = 1 << 13
-"""Steps of the grid of which first cuts are multiples, so that parts can be halved that often."""
 
 
 def mesh_surface(
@@ -99,23 +69,17 @@ def mesh_surface(
     how = Quality.of(quality)
     rectangle = exact_rectangle(surface, domain)
     framed = Framed.of(surface.with_domain(rectangle))
-    wanted = (
-        RELATIVE * framed.size
-        if tolerance is None
-        else framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
-    )
+    wanted = RELATIVE * framed.size
+    if tolerance is not None:
+        wanted = framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
     welding = min(SEAM * framed.size, wanted / 16)
     aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
-    nets = _nets(framed, rectangle, WHOLE)
-    examine: Examination
-    place: Placing
-    if nets is None:
-        examine, place = measured(framed.surface), surface_points(framed.surface)
-    else:
-        examine, place = bounded, NetPoints(framed, nets.table[0], welding)
+    nets = _nets(framed, rectangle, np.array([0, GRID, 0, GRID]))
+    place: Placing = surface_points(framed.surface) if nets is None else NetPoints(framed, nets.table[0], welding)
+    examine = measured(framed.surface) if nets is None else bounded
     found: list[Mesh] = []
     for parts, even in WAYS[how]:
-        starts = [(_nets(framed, rectangle, cell), cell) for cell in _first_cells(parts)]
+        starts = [(_nets(framed, rectangle, cell), cell[None]) for cell in _first_cells(parts)]
         try:
             leaves, worst = _leaves(starts, examine, aim, framed, even)
             found.append(_assembled(framed, leaves, worst, place, wanted, nets is not None))
@@ -130,35 +94,36 @@ def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, w
     tiles = assemble(framed.surface, leaves, place, framed.size)
     if not len(tiles.triangles):
         raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-    deviation = framed.outside((worst + tiles.away) * ROUNDED)
     if tiles.away > wanted - worst:
-        raise MeshError(too_fine(framed.outside(wanted)))
+        raise MeshError(_too_fine(framed.outside(wanted)))
     return Mesh.smooth(
         framed.points_outside(tiles.points),
         tiles.triangles,
         tiles.normals,
         parameters=framed.parameters_outside(tiles.shares),
-        deviation=deviation,
+        deviation=framed.outside((worst + tiles.away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
         proved=proved,
     )
 
 
 def _first_cells(parts: tuple[int, int]) -> Integers:
-    """The cells (n m, 1, 4) into which the rectangle is cut first."""
-    first, second = ([round(GRID / FINE * k / n) * FINE for k in range(n + 1)] for n in parts)
-    return np.array([[[*a, *b]] for a in pairwise(first) for b in pairwise(second)])
+    """The cells (n m, 4) into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""
+    fine = 1 << 13
+    first, second = ([round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in parts)
+    return np.array([[*a, *b] for a in pairwise(first) for b in pairwise(second)])
 
 
 def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
-    """The net of an exact surface on a cell (1, 4), unless it is too large to work with."""
+    """The net of an exact surface on a cell (4,), unless it is too large to work with: then it is measured."""
     if not framed.bounded.is_exact:
         return None
-    places = cell[0].tolist()
-    sides = zip(rectangle, (places[:2], places[2:]), strict=True)
-    part = [(low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides]
-    exact = exact_net(framed.bounded, (part[0], part[1]))
+    sides = zip(rectangle, cell.reshape(2, 2).tolist(), strict=True)
+    first, second = (
+        (low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides
+    )
+    exact = exact_net(framed.bounded, (first, second))
     size = len(exact.below), len(exact.below[0])
-    return exact.rounded(framed.unit) if size[0] * size[1] <= HIGHEST and max(size) <= LONGEST else None
+    return exact.rounded(framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
 
 def _leaves(
@@ -166,7 +131,8 @@ def _leaves(
 ) -> tuple[Integers, float]:
     """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
 
-    Where they are to be `even` none is long that has four sides.
+    Where they are to be `even` none is long that has four sides.  Nothing measured is believed before three halvings
+    each way.
     """
     pending = [(nets, cells, 0) for nets, cells in starts]
     leaves: list[Integers] = []
@@ -177,7 +143,7 @@ def _leaves(
         with np.errstate(all="ignore"):
             errors = examine(nets, cells)
             bounds, axes = errors.bounds_and_axes
-        if nets is None and depth < 2 * FIRST:
+        if nets is None and depth < 6:
             bounds[:] = math.inf
         axes[~np.isfinite(bounds)] = depth % 2
         good = bounds <= aim
@@ -185,28 +151,27 @@ def _leaves(
             good &= ~_long(errors.corners, axes, good)
         leaves.append(cells[good])
         worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
-        if good.all():
-            continue
         far = bounds > aim
         if 2 * float(errors.least[far].max(initial=0.0)) > aim:
-            raise MeshError(too_fine(framed.outside(aim)))
-        _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
+            raise MeshError(_too_fine(framed.outside(aim)))
+        if not good.all():
+            _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
         for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile
             rest = np.flatnonzero(~good & (axes == axis) & (np.isfinite(bounds) == finite))
-            step = max(1, BATCH // ((4 if nets is None else nets.table[0].size) * 8))
-            for start in range(0, len(rest), step):
-                part = rest[start : start + step]
+            step = max(1, (1 << 21) // ((4 if nets is None else nets.table[0].size) * 8))  # numbers in a batch
+            for part in (rest[start : start + step] for start in range(0, len(rest), step)):
                 children = None if nets is None else nets.part(part).halves(axis)
                 pending.append((children, _halves(cells[part], axis), depth + 1))
     return np.concatenate(leaves), worst
 
 
 def _long(corners: Floats, axes: Integers, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are long, and halved across: written to `axes`."""
+    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are over 1.5 times as long as wide, and are to be halved
+    across, which is written to `axes`."""
     sides = [lengths(np.diff(corners, axis=axis)).reshape(-1, 2) for axis in (1, 2)]
     whole = np.min([side.min(axis=1) for side in sides], axis=0) > SEAM
     first, second = (side.sum(axis=1) for side in sides)
-    result = chosen & whole & ((first > LONG * second) | (second > LONG * first))
+    result = chosen & whole & ((first > 1.5 * second) | (second > 1.5 * first))
     axes[result] = np.where(first > second, 0, 1)[result]
     return np.asarray(result)
 
@@ -221,17 +186,19 @@ def _halves(cells: Integers, axis: int) -> Integers:
     return np.concatenate([left, right])
 
 
-def too_fine(tolerance: float) -> str:
-    """That a tolerance cannot be met in doubles."""
+def _too_fine(tolerance: float) -> str:
     return f"the tolerance {tolerance:.3g} is finer than doubles resolve on this surface; give a larger one"
 
 
 def _require_hope(bounds: Floats, cells: Integers, depth: int, count: int, framed: Framed, aim: float) -> None:
-    """Raise the error that says why halving on would be in vain."""
-    lost = cells if depth >= DEEPEST else cells[~np.isfinite(bounds)]
-    if len(lost) and (depth >= LOST or count > LARGEST):
-        middle = np.array([(lost[0, 2 * i] + lost[0, 2 * i + 1]) / (2 * GRID) for i in (0, 1)])
-        values = framed.parameters_outside(middle)
+    """Raise the error that says why halving on would be in vain.
+
+    A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is, since
+    smooth surfaces have run out of triangles before.
+    """
+    lost = cells if depth >= 40 else cells[~np.isfinite(bounds)]
+    if len(lost) and (depth >= 32 or count > LARGEST):
+        values = framed.parameters_outside(lost[0].reshape(2, 2).mean(axis=1) / GRID)
         place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(framed.bounded.parameters, values, strict=True))
         what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
         raise GeometryError(f"{what} near {place}; give a domain that avoids it")

@@ -22,12 +22,6 @@ from pas.parametric.series import taylor
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status, Verdict, Verdicts
 
-SAMPLES = 64
-"""Parameters along a curve at which derivatives are compared where identities are out of reach."""
-
-AGREE = 1e-3
-"""Difference (relative) up to which they agree: differences in place of derivatives of the sixth order err by 1e-4."""
-
 
 @dataclass(frozen=True)
 class ParametricCertificate(Verdicts):
@@ -79,10 +73,11 @@ def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, 
 
 
 def _compared(surface: ParametricSurface, other: ParametricSurface, value: fmpq, order: int, claim: str) -> Verdict:
-    low, high = surface.domain[0]
+    """What derivatives at points along the curve say, where identities are out of reach."""
+    samples, (low, high) = 64, surface.domain[0]
     start = low if math.isfinite(low) else min(-1.0, high - 1.0)
     stop = high if math.isfinite(high) else start + 2.0
-    points = np.column_stack([np.linspace(start, stop, SAMPLES), np.full(SAMPLES, to_float(value))])
+    points = np.column_stack([np.linspace(start, stop, samples), np.full(samples, to_float(value))])
     worst, size, compared = 0.0, 0.0, 0
     for j in range(order + 1):
         both = np.stack([s.with_domain(None).derivative(points, 0, j) for s in (surface, other)])
@@ -92,7 +87,8 @@ def _compared(surface: ParametricSurface, other: ParametricSurface, value: fmpq,
         worst = max(worst, 2 * (off / size) if size > 0 else 0.0)
     if not compared:
         return Verdict(
-            Status.UNDECIDED, claim, f"not exact data; no derivative is finite at the {SAMPLES} points tried"
+            Status.UNDECIDED, claim, f"not exact data; no derivative is finite at the {samples} points tried"
         )
-    reason = f"not exact data; the derivatives at {SAMPLES} points differ by {worst:.1e} of their size at most"
-    return Verdict(Status.HOLDS_MEASURED if worst <= AGREE else Status.FAILS_MEASURED, claim, reason)
+    reason = f"not exact data; the derivatives at {samples} points differ by {worst:.1e} of their size at most"
+    agree = worst <= 1e-3  # differences in place of derivatives of the sixth order err by 1e-4
+    return Verdict(Status.HOLDS_MEASURED if agree else Status.FAILS_MEASURED, claim, reason)

@@ -10,9 +10,9 @@ exactly zero at a point, or one of them changes sign near.  UNDECIDED: the effor
 exact, and for high degrees, tangents are measured on a grid.
 
 Base points are isolated parameters at which a component is 0/0, numerator and denominator in lowest terms.  Resultants
-give the candidates for each parameter; real roots are isolated exactly, and a pair of them is kept unless interval arithmetic shows that one of the two polynomials is not zero there.
-Guaranteed: no base point is missed.  Not guaranteed: that a pair at which both vanish to the precision of 256 bits is
-one.
+give the candidates for each parameter; real roots are isolated exactly, and a pair of them is kept unless interval
+arithmetic shows that one of the two polynomials is not zero there.  Guaranteed: no base point is missed.  Not
+guaranteed: that a pair at which both vanish to the precision of 256 bits is one.
 """
 
 from __future__ import annotations
@@ -33,17 +33,8 @@ from pas.parametric.maps import ParametricMap
 from pas.parametric.series import in_one
 from pas.verdicts import Status, Verdict
 
-GRID = 33
-"""Points a side at which tangents are tried where there is no proof."""
-
 LARGEST = 600
 """Bernstein coefficients (of one polynomial) up to which a proof is attempted."""
-
-BITS = 256
-"""Of the intervals by which base points are told from other pairs of roots."""
-
-STILL, FLAT = 1e-9, 1e-6
-"""A tangent below this share of the median one, and an angle below these degrees, count as zero where measured."""
 
 
 @limited("proving that a surface is regular", "less effort or a smaller domain")
@@ -89,12 +80,11 @@ def _systems(surface: ParametricMap) -> list[tuple[str, list[fmpq_mpoly]]]:
     normal = normal_numerators(surface)
     common = normal[0].gcd(normal[1]).gcd(normal[2])
     if not common.is_zero() and not common.is_constant():
-        for _, d in below.items():  # its zeros are those of the denominators, already examined
+        normal = [n / common for n in normal]
+        for d in below.values():  # its zeros are those of the denominators, already examined
             while not (shared := common.gcd(d)).is_constant():
                 common = common / shared
         systems.append(("the normal vanishes", [_radical(common)]))
-        whole = normal[0].gcd(normal[1]).gcd(normal[2])
-        normal = [n / whole for n in normal]
     return [*systems, ("the normal vanishes", normal)]
 
 
@@ -112,18 +102,15 @@ def _where(surface: ParametricMap, outcome: ZeroSearch) -> str:
 
 def _expected_size(surface: ParametricMap) -> int:
     """A bound on the number of coefficients of the normal's numerators."""
-    degrees = [[int(a + b) for a, b in zip(*_tops(c), strict=True)] for c in surface.components]
-    return math.prod(1 + sum(sorted(d[axis] for d in degrees)[1:]) for axis in (0, 1))
-
-
-def _tops(component: RationalFunction) -> list[tuple[int, ...]]:
-    return [p.degrees() if not p.is_zero() else (0, 0) for p in (component.numerator, component.denominator)]
+    parts = [(c.numerator, c.denominator) for c in surface.components]
+    sizes = [[sum(0 if p.is_zero() else int(p.degrees()[axis]) for p in pair) for pair in parts] for axis in (0, 1)]
+    return math.prod(1 + sum(sorted(size)[1:]) for size in sizes)
 
 
 def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     """What the tangents on a grid say: how small the sine between them and their lengths become."""
     ends = [(max(low, min(-1.0, high - 2)), min(high, max(1.0, low + 2))) for low, high in surface.domain]
-    t, h = (np.linspace(low, high, GRID) for low, high in ends)
+    t, h = (np.linspace(low, high, 33) for low, high in ends)
     tangents = surface.tangents(np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1))
     known = tangents[np.isfinite(tangents).all(axis=(-1, -2))]
     if not len(known):
@@ -132,25 +119,18 @@ def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     across = lengths(np.cross(ways[:, 0], ways[:, 1]))
     sines = across / np.maximum(lengths(ways).prod(axis=-1), 1 / 8)  # at least 1/4 but for zero vectors
     angle = math.degrees(math.asin(min(1.0, float(sines.min()))))
-    still = bool((sizes <= STILL * np.median(sizes, axis=0)).any())
+    still, flat = bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any()), angle < 1e-6  # beyond what rounding makes
     reason = f"{why}; at {len(known)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
     if still:
         reason += ", and at some of them one of the two vanishes"
-    return Verdict(Status.FAILS_MEASURED if still or angle < FLAT else Status.HOLDS_MEASURED, claim, reason)
+    return Verdict(Status.FAILS_MEASURED if still or flat else Status.HOLDS_MEASURED, claim, reason)
 
 
 def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:
     """Three polynomials that vanish together exactly where the normal does, away from poles."""
-    slopes = [[_slope(c, index) for c in surface.components] for index in (0, 1)]
-    return [
-        slopes[0][(i + 1) % 3] * slopes[1][(i + 2) % 3] - slopes[0][(i + 2) % 3] * slopes[1][(i + 1) % 3]
-        for i in range(3)
-    ]
-
-
-def _slope(component: RationalFunction, index: int) -> fmpq_mpoly:
-    n, d = component.numerator, component.denominator
-    return n.derivative(index) * d - n * d.derivative(index)
+    parts = [(c.numerator, c.denominator) for c in surface.components]
+    p, q = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
+    return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 
 
 @dataclass(frozen=True)
@@ -182,7 +162,7 @@ def _base_points(component: RationalFunction) -> list[tuple[float, float]]:
     both = component.numerator, component.denominator
     if any(p.is_constant() for p in both):
         return []
-    with ctx.workprec(BITS):
+    with ctx.workprec(256):
         firsts, seconds = _roots(*both, 0), _roots(*both, 1)
         pairs = [(t, h) for t in firsts for h in seconds if all(_may_vanish(p, t, h) for p in both)]
     return [(to_float(exact(t)), to_float(exact(h))) for t, h in pairs]
@@ -193,7 +173,7 @@ def _roots(above: fmpq_mpoly, below: fmpq_mpoly, kept: int) -> list[arb]:
     if all(int(p.degrees()[1 - kept]) == 0 for p in (above, below)):
         return []  # coprime polynomials in one parameter have no common zero
     result = in_one(above.resultant(below, PARAMETERS[1 - kept]), kept)
-    return [root.ball(BITS) for root in sorted(real_roots(result))] if result.degree() > 0 else []
+    return [root.ball(256) for root in sorted(real_roots(result))] if result.degree() > 0 else []
 
 
 def _may_vanish(polynomial: fmpq_mpoly, t: arb, h: arb) -> bool:

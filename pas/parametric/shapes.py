@@ -39,8 +39,7 @@ def elliptic_cylinder(a: Exact = 1, b: Exact = 1, angle: bool = False) -> Parame
     """x^2/a^2 + y^2/b^2 = 1: t goes round, h = z.
 
     `a` and `b` are in the model's units; with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     return _ringed(_positive(a=a, b=b), "1", "h", angle)
 
@@ -49,8 +48,7 @@ def elliptic_cone(a: Exact = 1, b: Exact = 1, angle: bool = False) -> Parametric
     """x^2/a^2 + y^2/b^2 = z^2: t goes round, h = z (the model's units); the normal vanishes at the apex h = 0.
 
     `a` and `b` are lengths over lengths; with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     return _ringed(_positive(a=a, b=b), "h", "h", angle)
 
@@ -59,8 +57,7 @@ def elliptic_paraboloid(a: Exact = 1, b: Exact = 1, angle: bool = False) -> Para
     """x^2/a^2 + y^2/b^2 = z: t goes round, h = sqrt(z) >= 0; the normal vanishes at the vertex h = 0.
 
     `a`^2 and `b`^2 are in the model's units; with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     return _ringed(_positive(a=a, b=b), "h", "h^2", angle, (0, None))
 
@@ -70,8 +67,7 @@ def ellipsoid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> 
 
     h is the tangent of half the latitude; the normal vanishes at the poles.  `a`, `b` and `c` are in the model's units;
     with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], COSINE.format("h"), f"{plain(sizes[2])}*{SINE.format('h')}", angle, (-1, 1))
@@ -81,8 +77,7 @@ def one_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool 
     """x^2/a^2 + y^2/b^2 - z^2/c^2 = 1, by its straight lines: t constant is one of them, h = z/c.
 
     `a`, `b` and `c` are in the model's units; with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     a, b, c = _positive(a=a, b=b, c=c)
     u, v, domain = _circle(angle)
@@ -96,8 +91,7 @@ def two_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool 
 
     The normal vanishes at the vertex h = 1.  The lower sheet is the mirror image: see `moved`.  `a`, `b` and `c` are in
     the model's units; with `angle` t is the angle in radians.
-
-    Raises `ValueError` for a size that is not positive, `TypeError` for what is no number.
+    Raises `ValueError` for a size that is not positive.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], "((h^2 - 1)/(2*h))", f"{plain(sizes[2])}*(h^2 + 1)/(2*h)", angle, (1, None))

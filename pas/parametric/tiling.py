@@ -28,15 +28,6 @@ ROW = 1 << 32
 SEAM = 1e-9
 """Over the extent: sides that are nearer than this all along are one."""
 
-COLLAPSED = 1e-12
-"""Over the extent: edges that are shorter are points."""
-
-ASIDE = 1e-5
-"""Where a normal vanishes it is taken this far (over the domain) towards INNER."""
-
-INNER = 0.487
-"""A place inside the domain, over its width, where lines of symmetry do not pass."""
-
 
 @dataclass(frozen=True)
 class Tiles:
@@ -136,7 +127,7 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
     from scipy.sparse.csgraph import connected_components
 
     edges = edge_table(triangles)[0]
-    pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= COLLAPSED * size]]
+    pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= 1e-12 * size]]  # shorter edges are points
     order = np.argsort(places[:, 0] * ROW + places[:, 1])
     keys = (places[:, 0] * ROW + places[:, 1])[order]
     for axis in (0, 1):
@@ -156,14 +147,18 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
 
 
 def _normals(surface: ParametricMap, shares: Floats, number: Integers, count: int) -> Floats:
-    """Unit normals of the vertices after merging, as means of those before."""
+    """Unit normals of the vertices after merging, as means of those before.
+
+    Where one vanishes it is taken a little aside, towards a place where lines of symmetry do not pass.
+    """
+    aside, inner = 1e-5, 0.487
     tangents = surface.tangents(shares)
     ways, sizes = scaled(tangents), lengths(tangents)
     cross = np.cross(ways[:, 0], ways[:, 1])
-    doubtful = ~(lengths(cross) > ASIDE * lengths(ways).prod(axis=1))
-    doubtful |= (sizes < ASIDE * np.nanmedian(sizes, axis=0)).any(axis=1)
+    doubtful = ~(lengths(cross) > aside * lengths(ways).prod(axis=1))
+    doubtful |= (sizes < aside * np.nanmedian(sizes, axis=0)).any(axis=1)
     if doubtful.any():
-        moved = scaled(surface.tangents(shares[doubtful] + ASIDE * (INNER - shares[doubtful])))
+        moved = scaled(surface.tangents(shares[doubtful] + aside * (inner - shares[doubtful])))
         cross[doubtful] = np.cross(moved[:, 0], moved[:, 1])
     total = np.zeros((count, 3))
     np.add.at(total, number, np.nan_to_num(unit(cross)))

@@ -16,10 +16,10 @@ from pas.mesh.field import Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import dots
 from pas.mesh.star import first
+from pas.surface.boundary_loops import Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
 from pas.surface.local_surface import INSIDE, LocalSurface
-from pas.surface.rings import Rings
 
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
@@ -54,8 +54,8 @@ class RadialField(LocalSurface):
         self._piece = np.array([face.piece for face in outer], dtype=np.intp)
         super().__init__(surface, (self._weights, self._piece))
         self._profiles = profile_batch(self.evaluator.columns, self.degree)
-        self.rims = surface.placed.rings
-        self._rings = Rings(self.rims)
+        self.rims = surface.placed.loops
+        self._loops = Loops(self.rims)
         middles = np.array([ring.middle for ring in self.rims]).reshape(-1, 3)
         self._skeleton = middles, dots(middles, middles)
 
@@ -105,7 +105,7 @@ class RadialField(LocalSurface):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
-        return self._rings.at(points, rim)
+        return self._loops.at(points, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
         """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""

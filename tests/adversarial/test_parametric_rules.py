@@ -291,9 +291,9 @@ def test_bounds_of_splines_count_their_knots():
     knots = _knots((0.0, 1.0), 1), _knots((0.0, 1.0), 1)
     sites = np.array([0.0, 1 / 3, 2 / 3, 1.0])
     points = np.stack(np.broadcast_arrays(1 / 3 + sites[:, None], sites[None, :], 0.0), axis=-1)
-    outer = _outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1)))
-    away = _bound(exact_net(surface, (interval, (fmpq(0), fmpq(1)))).rounded(), knots, points, outer)
-    patch = FittedPatch(points, np.ones((4, 4)), (outer[0].knots, outer[1].knots), None, away, True)
+    outer, moved = zip(_outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1))), strict=True)
+    away = _bound(exact_net(surface, (interval, (fmpq(0), fmpq(1)))).rounded(), knots, points, moved)
+    patch = FittedPatch(points, np.ones((4, 4)), outer, None, away, True)
     assert max(off_spline(surface, patch, Random(2)) for _ in range(20)) <= Fraction(away) ** 2
     assert away < 1e-8
 

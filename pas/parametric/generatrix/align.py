@@ -24,17 +24,7 @@ from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.quadric import text
 
 SAMPLES = 240
-UNCLEAR = 0.03
-"""Mean cosine between the tangent across a curve and the way to the other curve below which the side is open."""
-
-DECISIVE = 0.15
-"""Mean cosine between area and direction of travel above which these decide the sense."""
-
-BETTER = 0.97
-"""Share of the mean distance below which curves are taken by their lengths."""
-
-TOUCH = 1e-6
-"""Distance of two boundaries, over their size, below which they count as touching."""
+"""Points of each curve that are compared."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +47,8 @@ class Alignment:
 def sides(first: Boundary, second: Boundary) -> tuple[int, int]:
     """The signs of N x C' (or V) that point to the other curve; raises `GeometryError` where that is unclear."""
     s = _samples(first)
-    clouds = first(s), second(s)
-    return _side(first, clouds[0], clouds[1]), _side(second, clouds[1], clouds[0])
+    one, two = first(s), second(s)
+    return _side(first, one, two), _side(second, two, one)
 
 
 def _side(boundary: Boundary, own: Floats, other: Floats) -> int:
@@ -68,7 +58,7 @@ def _side(boundary: Boundary, own: Floats, other: Floats) -> int:
     way = other.mean(axis=0) - own
     way = np.ldexp(way, -exponent(way))
     cosine = float((across * way).sum() / lengths(way).sum())
-    if abs(cosine) < UNCLEAR:
+    if abs(cosine) < 0.03:
         raise GeometryError(
             f"{boundary.name}: it is not clear on which side of the curve the blend is to lie (the other curve is "
             "as near on both); say it by side=1 or side=-1"
@@ -93,7 +83,7 @@ def require_apart(first: Boundary, second: Boundary) -> None:
 
     found = least_squares(gap, [s[i], s[int(partner[i])]], xtol=1e-15, ftol=1e-15, gtol=1e-15)
     size = math.ldexp(float(np.ptp(both, axis=0).max()), -power)
-    if np.linalg.norm(found.fun) <= TOUCH * size:
+    if np.linalg.norm(found.fun) <= 1e-6 * size:
         where = text(first(found.x[:1])[0])
         raise GeometryError(f"{first.name} and {second.name} touch at {where}; move them apart")
 
@@ -123,7 +113,7 @@ def aligned(
     if turn and first.exact is None and second.exact is None:
         pair = first.by_length(), second.by_length()
         other = alignment(pair[0], pair[1], signs)
-        if other.distance < BETTER * found.distance:
+        if other.distance < 0.97 * found.distance:
             first, second, found = *pair, replace(other, by_length=True)
     turned = second.turned(found.reversed, 0.0)
     return first, turned.turned(False, found.shift) if found.shift else turned, found
@@ -163,7 +153,7 @@ def _opposed(
     """Whether the curves run against each other, and why."""
     if first.closed:
         turns = [_turn(b, sign * way) for b, sign, way in zip((first, second), signs, (1, -1), strict=True)]
-        if min(map(abs, turns)) > DECISIVE:
+        if min(map(abs, turns)) > 0.15:
             same = turns[0] * turns[1] > 0
             return not same, f"seen along the blend they turn {'the same way' if same else 'opposite ways'}"
     (_, straight), (_, back) = ways

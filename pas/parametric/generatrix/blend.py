@@ -27,17 +27,6 @@ from pas.parametric.generatrix.verdicts import GeneratrixCertificate, certify, i
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
 
-HALVINGS = 6
-"""How often a length that was not given is halved in search of a blend that does not cross itself."""
-
-TRIALS, FINER, LONGEST = 0.05, 1.3, 8.0
-"""Safe lengths are sought from the first of these times the mean distance, in steps of the second, up to the third."""
-
-BISECTIONS = 10
-
-GRID = 100, 100
-"""Points of a mesh in s and t where neither tolerance nor size is given."""
-
 
 class GeneratrixBlend(GeneratrixForm, Shape):
     """A blend P(s, t): t = 0 is the first boundary, t = 1 the second.
@@ -86,7 +75,7 @@ class GeneratrixBlend(GeneratrixForm, Shape):
             refuse_both(tolerance, size)
             mesh = self.surface.mesh(tolerance, quality=how)
             return mesh.flipped if self.frames.inward else mesh
-        n, m = size or GRID
+        n, m = size or (100, 100)
         if n < 3 or m < 2:
             raise ValueError(f"size must be at least (3, 2), not {size}")
         return self.gridded((n, m))
@@ -137,15 +126,15 @@ class GeneratrixBlend(GeneratrixForm, Shape):
             checkpoint("looking for the largest safe length")
             return is_safe(self.with_shape(**dict.fromkeys(names[number], length)), size)
 
-        low = TRIALS * self.alignment.distance
+        low = 0.05 * self.alignment.distance
         if not safe(low):
             raise GeometryError(f"the blend is not sound even with {' = '.join(names[number])} = {low:.4g}")
-        high = low * FINER
+        high = low * 1.3
         while safe(high):
-            low, high = high, high * FINER
-            if low > LONGEST * self.alignment.distance:
+            low, high = high, high * 1.3
+            if low > 8.0 * self.alignment.distance:
                 return float(np.inf)
-        for _ in range(BISECTIONS):
+        for _ in range(10):
             middle = (low + high) / 2
             low, high = (middle, high) if safe(middle) else (low, middle)
         return low
@@ -205,9 +194,9 @@ def generatrix_blend(
 
 
 def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
-    """The blend with the lengths of these names halved until it is sound; as it is where that does not help."""
+    """The blend with the lengths of these names halved up to six times until it is sound; else as it is."""
     trial = blend
-    for _ in range(HALVINGS + 1):
+    for _ in range(7):
         if is_safe(trial, (64, 16)):
             return trial
         trial = trial.with_shape(**{name: getattr(trial.shape, name).scaled(0.5) for name in names})

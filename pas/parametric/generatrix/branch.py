@@ -30,15 +30,6 @@ from pas.parametric.generatrix.pencil import Rulings
 from pas.parametric.generatrix.quadric import Quadric, text, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind
 
-STEP = 1e-5
-"""Of the differences for the speed of a branch (not for its direction, which comes from the gradients)."""
-
-AWAY = 30.0
-"""A quadric further from the origin than this many times its size is looked at from nearby."""
-
-LEAST = 3e-6
-"""Least size of a quadric for that: cones have none."""
-
 
 @dataclass(frozen=True, eq=False)
 class QuadricPair:
@@ -57,7 +48,7 @@ class QuadricPair:
         q = to_array(first.matrix)
         center = np.linalg.lstsq(q[:3, :3], -q[:3, 3], rcond=1e-10)[0]
         size = np.sqrt(abs(q[3, 3] + q[3, :3] @ center) / np.abs(q[:3, :3]).max())
-        if np.abs(center).max() <= AWAY * max(size, LEAST):
+        if np.abs(center).max() <= 30.0 * max(size, 3e-6):  # cones have no size
             return cls((first, second), (first, second), np.zeros(3))
         digits = [float(f"{c:.6g}") for c in center]
         x, y, z = (Polynomial(v) + Polynomial(c) for v, c in zip("xyz", digits, strict=True))
@@ -80,8 +71,8 @@ class QuadricBranch:
     """One branch of the intersection of two quadrics, a curve of s in [0, 1].
 
     `pair` holds the quadrics, and these as seen from a point nearby: rulings and conic are in those coordinates.
-    `interval` are the angles that it runs over; `both_signs` whether it takes both signs of the root (then it is
-    closed though D vanishes at the ends), else `sign` is the one.  `poles` are the s at which it is at infinity:
+    `interval` are the angles that it runs over.  With a `factor` g it takes both signs of the root (then it is closed
+    though D vanishes at the ends), else `sign` is the one.  `poles` are the s at which it is at infinity:
     it is `closed` where there are none.  `conic` is given instead where the branch is plane, `sign` then being that
     of a hyperbola's branch.
     """
@@ -89,13 +80,17 @@ class QuadricBranch:
     pair: QuadricPair
     interval: tuple[float, float]
     sign: int
-    both_signs: bool
     rulings: Rulings | None = None
     factor: Floats | None = None
     conic: Conic | None = None
     poles: tuple[float, ...] = ()
 
     __repr__ = brief
+
+    @property
+    def both_signs(self) -> bool:
+        """Whether it takes both signs of the root of D."""
+        return self.factor is not None
 
     @property
     def closed(self) -> bool:
@@ -126,7 +121,8 @@ class QuadricBranch:
             place, speed = self._conic_place(flat)
             along = self.conic(place, 1, self.sign) * speed[:, None]
             return np.asarray(along).reshape(*array.shape, 3)
-        change = (self.local(flat + STEP) - self.local(flat - STEP)) / (2 * STEP)
+        step = 1e-5  # for the speed alone: the direction comes from the gradients
+        change = (self.local(flat + step) - self.local(flat - step)) / (2 * step)
         points = self.local(flat)
         first, second = (q.polynomial.gradient(points) for q in self.pair.local)
         along = unit(np.cross(first, second))
@@ -184,17 +180,13 @@ class QuadricBranch:
         """The angles and the signed roots of D."""
         low, high = self.interval
         assert self.rulings is not None
-        if not self.both_signs:
+        if self.factor is None:
             angle = low + (high - low) * s
             return angle, self.sign * np.sqrt(np.maximum(self.rulings.discriminant(angle), 0.0))
         turn, half = 2 * np.pi * s, (high - low) / 2
         angle = (low + high) / 2 - half * np.cos(turn)
         ends = np.sinc(half * np.sin(turn / 2) ** 2 / np.pi) * np.sinc(half * np.cos(turn / 2) ** 2 / np.pi)
-        return angle, half / 2 * np.sin(turn) * np.sqrt(np.maximum(self._g(angle) * ends, 0.0))
-
-    def _g(self, angle: Floats) -> Floats:
-        assert self.factor is not None
-        return trigonometric(self.factor, angle)
+        return angle, half / 2 * np.sin(turn) * np.sqrt(np.maximum(trigonometric(self.factor, angle) * ends, 0.0))
 
     def __str__(self) -> str:
         kind = "closed" if self.closed else f"open (at infinity at {len(self.poles)} places)"

@@ -19,15 +19,9 @@ CHECKED = np.linspace(0.0, 1.0, 257)
 STILL = 1e-9
 """A derivative or field below this share of its largest value counts as zero: roundoff of differences is 1e-10."""
 
-SIZES = (1e-280, 1e280)
-"""Least size of a curve, and greatest coordinate: near the ends of the range of doubles digits are lost."""
-
 ON_SURFACE = 1e-8
 """Distance from its surface, over the curve's size, up to which a numeric curve counts as lying on it: data typed
 with nine digits pass, a wrong formula does not."""
-
-SAME_WAY = 1.0 - 1e-6
-"""Least cosine between directions at both ends of a curve that closes without a corner."""
 
 
 def refuse_both(tolerance: Any, size: Any) -> None:
@@ -51,10 +45,10 @@ def require_boundary(name: str, curve: Curve, velocity: Curve, field: Curve, has
         if len(bad):
             raise GeometryError(f"{name}: {what} is not finite at s = {CHECKED[bad[0]]:.6g}; choose another interval")
     size, far = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
-    if 0 < size < SIZES[0] or far > SIZES[1]:
+    if 0 < size < 1e-280 or far > 1e280:  # near the ends of the range of doubles digits are lost
         raise GeometryError(
             f"{name} is {size:.2g} long and {far:.2g} away from the origin; blends by a generatrix are made from "
-            f"{SIZES[0]:.0e} to {SIZES[1]:.0e}: choose another unit of length"
+            "1e-280 to 1e+280: choose another unit of length"
         )
     _require_positive(lengths(slopes), f"{name}: the curve is not regular; its derivative vanishes")
     what = "surface's normal" if has_normal else "tangent vector given"
@@ -104,5 +98,5 @@ def _require_closed(points: Floats, velocity: Floats, vectors: Floats, name: str
         (vectors, ": the surface's direction at s = 0 and s = 1 differ, though the curve is closed"),
     ):
         first, last = unit(array[[0, -1]])
-        if float(first @ last) < SAME_WAY:
+        if float(first @ last) < 1.0 - 1e-6:
             raise GeometryError(name + message)

@@ -34,18 +34,6 @@ from pas.mesh.field import Integers
 from pas.parametric.maps import ParametricMap
 from pas.parametric.regularity import positive_on_unit_square
 
-FILTER = 16 * 2.0**-53
-"""Rounding error of a 4-point determinant over the product of its edges' greatest entries."""
-
-BLOCK = 1 << 18
-"""Pairs of triangles examined at once."""
-
-NEWTON_STEPS, DOUBLE_POINTS = 25, 12
-"""Steps towards a double point, and crossings that are followed."""
-
-MEANS, SHORT = 5, 64
-"""Places a side at which mean tangents are taken, and greatest denominator in a and b: any vectors near will do."""
-
 
 def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
     """Pairs (k, 2) of triangles that cross, and a point (k, 3) of each crossing."""
@@ -55,9 +43,10 @@ def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
     shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
     found, places = [np.empty((0, 2), dtype=np.intp)], [np.empty((0, 3))]
-    for start in range(0, len(pairs), BLOCK):
+    size = 1 << 18
+    for start in range(0, len(pairs), size):
         checkpoint("looking for self-intersections", start / len(pairs))
-        block = pairs[start : start + BLOCK]
+        block = pairs[start : start + size]
         hit, place = _cross(points[triangles[block[:, 0]]], points[triangles[block[:, 1]]])
         found.append(block[hit])
         places.append(place[hit])
@@ -110,7 +99,7 @@ def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     minors = np.stack([v[:, (k + 1) % 3] * w[:, (k + 2) % 3] - v[:, (k + 2) % 3] * w[:, (k + 1) % 3] for k in range(3)])
     value = (u * minors.T).sum(axis=1)
     sizes = np.abs(np.stack([u, v, w])).max(axis=2)
-    bound = 6 * FILTER * sizes.prod(axis=0)
+    bound = 96 * 2.0**-53 * sizes.prod(axis=0)
     largest = 2.0**-50 * np.abs(np.stack([a, b, c, d])).max(axis=(0, 2))
     return np.where(np.abs(value) > bound + largest * sizes.max(axis=0) ** 2, value, 0.0)
 
@@ -118,10 +107,11 @@ def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
 def double_point(surface: ParametricMap, pairs: Floats, closed: bool) -> tuple[Floats, Floats, float] | None:
     """Two places (2, 2) of one point of a surface over [0, 1]^2 near one of some pairs (k, 2, 2), the point, the gap.
 
-    By Newton's method; None where it finds none.  `closed` says that the first parameter goes round.
+    By Newton's method from twelve of the pairs; None where it finds none.  Where `closed` the first parameter goes
+    round.
     """
-    places = pairs[np.linspace(0, len(pairs) - 1, min(DOUBLE_POINTS, len(pairs))).astype(int)]
-    for _ in range(NEWTON_STEPS):
+    places = pairs[np.linspace(0, len(pairs) - 1, min(12, len(pairs))).astype(int)]
+    for _ in range(25):
         points, tangents = surface(places), surface.tangents(places)
         slopes = np.concatenate([tangents[:, 0], -tangents[:, 1]], axis=1).swapaxes(1, 2)
         gap = (points[:, 0] - points[:, 1])[..., None]
@@ -140,13 +130,13 @@ def double_point(surface: ParametricMap, pairs: Floats, closed: bool) -> tuple[F
 def is_injective(surface: ParametricMap, effort: int = 4_000) -> bool:
     """Whether it is proved that an exact surface over [0, 1]^2 takes no point twice; False says nothing.
 
-    Each coordinate is scaled exactly by the size of its mean slopes first: that changes nothing.
+    Each coordinate is scaled exactly by the size of its mean slopes (at 5 x 5 places) first: that changes nothing.
     """
     along, across = ([c.diff(*order) for c in surface.components] for order in ((1, 0), (0, 1)))
-    places = [fmpq(i, MEANS - 1) for i in range(MEANS)]
+    places = [fmpq(i, 4) for i in range(5)]
     try:
         means = [
-            [sum((rational(f.at(u, v)) for u in places for v in places), fmpq(0)) / MEANS**2 for f in pair]
+            [sum((rational(f.at(u, v)) for u in places for v in places), fmpq(0)) / 25 for f in pair]
             for pair in zip(along, across, strict=True)
         ]
     except ValueError:  # a pole
@@ -163,9 +153,9 @@ def is_injective(surface: ParametricMap, effort: int = 4_000) -> bool:
 
 
 def _short(vector: Floats) -> list[fmpq]:
-    """A rational vector near, with short numbers."""
+    """A rational vector near, with short numbers: any vectors near will do."""
     scale = exact(2.0 ** np.round(np.log2(np.abs(vector).max())))
-    return [rational(to_fraction(exact(float(x)) / scale).limit_denominator(SHORT)) * scale for x in vector]
+    return [rational(to_fraction(exact(float(x)) / scale).limit_denominator(64)) * scale for x in vector]
 
 
 def _product(vector: Sequence[fmpq], functions: Sequence[RationalFunction]) -> RationalFunction:

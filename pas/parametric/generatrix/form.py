@@ -35,9 +35,6 @@ from pas.parametric.nets import bernstein_at, bernstein_polynomials
 from pas.parametric.series import Components, square_root
 from pas.parametric.surface import ParametricSurface
 
-STEP = 1e-4
-"""Of the differences that give derivatives in s from the second on."""
-
 
 @dataclass(frozen=True, eq=False)
 class GeneratrixForm:
@@ -124,9 +121,10 @@ class GeneratrixForm:
     def _controls(self, s: Floats, order: int) -> Floats:
         if order <= 1:
             return self.frames.controls(self.shape, s)[order]
-        center = s if self.closed else np.clip(s, order * STEP, 1 - order * STEP)
-        low, high = (self._controls(center + k * STEP, order - 1) for k in (-1, 1))
-        return np.asarray((high - low) / (2 * STEP))
+        step = 1e-4
+        center = s if self.closed else np.clip(s, order * step, 1 - order * step)
+        low, high = (self._controls(center + k * step, order - 1) for k in (-1, 1))
+        return np.asarray((high - low) / (2 * step))
 
     @property
     def _why_inexact(self) -> str:

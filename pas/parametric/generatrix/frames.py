@@ -24,9 +24,6 @@ from pas.parametric.surface import ParametricSurface
 STEP = 3e-6
 """Of the differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
 
-LEAST_SWING, MOST_SWING = 0.02, 0.9
-"""Share of the mean by which lengths swing on closed curves: less is not worth it, more would not be positive."""
-
 
 @dataclass(frozen=True)
 class Edge:
@@ -189,8 +186,8 @@ def with_lengths(shape: GeneratrixShape, frames: Frames) -> GeneratrixShape:
     distance = 1 / 3 * lengths(first(s) - second(s))
     mean = float(distance.mean())
     wave = complex(2 * (distance * np.exp(2j * np.pi * s)).mean())
-    swing = min(abs(wave), MOST_SWING * mean)
-    if not frames.closed or not frames.unit or swing < LEAST_SWING * mean:
+    swing = min(abs(wave), 0.9 * mean)  # more would not be positive
+    if not frames.closed or not frames.unit or swing < 0.02 * mean:  # not worth it
         length = ShapeFunction.constant(f"{mean:.3g}")
     else:
         start = (np.angle(wave) / (2 * np.pi) + 0.5) % 1.0

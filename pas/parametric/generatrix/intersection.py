@@ -22,18 +22,12 @@ from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
 from pas.parametric.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
-from pas.parametric.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, require_curve, rulings
+from pas.parametric.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, rulings
 from pas.parametric.generatrix.quadric import Quadric, text
 from pas.parametric.generatrix.sections import ConicKind, conic_section
 
-SAMPLES = 1024
-"""Angles at which the sign of D is looked at; between them extrema are searched."""
-
-DOUBLE = 1e-11
-"""Share of its largest value below which an extremum of D counts as zero: rounding makes about 1e-14."""
-
-TINY = 1e-7
-"""Size of an ellipse below which it is a point, seen in a rounded plane."""
+SAMPLES = 2048
+"""Parameters along a branch at which it is looked at."""
 
 FAR = 1e-7
 """A homogeneous point of length one whose last coordinate is below counts as at infinity."""
@@ -56,7 +50,8 @@ def quadric_intersection(
     if int(fmpq_mat([q.matrix.entries() for q in given]).rank()) < 2:
         raise GeometryError(f"{pair.text} are the same surface")
     found = members(*pair.local)
-    require_curve(found, pair.text)
+    if any(4 in member.inertia for member in found):  # a definite member: no real point in common
+        raise GeometryError(f"{pair.text} do not meet: the intersection is empty (complex)")
     planes = next((m for m in found if m.inertia in PLANES), None)
     branches = _plane_branches(pair, planes) if planes is not None else _ruled_branches(pair, found)
     return tuple(sorted(branches, key=lambda b: not b.closed))
@@ -64,7 +59,6 @@ def quadric_intersection(
 
 def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
     """The sections of the first quadric by the planes of a member of the pencil."""
-    what = pair.text
     branches, reasons = list[QuadricBranch](), list[str]()
     planes = [p for p in planes_of(member) if any(c != 0 for c in p[:3])]  # not that at infinity
     for x, y, z, c in planes:
@@ -75,22 +69,22 @@ def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
             reasons.append(str(error))
             continue
         size = max(np.abs(conic.first).max(), np.abs(conic.second).max())
-        if conic.kind is ConicKind.ELLIPSE and size < TINY * (1 + np.abs(conic.origin).max()):
+        if conic.kind is ConicKind.ELLIPSE and size < 1e-7 * (1 + np.abs(conic.origin).max()):
             reasons.append(f"one of their planes meets them in one point, {text(conic.origin)}")
             continue
         signs = (1, -1) if conic.kind is ConicKind.HYPERBOLA else (1,)
         poles = () if conic.kind is ConicKind.ELLIPSE else (0.0, 1.0)
-        branches += [QuadricBranch(pair, (0.0, 1.0), sign, False, conic=conic, poles=poles) for sign in signs]
+        branches += [QuadricBranch(pair, (0.0, 1.0), sign, conic=conic, poles=poles) for sign in signs]
     if not branches:
-        raise GeometryError(f"{what} have no curve in common; {pair.seen}" + "; ".join(reasons))
+        raise GeometryError(f"{pair.text} have no curve in common; {pair.seen}" + "; ".join(reasons))
     for branch in branches:
-        _require_uncut(branch, [np.array([to_float(c) for c in p]) for p in planes], what)
+        _require_uncut(branch, [np.array([to_float(c) for c in p]) for p in planes])
     return branches
 
 
-def _require_uncut(branch: QuadricBranch, planes: list[Floats], what: str) -> None:
+def _require_uncut(branch: QuadricBranch, planes: list[Floats]) -> None:
     """Raise where the other plane of the pair cuts the conic: there the two sections cross, or touch."""
-    s = (np.arange(4 * SAMPLES) + 0.5) / (4 * SAMPLES)
+    s = (np.arange(2 * SAMPLES) + 0.5) / (2 * SAMPLES)
     points = branch.local(s)
     for plane in planes:
         heights = (points @ plane[:3] + plane[3]) / np.linalg.norm(plane[:3])
@@ -100,17 +94,16 @@ def _require_uncut(branch: QuadricBranch, planes: list[Floats], what: str) -> No
         near = int((np.abs(heights) / size).argmin())
         if heights.min() < 0 < heights.max() or abs(heights[near]) <= 1e-7 * size[near]:
             raise GeometryError(
-                f"the two plane curves in which {what} meet cross or touch each other near "
+                f"the two plane curves in which {branch.pair.text} meet cross or touch each other near "
                 f"{text(points[near] + branch.pair.offset)}; "
                 "take plane_section for one of them, or move a quadric"
             )
 
 
 def _ruled_branches(pair: QuadricPair, found: list[Member]) -> list[QuadricBranch]:
-    what = pair.text
     lines = rulings(*pair.local, found)
     if lines is None:
-        raise GeometryError(f"{what} have no curve in common: the intersection is empty or single points")
+        raise GeometryError(f"{pair.text} have no curve in common: the intersection is empty or single points")
     coefficients = _coefficients(lines)
     zeros = _zeros(lines, coefficients, pair)
     made = []
@@ -118,12 +111,12 @@ def _ruled_branches(pair: QuadricPair, found: list[Member]) -> list[QuadricBranc
         for low, high in zip(zeros, [*zeros[1:], zeros[0] + 2 * np.pi], strict=True):
             if lines.discriminant(low + (high - low) * np.array([0.3, 0.5, 0.6])).sum() > 0:
                 factor = _divided(coefficients, low, high)
-                made.append(QuadricBranch(pair, (low, high), 1, True, lines, factor))
+                made.append(QuadricBranch(pair, (low, high), 1, lines, factor))
     elif lines.discriminant(np.array([0.3, 2.1, 4.2])).sum() > 0:
-        made = [QuadricBranch(pair, (0.0, 2 * np.pi), sign, False, lines) for sign in (1, -1)]
+        made = [QuadricBranch(pair, (0.0, 2 * np.pi), sign, lines) for sign in (1, -1)]
     branches = [_with_poles(branch) for branch in made if not _is_point(branch)]
     if not branches:
-        raise GeometryError(f"{what} do not meet in a curve: the intersection is empty (complex) or single points")
+        raise GeometryError(f"{pair.text} do not meet in a curve: the intersection is empty (complex) or single points")
     return branches
 
 
@@ -150,72 +143,37 @@ def _divided(coefficients: Any, low: float, high: float) -> Any:
 
 
 def _zeros(lines: Rulings, coefficients: Any, pair: QuadricPair) -> list[float]:
-    """The simple zeros of D in [0, 2 pi), ascending; raises `GeometryError` for double ones."""
+    """The simple zeros of D in [0, 2 pi), ascending; raises `GeometryError` for double ones.
+
+    D is monotone between the real zeros of its derivative, found as eigenvalues.
+    """
     from scipy.optimize import brentq
 
     def value(angle: float) -> float:
         return float(trigonometric(coefficients, np.array([angle]))[0])
 
-    grid = 2 * np.pi * (np.arange(SAMPLES + 1) + 0.314159) / SAMPLES
-    values = trigonometric(coefficients, grid)
-    size = _size(lines, grid)
-    if np.abs(values).max() <= DOUBLE * size:
-        raise GeometryError(f"{pair.text} have straight lines in common, or touch along a curve; move one of them")
-    knots = _with_extrema(value, grid, values)
+    a, b, c = lines.equation(np.linspace(0, 2 * np.pi, 64))
+    least = 1e-11 * float((b * b + np.abs(a * c)).max())  # an extremum below counts as zero: rounding makes 1e-14
+    steep = np.roots((coefficients * np.arange(-DEGREE, DEGREE + 1))[::-1])
+    knots = sorted(np.angle(steep[np.abs(np.abs(steep) - 1) < 1e-3]).tolist()) or [0.0]
     heights = [value(k) for k in knots]
-    for knot, height in zip(knots[:-1], heights[:-1], strict=True):
-        if abs(height) <= DOUBLE * size:
-            _refuse_double(lines, knot, value, pair)
-    zeros = [
-        float(brentq(value, a, b, xtol=1e-15, rtol=1e-15))
-        for a, b, u, v in zip(knots[:-1], knots[1:], heights[:-1], heights[1:], strict=True)
-        if u * v < 0
-    ]
+    if max(map(abs, heights)) <= least:
+        raise GeometryError(f"{pair.text} have straight lines in common, or touch along a curve; move one of them")
+    for knot, height in zip(knots, heights, strict=True):
+        point = lines.points(np.array([knot]), np.array([0.0]))[0]
+        if abs(height) <= least and abs(point[3]) >= FAR**0.5:  # not at infinity
+            where = text(point[:3] / point[3] + pair.offset)
+            crossing = value(knot + 1e-3) > 0
+            how = "their curves cross or have a straight line in common" if crossing else "they touch"
+            raise GeometryError(f"{pair.text}: at {where} {how}; move one of them")
+    ends = zip(knots, [*knots[1:], knots[0] + 2 * np.pi], heights, [*heights[1:], heights[0]], strict=True)
+    zeros = [float(brentq(value, low, high, xtol=1e-15, rtol=1e-15)) for low, high, u, v in ends if u * v < 0]
     return sorted(z % (2 * np.pi) for z in zeros)
-
-
-def _size(lines: Rulings, angle: Floats) -> float:
-    a, b, c = lines.equation(angle)
-    return float((b * b + np.abs(a * c)).max())
-
-
-def _with_extrema(value: Any, grid: Floats, values: Floats) -> list[float]:
-    """The grid without samples that happen to be zero, and all extrema at which |D| is least between samples."""
-    from scipy.optimize import minimize_scalar
-
-    knots = list(grid)
-    least = np.abs(values)
-    inner = np.flatnonzero((least[1:-1] <= least[:-2]) & (least[1:-1] <= least[2:])) + 1
-    for i in inner:
-        if values[i - 1] * values[i] > 0 and values[i] * values[i + 1] > 0:
-            sign = np.sign(values[i])
-            found = minimize_scalar(
-                lambda a, sign=sign: sign * value(a),
-                bounds=(grid[i - 1], grid[i + 1]),
-                method="bounded",
-                options={"xatol": 1e-9},
-            )
-            knots.append(float(found.x))
-    return sorted(knots)
-
-
-def _refuse_double(lines: Rulings, angle: float, value: Any, pair: QuadricPair) -> None:
-    """Raise for a double zero; a sample beside a simple zero is none."""
-    slope = abs(value(angle + 1e-4) - value(angle - 1e-4)) / 2
-    bend = abs(value(angle + 1e-4) + value(angle - 1e-4)) / 2
-    if slope > bend:
-        return
-    point = lines.points(np.array([angle]), np.array([0.0]))[0]
-    if abs(point[3]) < np.sqrt(FAR):
-        return  # at infinity
-    where = text(point[:3] / point[3] + pair.offset)
-    how = "their curves cross or have a straight line in common" if value(angle + 1e-3) > 0 else "they touch"
-    raise GeometryError(f"{pair.text}: at {where} {how}; move one of them")
 
 
 def _with_poles(branch: QuadricBranch) -> QuadricBranch:
     """The branch with the s at which it is at infinity."""
-    s = np.linspace(0.0, 1.0, 2 * SAMPLES + 1)
+    s = np.linspace(0.0, 1.0, SAMPLES + 1)
     points = branch.homogeneous(s)
     turns = np.where((points[1:] * points[:-1]).sum(axis=1) < 0, -1.0, 1.0)
     last = points[:, 3] * np.concatenate([[1.0], np.cumprod(turns)])

@@ -30,9 +30,6 @@ CurveLike: TypeAlias = "ParametricSurface | Sequence[ComponentLike] | Callable[[
 Curve = Callable[[Floats], Floats]
 """Vectors (n, 3), or numbers (n,), at parameters (n,)."""
 
-PIECES = 1024
-"""Of a curve, whose lengths are summed."""
-
 
 def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float, float], RationalFunction]:
     """The ends of an interval of s, and the map low + (high - low) s; raises `ValueError` for a bad one."""
@@ -133,7 +130,7 @@ def by_length(speed: Curve, closed: bool) -> tuple[Curve, Curve]:
     """
     from scipy.interpolate import CubicSpline
 
-    u = np.linspace(0.0, 1.0, PIECES + 1)
+    u = np.linspace(0.0, 1.0, 1025)
     at = speed(u)
     pieces = (at[1:] + at[:-1] + 4 * speed((u[1:] + u[:-1]) / 2)) / 6
     s = np.concatenate([[0.0], np.cumsum(pieces)]) / pieces.sum()

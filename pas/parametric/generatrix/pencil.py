@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
@@ -24,7 +23,6 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, to_float
 from pas.algebra.roots import between, real_roots
-from pas.errors import GeometryError
 from pas.parametric.generatrix.quadric import Inertia, Quadric, QuadricKind, inertia, kind_of, to_array
 from pas.parametric.hermite import taylor_basis
 from pas.parametric.series import square_root
@@ -32,8 +30,6 @@ from pas.parametric.series import square_root
 DEGREE = 4
 """Of D in cos a, sin a."""
 
-RULED = ((2, 1), (1, 2), (2, 2))
-ROUND = (QuadricKind.CONE, QuadricKind.CYLINDER, QuadricKind.ONE_SHEET)
 PLANES = ((1, 1), (1, 0), (0, 1))
 
 
@@ -91,17 +87,15 @@ class Rulings:
 def members(first: Quadric, second: Quadric) -> list[Member]:
     """The two quadrics, and a member for each interval and each rational multiple root of det(A + mu B)."""
     a, b = first.matrix, second.matrix
-    mixed = (_mixed(a, b, mu) for mu in _candidates(a, b))
+    mixed = (a + b * mu for mu in _candidates(a, b))
     return [Member(m, inertia(m)) for m in (a, b, *mixed)]
-
-
-def _mixed(a: fmpq_mat, b: fmpq_mat, mu: fmpq) -> fmpq_mat:
-    return fmpq_mat([[a[i, j] + mu * b[i, j] for j in range(4)] for i in range(4)])
 
 
 def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
     """Rational zeros of det(A + mu B), then a simple number between neighbouring real ones."""
-    determinant = _determinant(a, b)
+    places = [fmpq(i) for i in range(5)]
+    values = [(a + b * mu).det() for mu in places]
+    determinant = sum((taylor_basis(places, i, 0)[0] * v for i, v in enumerate(values)), fmpq_poly([0]))
     if determinant.is_zero():
         yield from (fmpq(n) for n in (1, -1, 2, -2))
         return
@@ -113,23 +107,18 @@ def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
         yield between(low, high)
 
 
-def _determinant(a: fmpq_mat, b: fmpq_mat) -> fmpq_poly:
-    """det(A + mu B) by interpolation at five numbers."""
-    places = [fmpq(i) for i in range(5)]
-    return sum((taylor_basis(places, i, 0)[0] * _mixed(a, b, mu).det() for i, mu in enumerate(places)), fmpq_poly([0]))
-
-
 def rulings(first: Quadric, second: Quadric, found: list[Member]) -> Rulings | None:
     """The straight lines of the simplest ruled member; None where there is none (no common curve).
 
     Preferred are those with closed plane sections, among them the first quadric, then the second, then cones.
     """
-    ruled = [m for m in found if m.inertia in RULED]
+    ruled = [m for m in found if m.inertia in ((2, 1), (1, 2), (2, 2))]
     if not ruled:
         return None
     given = [m for m in ruled if m is found[0] or m is found[1]]
     mixed = sorted((m for m in ruled if m not in given), key=lambda m: sum(m.inertia))
-    member = min([*given, *mixed], key=lambda m: kind_of(m.matrix) not in ROUND)
+    round_ones = QuadricKind.CONE, QuadricKind.CYLINDER, QuadricKind.ONE_SHEET
+    member = min([*given, *mixed], key=lambda m: kind_of(m.matrix) not in round_ones)
     other = second if member is not found[1] else first
     return Rulings(_frame(member), member.inertia == (2, 2), to_array(other.matrix))
 
@@ -140,18 +129,11 @@ def _frame(member: Member) -> Floats:
     if member.inertia[0] < member.inertia[1]:
         q = -q
     values, vectors = np.linalg.eigh(q)
-    order = np.argsort(-values) if member.inertia == (2, 2) else _one_negative(values)
-    values, vectors = values[order], vectors[:, order].T
-    values = np.where(np.arange(4) == 3, 1.0, values) if member.inertia != (2, 2) else values
-    return np.asarray(vectors / np.sqrt(np.abs(values))[:, None])
-
-
-def _one_negative(values: Floats) -> Any:
-    """Positions of the two greatest values, the least one, and the one that is zero."""
-    order = np.argsort(values)
-    zero = int(np.abs(values).argmin())
-    rest = [i for i in order if i != zero]
-    return np.array([rest[2], rest[1], rest[0], zero])
+    order = np.argsort(-values)
+    if member.inertia != (2, 2):  # the one that is zero comes last
+        zero = int(np.abs(values).argmin())
+        order, values[zero] = np.array([*order[order != zero], zero]), 1.0
+    return np.asarray(vectors[:, order].T / np.sqrt(np.abs(values[order]))[:, None])
 
 
 def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
@@ -182,9 +164,3 @@ def _squares(matrix: fmpq_mat) -> list[tuple[fmpq, list[fmpq]]]:
         line = fmpq_mat([row])
         m = m - line.transpose() * line * (1 / value)
     return found
-
-
-def require_curve(found: list[Member], what: str) -> None:
-    """Raise `GeometryError` where some member is definite: then the quadrics have no real point in common."""
-    if any(4 in member.inertia for member in found):
-        raise GeometryError(f"{what} do not meet: the intersection is empty (complex)")

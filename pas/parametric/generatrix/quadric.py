@@ -49,8 +49,6 @@ class QuadricKind(Enum):
 REACH = (Fraction(1, 10**50), Fraction(10**50))
 """Greatest coefficients of polynomials that are worked with as they are."""
 
-CURVED = frozenset(list(QuadricKind)[:9])
-
 KINDS: dict[tuple[Inertia, Inertia], QuadricKind] = {
     ((3, 0), (3, 1)): QuadricKind.ELLIPSOID,
     ((3, 0), (3, 0)): QuadricKind.POINT,
@@ -109,7 +107,7 @@ class Quadric:
 
     def require_curved(self, name: str) -> None:
         """Raise `ValueError` for sets that are no curved surface."""
-        if self.kind not in CURVED:
+        if self.kind not in list(QuadricKind)[:9]:
             raise ValueError(
                 f"{name} must be a curved surface such as x^2 + y^2 - 1; {short(str(self.polynomial))} = 0 is a(n) "
                 f"{self.kind.value}"

@@ -61,19 +61,13 @@ FUNCTIONS: dict[ConicKind, tuple[tuple[Function, Function], ...]] = {
 }
 
 
-STEPS = 2048
-"""Angles at which |grad f| is looked at for bounds."""
-
-SMALLEST = 1e-150
-"""Half-axis of a central conic at least: its square is still a double."""
-
 ROUNDED = 1.001
 """For the rounding of the bounds themselves."""
 
 
 @dataclass(frozen=True)
 class _Plane:
-    """A rational orthogonal basis u, v (not unit vectors) of the plane n . x = d, and a point of it."""
+    """A rational orthogonal basis u, v (not unit vectors) of a plane n . x = d, and a point of it."""
 
     normal: Vector
     offset: fmpq
@@ -85,8 +79,7 @@ class _Plane:
         square = dot(normal, normal)
         x, y, z = (offset / square * c for c in normal)
         smallest = min(range(3), key=lambda i: abs(normal[i]))
-        axis = [fmpq(int(i == smallest)) for i in range(3)]
-        first = cross(normal, axis)
+        first = cross(normal, [fmpq(int(i == smallest)) for i in range(3)])
         return cls(normal, offset, (x, y, z), (first, cross(normal, first)))
 
     def place(self, a: fmpq, b: fmpq) -> tuple[fmpq, ...]:
@@ -166,7 +159,8 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> ContactBounds:
     constant = abs(form[0, 0] + (form[1, 1] + form[2, 2]) / 2)
     axes = np.stack([conic.first, conic.second])
     speed = _smaller_half_axis(rows[1], rows[2]) / ROUNDED
-    angle, half = np.linspace(0, 2 * np.pi, STEPS, endpoint=False), np.pi / STEPS
+    steps = 2048  # of |grad f|, which between two changes by as much as its derivatives allow
+    angle, half = np.linspace(0, 2 * np.pi, steps, endpoint=False), np.pi / steps
     whole = 2 * to_array(matrix)
     hessian = whole[:3, :3]
     slopes = np.linalg.norm(conic(angle) @ hessian + whole[3, :3], axis=1)
@@ -184,12 +178,9 @@ def ellipse_bounds(quadric: Quadric, conic: Conic) -> ContactBounds:
 
 def _in_units(matrix: fmpq_mat, unit: fmpq) -> fmpq_mat:
     """The matrix of a quadric where lengths are multiples of `unit`, over its greatest entry."""
-    scales = (unit, unit, unit, fmpq(1))
-    rows = [
-        [c * s * r for c, s in zip(row, scales, strict=True)] for row, r in zip(matrix.tolist(), scales, strict=True)
-    ]
-    greatest = max(abs(c) for row in rows for c in row)
-    return fmpq_mat([[c / greatest for c in row] for row in rows])
+    scale = fmpq_mat([[(unit if i < 3 else fmpq(1)) * int(i == j) for j in range(4)] for i in range(4)])
+    scaled = scale * matrix * scale
+    return scaled * (1 / max(map(abs, scaled.entries())))
 
 
 def _smaller_half_axis(first: Sequence[fmpq], second: Sequence[fmpq]) -> float:
@@ -259,10 +250,10 @@ def _central(plane: _Plane, form: fmpq_mat, small: fmpq) -> Conic:
         axes = [plane.vector(*(vectors[:, i] / lengths)) * np.abs(value / eigenvalues[i]) ** 0.5 for i in (0, 1)]
     origin = np.array(to_floats(plane.place(*center)))
     sizes = [float(np.abs(axis).max()) for axis in axes]
-    if not (min(sizes) >= SMALLEST and max(sizes) <= 1 / SMALLEST):
+    if not (min(sizes) >= 1e-150 and max(sizes) <= 1e150):  # whose squares are still doubles
         raise GeometryError(
-            f"a plane section has half-axes of {sizes[1]:.2g} and {sizes[0]:.2g}; they are made from {SMALLEST:.0e} to "
-            f"{1 / SMALLEST:.0e}: choose another unit of length"
+            f"a plane section has half-axes of {sizes[1]:.2g} and {sizes[0]:.2g}; they are made from 1e-150 to 1e+150: "
+            "choose another unit of length"
         )
     if small > 0:
         return Conic(ConicKind.ELLIPSE, origin, axes[1], axes[0])

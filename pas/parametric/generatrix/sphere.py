@@ -42,19 +42,6 @@ SPHERE = "sphere"
 GRID = 96, 48
 """Points of each blend's mesh in s and t where neither tolerance nor size is given."""
 
-SIZES = tuple((round(24 * 2 ** (k / 2)), round(12 * 2 ** (k / 2))) for k in range(13))
-"""Grids that are tried for a tolerance, each with twice the points of the last; the finest has 3 million triangles
-on three blends."""
-
-SHARES = (1.0, 0.7, 0.5, 0.35, 1.4)
-"""Of these grids' points in t, of which the best is taken where a quality is asked for."""
-
-ROOM = 0.8
-"""Share of half the angle between neighbouring directions that a circle on the middle sphere takes at most."""
-
-WIDEST = math.pi / 3
-"""Half-angle of the circles at most, so that a good part of the sphere's cap is bent towards the boundary."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SphereBlend(Shape):
@@ -101,7 +88,7 @@ class SphereBlend(Shape):
         refuse_both(tolerance, size)
         wanted = self._measured(GRID).deviation if tolerance is None else check_tolerance(tolerance, self.radius)
         found: list[Mesh] = []
-        for share in SHARES[: 1 if how is Quality.BALANCED else None]:
+        for share in (1.0,) if how is Quality.BALANCED else (1.0, 0.7, 0.5, 0.35, 1.4):  # of the usual points in t
             try:
                 found.append(self._near(wanted or 0.0, share))
             except MeshError:  # there is a mesh already
@@ -110,8 +97,12 @@ class SphereBlend(Shape):
         return how.best(found)
 
     def _near(self, wanted: float, share: float) -> Mesh:
-        """The mesh on the coarsest grid that is as near as wanted, with a share of the usual points in t."""
-        for n, m in SIZES:
+        """The mesh on the coarsest grid that is as near as wanted, with a share of the usual points in t.
+
+        Each grid has twice the points of the last; the finest has 3 million triangles on three blends.
+        """
+        for k in range(13):
+            n, m = round(24 * 2 ** (k / 2)), round(12 * 2 ** (k / 2))
             checkpoint(f"meshing on {n} x {m} points")
             mesh = self._measured((n, max(3, round(share * m))))
             if mesh.deviation is not None and mesh.deviation <= wanted:
@@ -248,13 +239,13 @@ def blend_through_sphere(
     directions, widths = zip(*(_seen(item, i, o, r) for i, item in enumerate(items)), strict=True)
     gaps = _gaps(np.array(directions))
     if angles is None:
-        chosen = tuple(
-            float(min(ROOM * gap / 2, width, WIDEST)) for gap, width in zip(gaps.min(axis=1), widths, strict=True)
-        )
+        pairs = zip(gaps.min(axis=1), widths, strict=True)
+        chosen = tuple(float(min(0.8 * gap / 2, width, math.pi / 3)) for gap, width in pairs)
     else:
         chosen = tuple(map(float, angles))
         _require_disjoint(chosen, gaps, len(items))
-    f = _sphere(middle, size)
+    coordinates = (Polynomial(v) - Polynomial(c) for v, c in zip("xyz", middle, strict=True))
+    f = sum((p * p for p in coordinates), Polynomial(-size * size))
     circles = tuple(
         plane_section(f, _plane(u, o, r * math.cos(a)), name=f"circle {i} on the sphere")
         for i, (u, a) in enumerate(zip(directions, chosen, strict=True))
@@ -314,11 +305,6 @@ def _require_disjoint(angles: Sequence[float], gaps: Floats, number: int) -> Non
                 f"the circles {i} and {j} overlap: their half-angles {angles[i]:.4g} + {angles[j]:.4g} must be less "
                 f"than {gaps[i, j]:.4g}, the angle between their directions"
             )
-
-
-def _sphere(center: Any, radius: Any) -> Polynomial:
-    parts = (Polynomial(v) - Polynomial(c) for v, c in zip("xyz", center, strict=True))
-    return sum((p * p for p in parts), Polynomial(-radius * radius))
 
 
 def _plane(direction: Floats, center: Floats, distance: float) -> Polynomial:

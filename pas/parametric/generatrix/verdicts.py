@@ -13,7 +13,7 @@ Regularity: exact blends by `pas.parametric.regularity`.  Else along many genera
 normal is a polynomial in t of degree 2m - 1, whose Bernstein coefficients must be on one side of a plane
 through the origin (halving t where they are not); between generatrices the turn of the normal is measured.
 
-Simple: exact blends that do not bend too far are proved to be so (`injective`).  Else crossings of the triangles of
+Simple: exact blends that do not bend too far are proved to be so (`crossings`).  Else crossings of the triangles of
 a mesh.  A crossing is followed to a double point of the surface itself,
 P(s, t) = P(s', t'), by Newton's method, and reported with it.
 """
@@ -39,22 +39,6 @@ from pas.parametric.generatrix.form import GeneratrixForm
 from pas.parametric.generatrix.paths import NAMES
 from pas.parametric.regularity import regularity
 from pas.verdicts import Point, Status, Verdict, Verdicts
-
-SAMPLES = 257
-FINE = (160, 40)
-"""Grid of the mesh that is searched for crossings."""
-
-GENERATRICES, DEEP = 256, 9
-"""Generatrices along which the normal is examined, and how often intervals of t are looked at, each half as long."""
-
-ROUNDING = 1e-13
-"""Of the coefficients of the normal along a generatrix, over the greatest."""
-
-TILTED, APART = 1e-3, 1e-6
-"""Degrees between tangent planes, and distance of the curves over their size, above which a contact fails."""
-
-SMALL = 1e-9
-"""Angle up to which a bound is as good as contact; larger ones come from badly scaled data, which are measured."""
 
 EFFORT = 4_000
 """Rectangles that proofs of exact blends may examine."""
@@ -84,27 +68,30 @@ class GeneratrixCertificate(Verdicts):
 
 def certify(blend: GeneratrixForm) -> GeneratrixCertificate:
     """All verdicts."""
-    return GeneratrixCertificate(
-        (contact_verdict(blend, 0), contact_verdict(blend, 1)),
-        sense_verdict(blend),
-        regular_verdict(blend),
-        simple_verdict(blend),
-    )
+    contacts = contact_verdict(blend, 0), contact_verdict(blend, 1)
+    return GeneratrixCertificate(contacts, sense_verdict(blend), regular_verdict(blend), simple_verdict(blend))
 
 
 def contact_verdict(blend: GeneratrixForm, number: int) -> Verdict:
     """G1 with surface `number`."""
     boundary = blend.boundaries[number]
     claim = f"G1 with {boundary.name}"
-    if boundary.exact is None:
-        bounded = _bounded_contact(blend, number, claim)
-        return _measured_contact(blend, number, claim) if bounded is None else bounded
-    if not boundary.exact.lies_in_plane:
-        return Verdict(Status.REFUTED, claim, "the curve or the vector given is not in the tangent plane")
-    if blend.surface.is_exact and not _touches(blend, number):
-        return Verdict(Status.REFUTED, claim, "the tangent planes of the exact blend differ")
-    reason = "both tangents are perpendicular to the surface's normal identically, and span its tangent plane"
-    return Verdict(Status.PROVED, claim, reason)
+    if boundary.exact is not None:
+        if not boundary.exact.lies_in_plane:
+            return Verdict(Status.REFUTED, claim, "the curve or the vector given is not in the tangent plane")
+        if blend.surface.is_exact and not _touches(blend, number):
+            return Verdict(Status.REFUTED, claim, "the tangent planes of the exact blend differ")
+        reason = "both tangents are perpendicular to the surface's normal identically, and span its tangent plane"
+        return Verdict(Status.PROVED, claim, reason)
+    bounds = None if boundary.bounds is None else boundary.bounds()
+    if bounds is None or bounds.angle > 1e-9:  # larger ones come from badly scaled data
+        return _measured_contact(blend, number, claim)
+    # the blend's tangent plane is spanned by C' and N x C', so its angle with the surface's is that of C'
+    reason = (
+        f"for all s, by exact arithmetic on the rounded curve, its tangent planes differ from the surface's by "
+        f"{np.degrees(bounds.angle):.1e} degrees at most, and it is {bounds.distance:.1e} off the surface at most"
+    )
+    return Verdict(Status.PROVED, f"{claim}, to rounding", reason)
 
 
 def _touches(blend: GeneratrixForm, number: int) -> bool:
@@ -122,37 +109,24 @@ def _touches(blend: GeneratrixForm, number: int) -> bool:
     return on and all(exact_dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
 
 
-def _bounded_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict | None:
-    """The blend's tangent plane is spanned by C' and N x C', so its angle with the surface's is that of C'."""
-    make = blend.boundaries[number].bounds
-    bounds = None if make is None else make()
-    if bounds is None or bounds.angle > SMALL:
-        return None
-    reason = (
-        f"for all s, by exact arithmetic on the rounded curve, its tangent planes differ from the surface's by "
-        f"{np.degrees(bounds.angle):.1e} degrees at most, and it is {bounds.distance:.1e} off the surface at most"
-    )
-    return Verdict(Status.PROVED, f"{claim}, to rounding", reason)
-
-
 def _measured_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict:
-    boundary = blend.boundaries[number]
-    s = np.linspace(0.0, 1.0, SAMPLES)
-    places = np.stack([s, np.full(SAMPLES, float(number))], axis=-1)
+    boundary, samples = blend.boundaries[number], 257
+    s = np.linspace(0.0, 1.0, samples)
+    places, points = np.stack([s, np.full(samples, float(number))], axis=-1), boundary(s)
     sines = np.linalg.norm(np.cross(blend.surface.normals(places), boundary.normals(s)), axis=-1)
-    gaps = lengths(blend.surface(places) - boundary(s))
+    gaps = lengths(blend.surface(places) - points)
     if not (np.isfinite(sines).all() and np.isfinite(gaps).all()):
         i = int(np.flatnonzero(~np.isfinite(sines + gaps))[0])
         return Verdict(Status.UNDECIDED, claim, f"numeric data; at s = {s[i]:.5g} the blend has no tangent plane")
     worst = float(np.degrees(np.arcsin(min(1.0, float(sines.max())))))
     reason = (
-        f"numeric data, at {SAMPLES} points: the tangent planes differ by {worst:.1e} degrees at most, the "
+        f"numeric data, at {samples} points: the tangent planes differ by {worst:.1e} degrees at most, the "
         f"curves by {gaps.max():.1e}"
     )
-    extent = float(np.ptp(boundary(s), axis=0).max())
-    if worst > TILTED or gaps.max() > APART * extent:
-        i = int(sines.argmax() if worst > TILTED else gaps.argmax())
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(boundary(s[i])))
+    tilted = worst > 1e-3  # degrees
+    if tilted or gaps.max() > 1e-6 * float(np.ptp(points, axis=0).max()):
+        i = int(sines.argmax() if tilted else gaps.argmax())
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[i]))
     return Verdict(Status.HOLDS_MEASURED, claim, reason)
 
 
@@ -160,19 +134,15 @@ def sense_verdict(blend: GeneratrixForm) -> Verdict:
     """Whether the curves run the same way."""
     # judged anew of the curves as they run now, since a blend from a file brings its own alignment
     found = alignment(*blend.boundaries, blend.frames.signs, turn=False)
-    claim = "the two curves run the same way"
+    claim, proof = "the two curves run the same way", ""
     same = _chords_agree(blend)
-    proof = (
-        ""
-        if same is None or same is found.opposed
-        else f"their chords make {'an acute' if same else 'an obtuse'} angle"
-    )
+    if same is not None and same is not found.opposed:
+        proof = f"their chords make {'an acute' if same else 'an obtuse'} angle"
+    reason = proof or found.reason
     if found.opposed:
-        reason = (
-            f"{proof or found.reason}: the blend is twisted; reverse one curve, or let them be aligned (align=True)"
-        )
+        reason += ": the blend is twisted; reverse one curve, or let them be aligned (align=True)"
         return Verdict(Status.REFUTED if proof else Status.FAILS_MEASURED, claim, reason)
-    reason = (proof or found.reason) + ("; the second was reversed" if blend.alignment.reversed else "")
+    reason += "; the second was reversed" if blend.alignment.reversed else ""
     return Verdict(Status.PROVED if proof else Status.HOLDS_MEASURED, claim, reason)
 
 
@@ -190,33 +160,34 @@ def _chords_agree(blend: GeneratrixForm) -> bool | None:
 
 def regular_verdict(blend: GeneratrixForm) -> Verdict:
     """Whether the normal vanishes nowhere."""
-    claim = "regular"
+    claim, number = "regular", 256
     if blend.surface.is_exact:
         exact = regularity(blend.surface, EFFORT)
         if exact.status in (Status.PROVED, Status.REFUTED):
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
-    s = blend.frames.parameters(GENERATRICES)
+    s = blend.frames.parameters(number)
     controls, slopes = blend.frames.controls(blend.shape, s)
     forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
-    points, normals = blend.frames.sheet(blend.shape, (GENERATRICES, 33))
+    points, normals = blend.frames.sheet(blend.shape, (number, 33))
     if not (np.isfinite(points).all() and np.isfinite(forms).all()):
         return Verdict(Status.UNDECIDED, claim, "the blend is not finite on all generatrices tried; change l1, l2")
-    sizes = np.linalg.norm(normals, axis=-1)
-    turn = _largest_turn(normals, blend.closed)
-    zero = _vanishing(forms)
+    halvings = 8
+    zero = _vanishing(forms, halvings)
     if zero is not None:
         place = s[zero[0]], zero[1]
         where = "s = {:.5g}, t = {:.5g}".format(*place)
-        reason = f"the normal vanishes (to {DEEP - 1} halvings of t) near {where}; change l1, l2"
+        reason = f"the normal vanishes (to {halvings} halvings of t) near {where}; change l1, l2"
         return Verdict(Status.FAILS_MEASURED, claim, reason, _point(blend.surface(place)))
-    smallest = float(sizes.min() / np.median(sizes))
+    sizes = np.linalg.norm(normals, axis=-1)
+    angle, where_most = _largest_turn(normals, blend.closed)
     measured = (
-        f"on {GENERATRICES} generatrices the normal vanishes for no t, its least length is "
-        f"{smallest:.2g} of the median, and between neighbours it turns by {turn[0]:.3g} degrees at most"
+        f"on {number} generatrices the normal vanishes for no t, its least length is "
+        f"{sizes.min() / np.median(sizes):.2g} of the median, and between neighbours it turns by {angle:.3g} degrees "
+        "at most"
     )
-    if turn[0] >= 90.0:
+    if angle >= 90.0:
         reason = measured + ": the blend folds over; change l1, l2"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[turn[1]]))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[where_most]))
     return Verdict(Status.HOLDS_MEASURED, claim, measured)
 
 
@@ -232,20 +203,19 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
     return forms
 
 
-def _vanishing(forms: Floats) -> tuple[int, float] | None:
-    """The number of one of curves of vectors (n, k, 3), Bernstein forms in t, that may meet the origin, and a t near;
-    None where they do not."""
+def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
+    """Of curves of vectors (n, k, 3), Bernstein forms in t, the number of one that may meet the origin, and t near."""
     rows, starts, width = np.arange(len(forms)), np.zeros(len(forms)), 1.0
-    for _ in range(DEEP):
-        open_ones = ~avoids_origin(forms[:, :, None], ROUNDING * np.abs(forms).max(axis=(1, 2)))
+    for depth in range(halvings + 1):
+        rounding = 1e-13 * np.abs(forms).max(axis=(1, 2))
+        open_ones = ~avoids_origin(forms[:, :, None], rounding)
         forms, rows, starts = forms[open_ones], rows[open_ones], starts[open_ones]
-        if not len(rows):
-            return None
+        if not len(rows) or depth == halvings:
+            break
         width /= 2
         forms, rows = np.concatenate(halves(forms, 1)), np.concatenate([rows, rows])
         starts = np.concatenate([starts, starts + width])
-    first = int(rows.argmin())
-    return int(rows[first]), float(starts[first] + width / 2)
+    return (int(rows.min()), float(starts[rows.argmin()] + width / 2)) if len(rows) else None
 
 
 def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:
@@ -268,7 +238,7 @@ def is_safe(blend: GeneratrixForm, size: tuple[int, int]) -> bool:
     return not len(crossings(mesh.points, mesh.triangles)[0])
 
 
-def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = FINE) -> Verdict:
+def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = (160, 40)) -> Verdict:
     """Whether the blend does not cross itself: on a mesh, and at double points found from its crossings."""
     claim = "does not cross itself"
     if blend.surface.is_exact and is_injective(blend.surface, EFFORT):
@@ -278,10 +248,9 @@ def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = FINE) -> Verdi
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):
         return Verdict(Status.HOLDS_MEASURED, claim, f"on {on} no triangles cross")
-    places = np.stack(
-        [blend.frames.parameters(size[0]).repeat(size[1]), np.tile(np.linspace(0, 1, size[1]), size[0])], 1
-    )
-    found = double_point(blend.surface, places[mesh.triangles[pairs, 0]], blend.closed)
+    row, column = np.divmod(mesh.triangles[pairs, 0], size[1])
+    places = np.stack([blend.frames.parameters(size[0])[row], column / (size[1] - 1)], axis=-1)
+    found = double_point(blend.surface, places, blend.closed)
     if found is None:
         reason = f"on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
         return Verdict(Status.FAILS_MEASURED, claim, reason, _point(where[0]), len(pairs))

@@ -1,0 +1,240 @@
+"""Sessions: blends that were found before, so that the same contacts up to a similarity are not solved again.
+
+Of the last blends that were found in a session and proved, the contacts, the pieces and their polynomials are kept.
+Contacts that an exact similarity (a rotation or reflection with rational entries, a rational scale, a translation)
+takes to those of such a blend, in whatever order, get its surface moved by that map.  The map is found from points and
+normals of the contacts' curves, and then every polynomial is compared exactly.
+
+Guaranteed: verdicts are carried over soundly.  An exact similarity takes cells to cells, planes to planes, the centre
+to the centre and rays to rays; divisibility of polynomials, and signs on cells, do not change under an affine map, nor
+does the sign of the derivative along rays from the centre.  So each claim holds of the image iff it holds of the
+original.  The usual energy and the limits of fairness have no unit and do not change.
+
+Not guaranteed: that solving anew would have rounded in the same way.  Not recognised: similarities that are irrational,
+and of contacts in one plane those whose scale is.  Not kept: what was wished with points, handles, a basis, another
+normalisation or another energy than `CurvatureVariation`, what was not proved, and blends on a partition or layout that
+was given.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Hashable, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from functools import cache
+from threading import Lock
+from typing import Self
+
+from flint import fmpq
+
+from pas.algebra.affine import IDENTITY, ORIGIN, Affine
+from pas.algebra.inputs import whole
+from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.algebra.rational import Vector, rational
+from pas.blending.solving import solve
+from pas.certify.certificate import Certificate
+from pas.contacts.contact import Contact
+from pas.errors import GeometryError
+from pas.fairing.energies.curvature_variation import CurvatureVariation
+from pas.fairing.wishes import MeanAlpha, Wishes
+from pas.piecewise import PiecewiseSurface
+from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.similarities import Anchor, similarities
+from pas.pipeline.space import SolutionSpace
+
+USUAL, MOST = 64, 10_000
+"""Blends that are kept if nothing else is said, a few hundred kilobytes each, and that may be asked for."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is kept of a blend; nothing of it that could be changed is handed out."""
+
+    surface: PiecewiseSurface
+    anchors: tuple[Anchor, ...]
+    certificate: Certificate
+    dimension: int
+    energy: float
+    attempts: tuple[Attempt, ...]
+    wishes: Wishes
+
+    @classmethod
+    def of(cls, blend: Blend) -> Found:
+        """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
+        s = blend.surface
+        own = PiecewiseSurface(s.partition.moved(Affine(IDENTITY, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
+        found = tuple(map(Anchor.of, s.contacts))
+        return cls(own, found, s.certificate, blend.dimension, blend.energy, blend.attempts, blend.wishes)
+
+    def matched(self, contacts: Sequence[Contact], given: Sequence[Anchor]) -> Match | None:
+        """How contacts with their anchors are those of this blend; None where no exact similarity is found."""
+        places = {anchor.point for anchor in given}
+        for map_, scale in similarities(self.anchors, given):
+            if {map_.exact(anchor.point) for anchor in self.anchors} != places:
+                continue
+            ours = [(map_.polynomial(c.surface), map_.polynomial(c.clip)) for c in self.surface.contacts]
+            numbers = [n for contact in contacts if (n := _counterpart(contact, ours)) is not None]
+            if sorted(numbers) == list(range(len(ours))):
+                turned = [Contact(c.surface, ours[i][1], c.near) for c, i in zip(contacts, numbers, strict=True)]
+                return Match(self, map_, scale, tuple(numbers), tuple(turned))
+        return None
+
+
+@dataclass(frozen=True)
+class Match:
+    """A blend that is kept, the similarity that takes it to the contacts, and which of its contacts each of them is."""
+
+    found: Found
+    map_: Affine
+    scale: fmpq
+    numbers: tuple[int, ...]
+    contacts: tuple[Contact, ...]
+
+    def blend(self, timings: dict[str, float]) -> Blend:
+        """The blend of these contacts, with what was proved."""
+        old = self.found.surface
+        partition = old.partition.moved(self.map_)
+        back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
+        shares = tuple((a * frame.scale / scale, b * frame.scale / scale, c * frame.scale / scale)
+                       for a, b, c in back.matrix)  # fmt: skip
+        shift = old.partition.frame.local_point(back.exact(frame.origin))
+        images = [_linear(row, offset) for row, offset in zip(shares, shift, strict=True)]
+        patches = [p.compose(*images) * Polynomial.from_raw(RING.constant(self.scale)) for p in old.patches]
+        surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
+        surface.certificate = self.certificate  # carried over, see above
+
+        @cache
+        def space() -> SolutionSpace:
+            return SolutionSpace.of(solve(surface.placed, surface.degree))
+
+        return Blend(
+            surface=surface,
+            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
+            energy=self.found.energy,
+            timings=timings,
+            attempts=self.found.attempts,
+            wishes=self.found.wishes,
+            find_space=space,
+            found_dimension=self.found.dimension,
+        )
+
+    @property
+    def certificate(self) -> Certificate:
+        """The verdicts, those on contacts in the order of these."""
+        ours = self.found.certificate
+        claims = [verdict.claim for verdict in ours.contacts]
+        turned = (replace(ours.contacts[i], claim=claim) for i, claim in zip(self.numbers, claims, strict=True))
+        return replace(ours, contacts=tuple(turned))
+
+
+def _linear(row: Vector, offset: fmpq) -> Polynomial:
+    return Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), RING.constant(offset)))
+
+
+def _counterpart(contact: Contact, ours: Sequence[tuple[Polynomial, Polynomial]]) -> int | None:
+    """Which of some (surface, clip) a contact is: up to a positive factor of the surface and any factor of the clip."""
+    for number, (surface, clip) in enumerate(ours):
+        factors = _factor(contact.surface, surface), _factor(contact.clip, clip)
+        if factors[0] is not None and factors[0] > 0 and factors[1] is not None:
+            return number
+    return None
+
+
+def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
+    """The constant that `one` is `other` times; None where there is none."""
+    factor = one.raw.leading_coefficient() / other.raw.leading_coefficient()
+    return factor if one.raw == other.raw * factor else None
+
+
+class Session:
+    """Blends that are kept while it is open, at most so many of the last ones.
+
+        with pas.Session():
+            nodes = [pas.blend(contacts, 1) for contacts in lattice]  # the same node elsewhere is moved, not solved
+
+    What is recognised is exact, see `pas.pipeline.session`, and takes some ten milliseconds in place of seconds.  The
+    last session that was opened in a thread serves its blends; one session may be open in several threads.  Raises
+    `ValueError` and `TypeError` for a wrong number.
+    """
+
+    def __init__(self, most: int = USUAL) -> None:
+        self.most = whole(most, "most", 0, MOST)
+        self._kept: OrderedDict[tuple[Hashable, int], Found] = OrderedDict()
+        self._counter = 0
+        self._lock = Lock()
+
+    def __enter__(self) -> Self:
+        _OPEN.set((*_OPEN.get(), self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _OPEN.set(_OPEN.get()[:-1])
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def find(self, contacts: Sequence[Contact], key: Hashable) -> Match | None:
+        """A blend of the same contacts, up to a similarity, that was found under the same key."""
+        with self._lock:
+            candidates = [(name, found) for name, found in reversed(self._kept.items()) if name[0] == key]
+        if not candidates:
+            return None
+        try:
+            given = tuple(map(Anchor.of, contacts))
+        except GeometryError:
+            return None
+        for name, found in candidates:
+            match = found.matched(contacts, given)
+            if match is not None:
+                with self._lock:
+                    if name in self._kept:
+                        self._kept.move_to_end(name)
+                return match
+        return None
+
+    def keep(self, blend: Blend, key: Hashable) -> None:
+        """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
+        if not self.most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
+            return
+        try:
+            found = Found.of(blend)
+        except GeometryError:
+            return
+        with self._lock:
+            self._counter += 1
+            self._kept[key, self._counter] = found
+            while len(self._kept) > self.most:
+                self._kept.popitem(last=False)
+
+
+def _usual(blend: Blend) -> bool:
+    """Whether the energy that it was chosen by has no unit."""
+    return type(blend.plate) is CurvatureVariation
+
+
+def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
+    """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
+    plain = Wishes(energy=wishes.energy, limits=wishes.limits)
+    if (
+        type(wishes.energy) not in (type(None), CurvatureVariation)
+        or wishes != plain
+        or wishes.normalize != MeanAlpha()
+    ):
+        return None
+    energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
+    return (energy, wishes.limits, *others)
+
+
+_OPEN: ContextVar[tuple[Session, ...]] = ContextVar("sessions", default=())
+"""Those that are open in a thread, the last one last."""
+
+
+def open_session() -> Session | None:
+    """The session that is open, if any."""
+    return next(reversed(_OPEN.get()), None)
+
+
+def keep_blends(most: int = USUAL) -> None:
+    """Open a session without end, or with 0 none: the name of `pas.Session` up to now, kept for one version."""
+    _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())
