@@ -21,7 +21,7 @@ def test_a_neck_around_a_node_is_meshed_from_the_first_lattice():
     """All crossings around the node in the middle of the neck would merge, and pinch it."""
     surface = boxed(NECK)
     first = next(iter(surface.mesher.cell_field.beginnings))
-    assert len(first.graph.triangles) < 300  # the second lattice has 678
+    assert len(first.mesh.triangles) < 300  # the second lattice has 678
     mesh = surface.mesh(2e-3)
     assert all(v.status in (Status.PROVED, Status.HOLDS_MEASURED) for v in mesh.certificate.verdicts)
     assert mesh.euler_characteristic == 0

@@ -96,8 +96,9 @@ def _turns(mesh: HalfEdges) -> tuple[Floats, Floats]:
     curves, size = np.flatnonzero(mesh.on_curves), len(mesh.points)
     starts, ends, lengths = mesh.corners[curves], mesh.ends[curves], mesh.lengths(curves)
     units = (mesh.points[ends] - mesh.points[starts]) / np.maximum(lengths, 1e-300)[:, None]
-    turns: Floats = np.stack([np.bincount(starts, u, minlength=size) for u in units.T], axis=1)
-    return turns, np.bincount(starts, lengths, minlength=size)
+    turns = np.stack([np.bincount(starts, u, minlength=size) for u in units.T], axis=1)
+    span = np.asarray(np.bincount(starts, lengths, minlength=size), dtype=float)
+    return turns, span
 
 
 def _bend(mesh: HalfEdges) -> Floats:

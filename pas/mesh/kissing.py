@@ -26,6 +26,9 @@ SHARES = (1 / 4, 1 / 16)
 """Of the tolerance, to which one of the surfaces after the other is meshed until they do not cross: where two bend the
 same way, chords of the outer one pass through the inner one if they are long beside those."""
 
+LEFT = 0.7
+"""Share of the tolerance to which surfaces are meshed: a vertex that moves into a point of contact takes the rest."""
+
 NEAR = 0.3
 """Distance from a vertex, over its size, up to which a point of contact is that vertex."""
 
@@ -53,7 +56,7 @@ def mesh_touching(
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        keys = [(i, tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
+        keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
         for i, aim in keys:
             if (i, aim) not in known:
                 known[i, aim] = _with_contacts(mesh(surfaces[i], aim)[0], surfaces[i], aim)
