@@ -96,7 +96,7 @@ def _turns(mesh: HalfEdges) -> tuple[Floats, Floats]:
     curves, size = np.flatnonzero(mesh.on_curves), len(mesh.points)
     starts, ends, lengths = mesh.corners[curves], mesh.ends[curves], mesh.lengths(curves)
     units = (mesh.points[ends] - mesh.points[starts]) / np.maximum(lengths, 1e-300)[:, None]
-    turns = np.stack([np.bincount(starts, u, minlength=size) for u in units.T], axis=1)
+    turns = np.asarray([np.bincount(starts, u, minlength=size) for u in units.T], dtype=float).T
     span = np.asarray(np.bincount(starts, lengths, minlength=size), dtype=float)
     return turns, span
 
