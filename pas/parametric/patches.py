@@ -31,6 +31,7 @@ from pas.mesh.quality import Quality
 from pas.parametric.nets import bernstein_at, bernstein_polynomials
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -94,6 +95,11 @@ class RationalPatch(Shape):
     ) -> Mesh:
         """The patch's mesh; see `ParametricSurface.mesh`."""
         return self.surface().mesh(tolerance, quality=quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The patch's mesh by settings, over a part of its domain, too."""
+        mesh: Mesh = self.surface().meshed(settings)
+        return mesh
 
     @property
     def degrees(self) -> tuple[int, int]:
