@@ -27,8 +27,6 @@ def test_the_plain_problem_is_the_usual_choice(space):
 def test_a_constraint_of_ones_own_holds_and_the_surface_is_proved(space):
     """The function has one value at two points, which it has not without being asked, and a slope that is bounded."""
     free = space.problem().solve()
-    values = free.surface(np.array([LOW, HIGH], dtype=object).astype(str)) if False else None
-    assert values is None
     problem = space.problem()
     low, high = problem.values([LOW]), problem.values([HIGH])
     line = problem.values([(t, t, t) for t in ("1/4", "3/10", "7/20")])
@@ -47,11 +45,7 @@ def test_points_and_terms_go_together(space):
     point = ("-1/5", "-1/5", "-1/5")
     problem = space.problem(through=[point])
     found = problem.solve(term=100 * cvxpy.sum_squares(problem.values([LOW]) + 0.1))
-    assert (
-        found.surface.at(point) == 0
-        if hasattr(found.surface, "at")
-        else found.surface([-0.2] * 3) == pytest.approx(0, abs=1e-15)
-    )
+    assert found.surface([-0.2] * 3) == pytest.approx(0, abs=1e-15)
 
 
 def test_users_may_solve_it_themselves(space):

@@ -29,11 +29,11 @@ class ConvexProblem:
         problem = space.problem(energy=pas.ThinPlate())
         blend = problem.solve([problem.values([p]) == problem.values([q])])
 
-    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small, in
-    the user's units; `constraints` are the normalisation, the points and handles that are wished for, and inequalities
-    at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet cannot be said
-    beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.  Made by
-    `SolutionSpace.problem`.
+    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
+    in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
+    inequalities at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet
+    cannot be said beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.
+    Made by `SolutionSpace.problem`.
     """
 
     def __init__(self, space: SolutionSpace, wishes: Wishes) -> None:
@@ -73,7 +73,7 @@ class ConvexProblem:
         return self._stated(rows)
 
     def member(self) -> Blend:
-        """The blend of the solution, rounded so that exact equations hold exactly; its certificate proves it when asked.
+        """The blend of the solution, rounded so that exact equations hold exactly; it is proved when first asked.
 
         Raises `ValueError` before there is a solution, `InfeasibleError` where rounding moves a wished point across.
         """
