@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,14 +26,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before those that are slow are left out
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of each adversarial net a sample is run always, the first case of each test; the others are slow."""
-    met: set[str] = set()
+    """Of a sampled test one case in so many is run always, of the adversarial nets the first; the others are slow."""
+    met: Counter[str] = Counter()
     for item in items:
-        if item.path.parent.name == "adversarial" and item.get_closest_marker("slow") is None:
+        sampled = item.get_closest_marker("sampled")
+        net = item.path.parent.name == "adversarial"
+        if (sampled or net) and item.get_closest_marker("slow") is None:
             name = item.nodeid.partition("[")[0]
-            if name in met:
+            if met[name] % sampled.args[0] if sampled else met[name]:
                 item.add_marker(pytest.mark.slow)
-            met.add(name)
+            met[name] += 1
 
 
 DATA = Path(__file__).parent / "data"
