@@ -49,7 +49,7 @@ class ShapeFunction:
 
     @classmethod
     def constant(cls, value: Exact) -> ShapeFunction:
-        """The same value everywhere."""
+        """One value everywhere."""
         return cls((to_fraction(rational(value, "the shape value")),))
 
     @classmethod
