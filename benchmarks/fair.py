@@ -17,9 +17,9 @@ from statistics import median
 from typing import Any
 
 import pas
-from pas.fairing.exchange import Search
-from pas.fairing.landscape import Landscape
+from pas.fairing.objective import SurfaceObjective
 from pas.fairing.programme import MemberProgramme
+from pas.fairing.solver import FitSolver
 from pas.piecewise import PiecewiseSurface
 from pas.surface.directions import Directions
 
@@ -36,11 +36,11 @@ LIVE = ((1, 4), (2, 6), (1, 5), (2, 7))
 """Orders and degrees of the unequal corner for single steps."""
 
 PARTS = {
-    "sampling": ((Directions, "of"), (Landscape, "__init__")),
-    "looking": ((Landscape, "look"),),
-    "linearising": ((Landscape, "linearised"),),
+    "sampling": ((Directions, "of"), (SurfaceObjective, "__init__")),
+    "looking": ((SurfaceObjective, "look"),),
+    "linearising": ((SurfaceObjective, "linearised"),),
     "programme": ((MemberProgramme, "step"),),
-    "start": ((Search, "settled"),),
+    "start": ((FitSolver, "started"),),
     "proof": ((PiecewiseSurface, "certify"),),
 }
 """Methods whose seconds are added up, none of which calls another but `__init__` `of`."""

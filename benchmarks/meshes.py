@@ -21,7 +21,7 @@ import numpy as np
 import pyvista
 
 import pas
-from pas.mesh.radial import smallest_angles
+from pas.mesh.quality import smallest_angles
 from pas.surface.radial_field import RadialField
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -128,7 +128,7 @@ class Grid:
 
 def row(name: str, spent: float, points: np.ndarray, triangles: np.ndarray, reached: float, more: str = "") -> None:
     """Print one line."""
-    angles = smallest_angles(points, triangles)
+    angles = np.degrees(smallest_angles(points[triangles]))
     print(
         f"    {name:<16}{spent:>9.0f} ms{len(triangles):>9} triangles  error {reached:.2f}  "
         f"angle {np.percentile(angles, 1):5.1f} {angles.min():5.1f}{more}",

@@ -11,14 +11,14 @@ from .blending.existence import Existence as Existence
 from .blending.existence import ExistenceCase as ExistenceCase
 from .blending.existence import existence as existence
 from .blending.generators import Generator as Generator
-from .blending.method import SolvingMethod as SolvingMethod
 from .blending.multipliers import Multipliers as Multipliers
 from .blending.normal_form_system import NormalFormSystem as NormalFormSystem
 from .blending.normal_form_system import normal_form_system as normal_form_system
+from .blending.regularity import TrivialPart as TrivialPart
 from .blending.shaping import LeastSquares as LeastSquares
 from .blending.shaping import Optimum as Optimum
+from .blending.solving import SolvingMethod as SolvingMethod
 from .blending.solving import register_method as register_method
-from .blending.trivial import TrivialPart as TrivialPart
 from .certify.certificate import Certificate as Certificate
 from .certify.curvature import CurvatureContact as CurvatureContact
 from .certify.curvature import curvature_contact as curvature_contact

@@ -14,9 +14,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_fraction
 from pas.certify.certificate import Certificate
-from pas.certify.curvature_bound import curvature_below
+from pas.certify.curvature import curvature_below
+from pas.certify.local_mesh import FramedSurface
 from pas.certify.mesh_proofs import MeshCertificate, certify_mesh
-from pas.certify.mesh_stage import Stage
 from pas.certify.proofs import certify
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError, MeshError
@@ -83,9 +83,9 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return Mesher(self)
 
     @cached_property
-    def stage(self) -> Stage:
+    def framed(self) -> FramedSurface:
         """What proves meshes of it."""
-        return Stage(self)
+        return FramedSurface(self)
 
     @limited("bounding curvature", "a larger bound")
     def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
@@ -164,7 +164,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
 
         Whether they end on the walls of the region, have the topology of the surface, and how far from it they are.
         """
-        return certify_mesh(self.stage, points, triangles, lambda: self.certificate)
+        return certify_mesh(self.framed, points, triangles, lambda: self.certificate)
 
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(

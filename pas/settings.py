@@ -1,7 +1,7 @@
 """Options as values: one frozen dataclass for each family of options, whose fields say how they are given elsewhere.
 
 A verb takes its options as keywords and makes such an object of them, which then goes through all layers as a whole.
-What is made by `option` is also an argument of the command line (`pas.cli.options`) and a key of problem files
+What is made by `option` is also an argument of commands (`pas.cli.common.add_settings`) and a key of problem files
 (`pas.exchange.problem`), with the help, type and default that stand here: so a new one is a field, its use and its
 test.  Drawing has `pas.Picture`, fitting `pas.Wishes`, fairness `pas.FairnessLimits`, writing
 `pas.exchange.formats.Request`.

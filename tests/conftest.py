@@ -23,6 +23,18 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile(f"{'same' if config.option.markexpr == 'not slow' else 'other'} cases each time")
 
 
+@pytest.hookimpl(tryfirst=True)  # before those that are slow are left out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of each adversarial net a sample is run always, the first case of each test; the others are slow."""
+    met: set[str] = set()
+    for item in items:
+        if item.path.parent.name == "adversarial" and item.get_closest_marker("slow") is None:
+            name = item.nodeid.partition("[")[0]
+            if name in met:
+                item.add_marker(pytest.mark.slow)
+            met.add(name)
+
+
 pas.keep_blends(0)  # what a test asks for is solved, not remembered from another test
 
 DATA = Path(__file__).parent / "data"

@@ -7,6 +7,7 @@ import inspect
 import runpy
 import subprocess
 import sys
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -32,6 +33,11 @@ MODULES = sorted(
 )
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
@@ -39,7 +45,7 @@ def room(path: Path) -> str:
 def imported(path: Path) -> set[str]:
     """Rooms of `pas` that a module imports, lazily or not."""
     names = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "pas":
             names.add(node.module.split(".")[1] if "." in node.module else "")
         if isinstance(node, ast.Import):
@@ -47,31 +53,38 @@ def imported(path: Path) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_one_way(path):
-    assert room(path) in ROOMS
-    for other in imported(path):
-        assert other in ROOMS, f"{path} imports from {other or 'the package itself'}"
-        assert ROOMS.index(other) <= ROOMS.index(room(path)), f"{path} imports upwards from {other}"
+def test_imports_go_one_way():
+    wrong = []
+    for path in MODULES:
+        assert room(path) in ROOMS, f"{path} is in no room"
+        strangers = imported(path) - set(ROOMS)
+        wrong += [f"{path} imports from {other or 'the package itself'}" for other in strangers]
+        known = imported(path) - strangers
+        wrong += [f"{path} imports upwards from {r}" for r in known if ROOMS.index(r) > ROOMS.index(room(path))]
+    assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_modules_are_documented_and_short(path):
-    text = path.read_text(encoding="utf-8")
-    assert ast.get_docstring(ast.parse(text))
-    assert len(text.splitlines()) <= 350
-    calls = [n.func.id for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)]
-    assert "print" not in calls or room(path) == "cli"
+def test_modules_are_documented_and_short():
+    wrong = []
+    for path in MODULES:
+        text, tree = path.read_text(encoding="utf-8"), parsed(path)
+        called = {n.func.id for n in ast.walk(tree) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
+        wrong += [f"{path} has no docstring"] * (not ast.get_docstring(tree))
+        wrong += [f"{path} has more than 350 lines"] * (len(text.splitlines()) > 350)
+        wrong += [f"{path} prints"] * ("print" in called and room(path) != "cli")
+    assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("name", [n for n in pas.__all__ if n != "__version__"])
-def test_public_names_are_documented(name):
-    thing = getattr(pas, name)
-    assert inspect.getdoc(thing)
-    if inspect.isclass(thing):
-        for attribute, value in vars(thing).items():
-            if not attribute.startswith("_") and (callable(value) or isinstance(value, property)):
-                assert inspect.getdoc(value), f"{name}.{attribute}"
+def test_public_names_are_documented():
+    things = {name: getattr(pas, name) for name in pas.__all__ if name != "__version__"}
+    things |= {
+        f"{name}.{attribute}": value
+        for name, thing in things.items()
+        if inspect.isclass(thing)
+        for attribute, value in vars(thing).items()
+        if not attribute.startswith("_") and (callable(value) or isinstance(value, property))
+    }
+    assert len(things) > 300 and not [name for name, thing in things.items() if not inspect.getdoc(thing)]
 
 
 BY_CLASS = {
@@ -94,7 +107,7 @@ BY_CLASS = {
 def classes_asked_for(path: Path) -> set[str]:
     """The names of classes in isinstance, issubclass, match cases, and in dispatch by a function's annotations."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
             found |= {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
         elif isinstance(node, ast.MatchClass):
@@ -120,7 +133,7 @@ def imported_when_run(path: Path) -> set[str]:
     """The modules of `pas` that a module imports, when it is imported or later, but not for types."""
     modules = {module_name(p) for p in MODULES}
     found = set()
-    waiting: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    waiting: list[ast.AST] = [parsed(path)]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):

@@ -14,8 +14,7 @@ from pas.blending.place import place
 from pas.contacts.contact import CONTACTS
 from pas.contacts.endless import Endless
 from pas.exchange.problem import read_problem
-from pas.layouts.center import center_of
-from pas.layouts.nodes import ContactNode
+from pas.layouts.nodes import ContactNode, center_of
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 OBLIQUE = (-1, 2, 0)

@@ -8,6 +8,7 @@ from math import factorial, prod
 import numpy as np
 import pytest
 from flint import fmpq
+from halving import halving
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,12 +16,20 @@ from pas import Polynomial, Status
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_floats, to_fraction, vector
-from pas.bernstein.forms import LARGEST_ERROR, UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex, rounded, rounded_forms
-from pas.bernstein.gram import gram
+from pas.bernstein.forms import (
+    LARGEST_ERROR,
+    UNIT_ROUNDOFF,
+    b_form,
+    gram,
+    nearby_forms,
+    on_simplex,
+    rounded,
+    rounded_forms,
+)
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
 from pas.bernstein.simplices import rounding_bound
-from pas.bernstein.subdivision import edges, halved, halves, halving
+from pas.bernstein.subdivision import bisection, edges, halved, halves
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
@@ -69,11 +78,11 @@ def test_halving_is_the_form_on_the_halves(degree, edge):
     i, j = edges(4)[edge]
     form = np.array(to_floats(b_form(on_simplex(p.raw, TETRAHEDRON), degree, 3)))
     middle = tuple((a + b) / 2 for a, b in zip(TETRAHEDRON[i], TETRAHEDRON[j], strict=True))
-    for matrix, moved in zip(halving(degree, 4, edge), (j, i), strict=True):
+    for own, moved in zip(bisection(degree, 4)[edge](form[None]), (j, i), strict=True):
         half = list(TETRAHEDRON)
         half[moved] = middle
         expected = to_floats(b_form(on_simplex(p.raw, half), degree, 3))
-        assert matrix @ form == pytest.approx(expected, abs=1e-12 * (1 + np.abs(form).max()))
+        assert own[0] == pytest.approx(expected, abs=1e-12 * (1 + np.abs(form).max()))
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 5), (4, 3), (7, 1)])

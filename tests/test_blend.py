@@ -11,7 +11,7 @@ import pytest
 from conftest import AXES, EQUAL, ROOT, UNEQUAL, pipes, solved
 
 import pas
-from pas.pipeline.ladder import DEGREES_TRIED
+from pas.pipeline.search import GIVEN, SearchSettings
 
 
 @pytest.mark.parametrize(
@@ -283,12 +283,13 @@ def test_degrees_are_tried_up_to_twice_the_order_at_least(order, degree):
     """From degree 6 on there are products of the three pipes, which are of no use."""
     blend = pas.blend(pipes(EQUAL), order, "lowest")
     assert blend.certificate.proved and blend.surface.degree == degree
-    assert sum(a.dimension > 0 for a in blend.attempts) > DEGREES_TRIED
+    assert sum(a.dimension > 0 for a in blend.attempts) > GIVEN.degrees
 
 
 def test_a_refusal_says_where_the_search_ended(monkeypatch):
-    monkeypatch.setattr("pas.pipeline.ladder.DEGREES_TRIED", 1)
-    monkeypatch.setattr("pas.pipeline.ladder.DEGREES_PER_ORDER", 1)
+    few = SearchSettings(degrees=1, above=0, fewest=1, per_order=1)
+    monkeypatch.setattr("pas.pipeline.blend.CORNER", few)
+    monkeypatch.setattr("pas.pipeline.blend.GIVEN", few)
     with pytest.raises(pas.InfeasibleError, match=r"; the search ended at degree 5 \(degree=6 goes on\); ") as one:
         pas.blend(pipes(EQUAL), 3)
     assert str(one.value).endswith("six tetrahedra (degrees 1 to 4: dimension 0, degree 5: dimension 1)")

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 from math import factorial, prod
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import EQUAL, solved
+from halving import halving
 
 import pas
 from pas.algebra.monomials import homogeneous_exponents
-from pas.bernstein.polar import bisection, means
 from pas.bernstein.search import Fate
 from pas.bernstein.simplices import Simplices
-from pas.bernstein.subdivision import edges, halving, raised
+from pas.bernstein.subdivision import bisection, edges, means, raised
 from pas.certify.critical_points import isolated
+from pas.certify.graph_proofs import crossed
+from pas.certify.local_mesh import FramedMesh
 from pas.certify.mesh_bounds import _moves, bounds
-from pas.certify.mesh_stage import Sheet
-from pas.certify.windings import crossed
 from pas.mesh import topology
-from pas.mesh.fine import finer
-from pas.mesh.graded import BENT, GRADE, LONGEST, _moved, _sizes
-from pas.mesh.graph import looked_at
+from pas.mesh.edges import Edges
 from pas.mesh.lattice import Subdivision, eighths, risings
-from pas.mesh.radial import Edges, flipped, flipped_edges, middles, slender, smallest_angles
-from pas.mesh.refine import longest_of, split, with_longest
-from pas.mesh.topology import euler_characteristic, is_manifold, piece_count, same_places
+from pas.mesh.topology import is_manifold, piece_count, same_places
 from pas.surface.local_field import LocalField
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
@@ -107,7 +102,7 @@ def test_risings_are_products_with_the_mean_gradient(degree):
 
 
 def test_parts_that_are_kept_hold_all_critical_points():
-    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).stage
+    stage = pas.Polynomial(BOWL).surface((-1,) * 3, (1,) * 3).framed
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     assert not any(len(some.open) for some in found)
     solid, _, _, ends = (some.kept.corners for some in found)
@@ -146,12 +141,12 @@ def test_simplices_are_halved_and_dropped_or_kept_as_by_matrices(degree, vertice
 
 
 def test_places_where_nothing_but_rounding_is_left_are_not_cut_further():
-    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).stage  # tangential to four edges of the box
+    stage = pas.Polynomial("z - x^2 - y^2").surface((-1,) * 3, (1,) * 3).framed  # tangential to four edges of the box
     places = [(1, 0, 1), (-1, 0, 1), (0, 1, 1), (0, -1, 1)]
 
     found = [isolated(forms / stage.size, at, stage.cell_forms[1]) for forms, at in stage.strata]
     _, _, sides, ends = (some.open.corners for some in found)
-    off = np.linalg.norm(stage.world(sides.mean(axis=1))[:, None] - places, axis=2)
+    off = np.linalg.norm(stage.frame.global_points(sides.mean(axis=1))[:, None] - places, axis=2)
     assert not len(ends)
     assert off.min(axis=1).max() < 1e-6
     assert off.min(axis=0).max() < 1e-6
@@ -205,12 +200,6 @@ def test_places_that_are_the_same():
     assert len(first) == len(np.unique(points + 0.0, axis=0))
 
 
-def rough():
-    """A mesh of a torus with points that are not quite on it."""
-    mesh = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesh(5e-2)
-    return mesh, mesh.points + np.random.default_rng(3).normal(scale=0.03, size=mesh.points.shape)
-
-
 def test_points_of_simple_fractions_have_keys_of_their_own(monkeypatch):
     """All that is known of them are the first bits of their doubles; where keys are the same, all rows are sorted."""
     points = np.stack(np.meshgrid(*[np.arange(-8, 9) / 8] * 3), axis=-1).reshape(-1, 3)
@@ -218,103 +207,6 @@ def test_points_of_simple_fractions_have_keys_of_their_own(monkeypatch):
     monkeypatch.setattr(topology, "first_with", lambda keys, at: made.append(keys) or (None, None))
     same_places(points)
     assert len(np.unique(made[0])) == len(points)
-
-
-def test_triangles_are_cut_at_chosen_edges():
-    mesh, points = rough()
-    every = Edges(mesh.triangles, len(points)).every
-    ratio = np.linalg.norm(points[every[:, 0]] - points[every[:, 1]], axis=1)
-    limit = float(np.median(ratio))
-    chosen = longest_of(mesh.triangles, every, ratio, len(points), limit)
-    lengths = {frozenset(edge): length for edge, length in zip(every.tolist(), ratio, strict=True)}
-    longest = {max(map(frozenset, ((a, b), (b, c), (c, a))), key=lengths.get) for a, b, c in mesh.triangles.tolist()}
-    assert {frozenset(edge) for edge in chosen.tolist()} == {edge for edge in longest if lengths[edge] > limit}
-    more = with_longest(points, mesh.triangles[:20], chosen)
-    assert 0 < len(chosen) < len(more) < len(every)
-    halved, triangles, parents = split(points, mesh.triangles, more)
-    assert len(halved) == len(points) + len(more)
-    assert Edges(triangles, len(halved)).manifold
-    assert euler_characteristic(triangles) == euler_characteristic(mesh.triangles) == 0
-    assert np.array_equal(np.unique(parents), np.arange(len(mesh.triangles)))
-    totals = np.zeros_like(mesh.triangles, dtype=float)
-    np.add.at(totals, parents, areas(halved, triangles))
-    assert totals == pytest.approx(areas(points, mesh.triangles), abs=1e-14)
-    assert len(split(points, mesh.triangles, every)[1]) == 4 * len(mesh.triangles)
-
-
-def areas(points, triangles):
-    """The vectors (T, 3) across triangles, twice as long as their area."""
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    return np.cross(b - a, c - a)
-
-
-def wanted(points, every, bends, rims, reach, tolerance):
-    """How long edges should be at vertices (N,): a chord is off its arc by its square over 8 radii; `rims` (N,) are
-    the curvatures of rims."""
-    sizes = np.sqrt(8 * tolerance / np.maximum(bends, 8 * tolerance / (LONGEST * reach) ** 2))
-    sizes = np.minimum(sizes, np.minimum(BENT / np.maximum.reduce([bends, rims, 1e-300 + 0 * rims]), LONGEST * reach))
-    ways = GRADE * np.linalg.norm(points[every[:, 0]] - points[every[:, 1]], axis=1)
-    for _ in range(3):
-        before = sizes.copy()
-        for (a, b), way in zip(every.tolist(), ways, strict=True):
-            sizes[a], sizes[b] = min(sizes[a], before[b] + way), min(sizes[b], before[a] + way)
-    return sizes
-
-
-def test_points_are_moved_to_the_centres_around():
-    mesh, points = rough()
-    field = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).mesher.cell_field
-    local = field.frame.local_points(points)
-    edges = flipped_edges(local, mesh.triangles, mesh.point_normals)
-    assert np.array_equal(edges.triangles, flipped(local, mesh.triangles, mesh.point_normals))
-    graph = looked_at(field, local, edges.triangles, np.full(len(points), -1))
-    sizes = wanted(local, edges.every, graph.bends, 0 * graph.bends, field.reach, 1e-2)
-    assert _sizes(field, graph, 1e-2) == pytest.approx(sizes, rel=1e-12)
-    corners = local[edges.triangles]
-    weights = np.linalg.norm(areas(local, edges.triangles), axis=1) / sizes[edges.triangles].mean(axis=1) ** 2
-    total, share = np.zeros_like(local), np.zeros(len(local))
-    for i in range(3):
-        np.add.at(total, edges.triangles[:, i], corners.mean(axis=1) * weights[:, None])
-        np.add.at(share, edges.triangles[:, i], weights)
-    way = total / share[:, None] - local
-    way -= (way * graph.normals).sum(axis=1)[:, None] * graph.normals
-    assert _moved(field, graph, 1e-2) == pytest.approx(local + way, abs=1e-12)
-    opened = edges.triangles[(edges.triangles != 7).all(axis=1)]
-    cut = looked_at(field, local, opened, np.full(len(points), -1))
-    moved = _moved(field, cut, 1e-2)
-    before, after = ({int(e[i]): int(e[1 - i]) for e in cut.edges.rim} for i in (1, 0))
-    assert len(after) > 3
-    rims = np.zeros(len(local))
-    for v in after:
-        assert moved[v] == pytest.approx((local[before[v]] + local[after[v]]) / 4 + local[v] / 2)
-        ways = np.array([local[v] - local[before[v]], local[after[v]] - local[v]])
-        spans = np.linalg.norm(ways, axis=1)
-        rims[v] = 2 * np.linalg.norm(ways[1] / spans[1] - ways[0] / spans[0]) / spans.sum()
-    assert _sizes(field, cut, 1e-2) == pytest.approx(
-        wanted(local, cut.edges.every, cut.bends, rims, field.reach, 1e-2), rel=1e-12
-    )
-
-
-def test_middles_and_slender_triangles():
-    mesh, points = rough()
-    some = np.sort(np.random.default_rng(6).choice(len(mesh.triangles), 50, replace=False))
-    inner = Edges(mesh.triangles, len(points)).inner
-    found = middles(points, (mesh.triangles, some), (inner, some))
-    each = [points[mesh.triangles[some]].mean(axis=1), points[inner[some]].mean(axis=1)]
-    assert found == pytest.approx(np.concatenate(each), abs=1e-14)
-    assert slender(points, mesh.triangles) == (smallest_angles(points, mesh.triangles) < 30).sum() > 0
-
-
-@pytest.mark.parametrize("m", [1, 2, 3, 5])
-def test_triangles_are_cut_into_small_ones(m):
-    mesh = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface((-2,) * 3, (2,) * 3).mesh(1e-1)
-    units = mesh.points / np.linalg.norm(mesh.points, axis=1)[:, None]
-    points, triangles = finer(units, mesh.triangles, units, m)
-    assert np.array_equal(points[: len(units)], units)
-    assert len(triangles) == m * m * len(mesh.triangles)
-    assert Edges(triangles, len(points)).manifold
-    assert euler_characteristic(triangles) == 2
-    assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=2e-2)
 
 
 def noisy(field, mesh, scale=0.02):
@@ -372,7 +264,8 @@ def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():
     noise = np.random.default_rng(5).normal(size=local.shape)
     on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
     points = np.concatenate([*(local + scale * noise for scale in (1e-4, 0.02, 0.2)), on_skeleton])
-    inner = field.first.points[field.first.rim < 0]
+    first = field.first
+    inner = np.delete(first.points, Edges(first.triangles, len(first.points)).rim, axis=0)
     met, near, around = field.met(points), field.near(points), field._around(points, points)
     assert field.once(inner)
     assert not field.once(points)
@@ -406,7 +299,7 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
 def test_triangles_moved_so_far_have_one_sign():
     surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
     mesh = surface.mesh(2e-2)
-    sheet = Sheet(surface.stage, mesh.points, mesh.triangles)
+    sheet = FramedMesh(surface.framed, mesh.points, mesh.triangles)
     found = bounds(sheet)
     enough = _moves(sheet, found, 0.02)
     assert np.isfinite(enough).mean() > 0.8
@@ -415,21 +308,21 @@ def test_triangles_moved_so_far_have_one_sign():
     weights = np.random.default_rng(8).dirichlet(np.ones(3), size=10)
     for sign in (-1, 1):
         moved = sheet.corners[near] + sign * (enough[near, None] * sheet.normals[near])[:, None]
-        values, _ = surface.stage.jets((weights @ moved).reshape(-1, 3))
+        values, _ = surface.framed.jets((weights @ moved).reshape(-1, 3))
         assert (sign * values > 0).all()
     tight = enough[near, None, None] * sheet.normals[near, None] * 0.2
     assert not all(
-        (sign * surface.stage.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
+        (sign * surface.framed.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
     )
 
 
 def test_second_derivatives_are_bounded():
-    stage = SimpleNamespace(maker=pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).stage.makers[0])
+    stage = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).framed
     reach = np.array([0.5, 0.7, 0.2])
-    bound = stage.maker.bend(reach)
+    bound = stage.makers[0].bend(reach)
     rng = np.random.default_rng(9)
     points, ways = rng.uniform(-reach, reach, (400, 3)), rng.normal(size=(400, 3))
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    slopes = [(stage.maker.jets(points + s * ways)[1] * ways.T).sum(axis=0) for s in (-1e-5, 1e-5)]
+    slopes = [(stage.patches[0].gradient(points + s * ways) * ways).sum(axis=1) for s in (-1e-5, 1e-5)]
     found = np.abs(slopes[1] - slopes[0]).max() / 2e-5
     assert found <= bound <= 20 * found

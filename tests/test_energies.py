@@ -57,11 +57,11 @@ def test_the_exact_form_is_the_one_that_is_made_small(space, energy):
     """Two ways, moments or Gram matrices and Gauss rules, and a frame far from the origin."""
     spaces = [space] if "Box" in repr(energy) else [space, pas.solutions(FAR, 1, 4)]
     for each in spaces:
-        fairing = each.fairing(energy)
-        change = fairing.basis.transform
+        form = each.prepared.form(energy)
+        change = each.prepared.basis.transform
         expected = to_doubles(change * energy.products(each) * change.transpose())
-        assert np.abs(fairing.hessian - expected).max() <= 1e-11 * np.abs(expected).max()
-        assert np.linalg.eigvalsh(fairing.hessian).min() >= -1e-12 * np.abs(fairing.hessian).max()
+        assert np.abs(form - expected).max() <= 1e-11 * np.abs(expected).max()
+        assert np.linalg.eigvalsh(form).min() >= -1e-12 * np.abs(form).max()
 
 
 @pytest.mark.parametrize("energy", ALL, ids=WORDS)

@@ -69,15 +69,15 @@ def test_an_energy(extension, tmp_path):
     blend = space.fit(energy=values("1/2") + pas.ThinPlate(weight="1/100"))
     assert blend.certificate.proved
     # the matrix, anew: by the exact products of the membrane's rule, f^2 is the sum of squares of values
-    fairing = space.fairing(values())
-    basis, total = fairing.basis, 0
+    form = space.prepared.form(values())
+    basis, total = space.prepared.basis, 0
     for cell in range(6):
         corners = basis.partition.points[list(basis.partition.cells[cell])]
         volume = abs(np.linalg.det(corners[1:] - corners[0])) / 6 * basis.scale**3
         random = np.random.default_rng(cell).dirichlet(np.ones(4), 20000) @ corners
         table = basis.values(int(basis.partition.piece_of[cell]), random)
         total = total + volume * table.T @ table / len(table)
-    assert np.linalg.norm(total - fairing.hessian) < 0.05 * np.linalg.norm(fairing.hessian)
+    assert np.linalg.norm(total - form) < 0.05 * np.linalg.norm(form)
     again = pas.load(space.fit(energy=values(3), prove=False).save(tmp_path / "a.pas.json"))
     assert again.wishes.energy == values(3)
     problem = tmp_path / "a.toml"

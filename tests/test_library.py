@@ -57,12 +57,14 @@ def test_the_header_has_the_functions_of_the_sources():
     assert len(found) == len(set(found)) > 30
     assert set(found) == set(signatures())
     for source in KERNELS.glob("*.c"):
-        assert re.search(r'#include "(pas|kernel|field)\.h"', source.read_text()), source.name
+        assert re.search(r'#include "(pas|kernel|field|halfedge)\.h"', source.read_text()), source.name
 
 
 def test_arguments_are_declared_as_in_the_header():
-    run = declared("pas_upright")
-    assert run.restype is ctypes.c_double and run.argtypes == (ctypes.c_void_p,) * 3
+    run = declared("pas_deepest")
+    assert run.restype is None and run.argtypes == (*(ctypes.c_ssize_t, ctypes.c_void_p) * 2, ctypes.c_void_p)
+    structure = signatures()["pas_mesh_bends"]
+    assert structure.arguments == (ctypes.c_void_p,) and structure.arrays == (None,)
     assert declared("pas_sines").argtypes[:2] == (ctypes.c_ssize_t, ctypes.c_void_p)
     assert signatures()["pas_sines"].arrays == (
         None,

@@ -10,11 +10,12 @@ import pytest
 import pas
 from pas import solid
 from pas.designs.teapot import teapot
+from pas.mesh import triangulate
 from pas.mesh.deviation import Deviation
+from pas.mesh.grading import Settings
 from pas.mesh.mending import Mending
 from pas.mesh.places import Asked, Stars, all_sines, better_places, sines
 from pas.mesh.quality import smallest_angles
-from pas.mesh.sheets import shaped
 from pas.mesh.topology import euler_characteristic, is_manifold
 
 THIRTY, AIM = 0.5, 0.515
@@ -216,23 +217,9 @@ def test_vertices_at_walls_stay(text, monkeypatch):
     """What is mended more eagerly ends where it ended, and in the box."""
     surface = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3)
     plain = surface.mesh(2e-4)
-    monkeypatch.setattr("pas.mesh.sheets.GOOD", 0.6)
+    monkeypatch.setattr(triangulate, "Settings", lambda **given: Settings(good=0.6, **given))
     mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(2e-4)
     assert np.array_equal(mesh.points[np.unique(mesh.boundary)], plain.points[np.unique(plain.boundary)])
     assert not np.array_equal(mesh.points, plain.points)
     assert (np.abs(mesh.points) <= 1).all() and mesh.is_manifold
     assert np.percentile(mesh.smallest_angles, 1) > np.percentile(plain.smallest_angles, 1)
-
-
-def test_vertices_beside_the_boundary_stay():
-    """So that no move takes one out of the region."""
-    surface = pas.Polynomial("x*y - z/3").surface((-1,) * 3, (1,) * 3)
-    field, mesh = surface.mesher.cell_field, surface.mesh(2e-2)
-    points = (mesh.points - field.world(np.zeros((1, 3)))) / field.scale
-    edge = np.zeros(len(points), dtype=bool)
-    edge[mesh.boundary] = True
-    beside = np.zeros(len(points), dtype=bool)
-    beside[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = True
-    found = shaped(field, points, mesh.triangles, mesh.point_normals, np.where(edge, 0, -1), 1.0)
-    assert np.array_equal(found.free, ~beside)
-    assert np.array_equal(found.points[beside], points[beside])

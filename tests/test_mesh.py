@@ -122,17 +122,14 @@ def test_bad_tolerances(tolerance):
         solved(EQUAL, 1).surface.mesh(tolerance)
 
 
-def test_tolerances_that_need_too_many_triangles_are_refused(monkeypatch):
-    from pas.mesh import refine as module
-
-    monkeypatch.setattr(module, "LARGEST", 20_000)
+def test_tolerances_that_need_too_many_triangles_are_refused():
     with pytest.raises(pas.MeshError, match="needs more than 20000 triangles"):
-        solved(EQUAL, 1).surface.mesh(1e-5)
+        solved(EQUAL, 1).surface.mesh(1e-5, max_triangles=20_000)
     thousand = [pas.Pipe(a, "1000/3", 1000) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
     large = pas.blend(thousand, 1, energy=pas.ThinPlate()).surface
     words = r"the tolerance 0\.01 needs more than 20000 triangles; 0\.[1-9]\d is reached with"
     with pytest.raises(pas.MeshError, match=words):
-        large.mesh(0.01)  # in the model's units, whatever those inside are
+        large.mesh(0.01, max_triangles=20_000)  # in the model's units, whatever those inside are
 
 
 def test_no_surface_is_said():

@@ -10,9 +10,9 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
+from pas.certify.graph_proofs import crossed
 from pas.certify.mesh_proofs import _grouped
 from pas.certify.triangle_forms import ELEVATED, TriangleForms, elevation, lattice
-from pas.certify.windings import crossed
 from pas.verdicts import Status
 
 TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"

@@ -16,10 +16,8 @@ import pas
 from pas import solid
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import count
-from pas.mesh.coarsen import collapsed
 from pas.mesh.octree import Octree
-from pas.mesh.radial import Edges, flipped, slender
-from pas.mesh.topology import distinct, euler_characteristic, is_closed_manifold, numbered, pinched
+from pas.mesh.topology import distinct, numbered, pinched
 from pas.surface.geometry import derivative_batch
 
 TANGLE = "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 59/5"
@@ -55,36 +53,6 @@ def test_meshes_in_boxes_are_the_same_bits_on_every_machine():
         done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
         found.add(done.stdout)
     assert len(found) == 1
-
-
-def test_rough_meshes_are_flipped_and_coarsened():
-    mesh = pas.Polynomial(TANGLE).surface((-3,) * 3, (3,) * 3).mesh(5e-2)
-    points = mesh.points + np.random.default_rng(3).normal(scale=0.05, size=mesh.points.shape)
-    rim, fixed = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
-    triangles = flipped(points, mesh.triangles, mesh.point_normals)
-    assert is_closed_manifold(triangles) and not np.array_equal(triangles, mesh.triangles)
-    slim = [slender(points, each) for each in (mesh.triangles, triangles)]
-    assert slim[1] < slim[0]
-    left, smaller = collapsed(
-        points, Edges(triangles, len(points)), mesh.point_normals, rim, fixed, np.full(len(points), 0.6)
-    )
-    assert len(left) < 0.9 * len(points)
-    assert is_closed_manifold(smaller) and np.array_equal(np.unique(smaller), np.arange(len(left)))
-    assert euler_characteristic(smaller) == euler_characteristic(mesh.triangles)
-    edges = Edges(triangles[10:], len(points))
-    assert edges.manifold and len(edges.rim) > 0
-    for rows, ends in zip(edges.owners, edges.inner, strict=True):
-        assert np.isin(ends, triangles[10:][rows[0]]).all() and np.isin(ends, triangles[10:][rows[1]]).all()
-
-
-def test_flips_make_no_edge_between_opposite_sides():
-    """Of a thin strip across its ridge: the shorter diagonal is taken where its ends look the same way, roughly."""
-    points = np.array([[-3.0, 0, 0], [3, 0, 0], [0, -1, 0], [0, 1, 0]])
-    triangles = np.array([[0, 1, 3], [1, 0, 2]])
-    for lean, taken in ((0.5, True), (0.9, True), (1.1, False), (2.0, False)):
-        normals = np.array([[0, 0, 1], [0, 0, 1], [0, -lean, 1], [0, lean, 1]])
-        normals /= np.sqrt((normals * normals).sum(axis=1))[:, None]
-        assert ((flipped(points, triangles, normals) != triangles).any()) == taken
 
 
 @pytest.mark.parametrize("number", [3, 40])

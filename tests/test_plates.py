@@ -148,12 +148,12 @@ def test_meshes(blends, name):
 
 def test_meshes_that_are_another_surface(second):
     mesh = second.surface.mesh(5e-2)
-    whole = second.surface.stage
+    whole = second.surface.framed
     points, triangles = np.array(mesh.points), np.array(mesh.triangles)
 
     def verdicts(points, triangles):
 
-        return whole.surface.certify_mesh(points, triangles).verdicts
+        return whole.function.certify_mesh(points, triangles).verdicts
 
     assert verdicts(points, triangles)[1].proved
     assert not verdicts(points, triangles[1:])[1].proved  # a hole inside

@@ -18,11 +18,12 @@ from pas import solid
 from pas.certify.certificate import Certificate
 from pas.certify.proofs import CLAIMS
 from pas.cli import main
-from pas.cli.arguments import add_settings, settings_of
+from pas.cli.common import add_settings, settings_of
 from pas.contacts.contact import CONTACTS
 from pas.exchange.container import checksum
 from pas.exchange.formats import FORMATS
 from pas.fairing.energy import ENERGIES
+from pas.layouts.kinds import LAYOUTS
 from pas.partition.kinds import PARTITIONS
 from pas.settings import MeshSettings, given
 from pas.studio import controls as studio
@@ -30,12 +31,7 @@ from pas.studio.code import program, toml
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 RECIPES = {part.split("\n")[0]: part for part in re.split(r"^### ", TEXT, flags=re.M)[1:]}
-try:
-    from pas.layouts.kinds import LAYOUTS
-except ImportError:
-    LAYOUTS = None
-REGISTRIES = (CONTACTS, ENERGIES, PARTITIONS, FORMATS, CLAIMS, *([] if LAYOUTS is None else [LAYOUTS]))
-needs_layouts = pytest.mark.skipif(LAYOUTS is None, reason="layouts have no registry yet")
+REGISTRIES = (CONTACTS, ENERGIES, LAYOUTS, PARTITIONS, FORMATS, CLAIMS)
 MOST_FILES = 4
 EQUAL = ("1/3", "1/3", "1/3")
 CORNER = {"order": 1, "degree": 3, "pipes": [{"axis": a, "radius": "1/3", "clip": 1} for a in ([0, 1, 0], [0, 0, 1])]}
@@ -71,8 +67,6 @@ def test_there_are_all_recipes():
 
 @pytest.mark.parametrize("title", RECIPES)
 def test_the_files_of_a_recipe_are_few_and_there(title):
-    if title == "A layout" and LAYOUTS is None:
-        pytest.skip("layouts have no registry yet")
     rows = [line for line in RECIPES[title].splitlines() if line.startswith("| `")]
     files = [re.search(r"`([^`]+)`", line)[1] for line in rows]
     assert 2 <= len(files) <= MOST_FILES
@@ -108,7 +102,6 @@ def test_an_energy(tmp_path):
     assert pas.load(small.save(tmp_path / "a.pas.json")).wishes.energy == small.wishes.energy
 
 
-@needs_layouts
 def test_a_layout(tmp_path):
     made("A layout")
     rods = {"pipes": [*CORNER["pipes"], {"axis": [1, 0, 0], "radius": "1/3", "clip": 1}]}

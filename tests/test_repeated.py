@@ -9,10 +9,10 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 from flint import fmpq_mat
+from pas.pipeline.ladder import Ladder
 
 import pas
 from pas.fairing.wishes import Wishes
-from pas.pipeline.ladder import Ladder
 from pas.pipeline.repeated import KEPT, USUAL, key_of
 from pas.pipeline.similarities import Anchor, similarities
 

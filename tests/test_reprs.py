@@ -14,6 +14,7 @@ import pas
 from pas import solid
 from pas.algebra.brief import LONGEST, brief, cut
 from pas.fairing.basis import to_doubles
+from pas.fairing.solver import FitSolver
 from pas.shape import KINDS
 
 FOUR_RAYS = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1))
@@ -172,9 +173,9 @@ SAMPLES = {
 def seen():
     """What an energy sees of a corner."""
     space = pas.solutions(pipes(), 1, 4)
-    fairing = space.fairing(pas.CurvatureVariation())
-    working = fairing.choose(pas.Wishes(prove=False).settled(space.placed)).working
-    return fairing.landscape(pas.FairnessLimits(), to_doubles(working)[0]).first.view.points
+    solver = FitSolver(space.prepared, pas.Wishes(prove=False).settled(space.placed))
+    found = solver.fitted()
+    return solver.iterate(to_doubles(found.working)[0], found.rows).value.view.points
 
 
 def public_classes():

@@ -27,7 +27,10 @@ BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
 SOFTWARE = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox"]
 """The OpenGL of the system, which is software on machines without a graphics card."""
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason=f"there is no browser: none of {', '.join(BROWSERS)}")
+pytestmark = [
+    pytest.mark.slow,  # `test_studio_walk.py` is run always
+    pytest.mark.skipif(BROWSER is None, reason=f"there is no browser: none of {', '.join(BROWSERS)}"),
+]
 
 PROBLEM = """order = 1
 degree = 4
@@ -242,7 +245,6 @@ PIPES = [
 NODE = [{"axis": list(a), "radius": "1/3", "clip": "auto"} for a in ((1, 0, 0), (-1, 2, 0), (0, -1, 3), (-1, -1, -2))]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("order", "degree", "pipes"), [(2, 6, PIPES), (3, 8, PIPES), (1, 5, NODE)])
 def test_rays_that_graze_and_walls_between_cells_are_seen_as_exactly(page, order, degree, pipes):
     before = page.problem
@@ -717,7 +719,6 @@ def test_a_turn_is_filmed_and_pieces_are_outlined(page):
     assert page.ask("studio.view.camera.towards") == camera
 
 
-@pytest.mark.slow
 def test_a_film_is_saved(page):
     with page.page.expect_download() as download:
         page.page.click("text=Turntable")
@@ -761,7 +762,6 @@ def test_a_refuted_surface_shows_where_and_is_repaired(page):
     page.until(FINAL)
 
 
-@pytest.mark.slow
 def test_without_webgl_the_page_says_so(browser, studio):
     context = browser.new_context()
     context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
@@ -844,7 +844,6 @@ def test_the_page_says_why_a_shape_without_a_mesh_is_not_written(page):
     page.until(FINAL)
 
 
-@pytest.mark.slow
 def test_a_lost_connection_is_taken_up_again(browser, studio):
     sockets = []
 
@@ -866,7 +865,6 @@ def test_a_lost_connection_is_taken_up_again(browser, studio):
     context.close()
 
 
-@pytest.mark.slow
 def test_random_dragging_lights_no_lamp_too_early_and_keeps_its_memory(page, studio):
     start = page.problem
     tree = [studio[2].pid, *children(studio[2].pid)]
@@ -907,7 +905,6 @@ RANDOM = """async (seconds) => { let seed = 1, early = 0, moves = 0;
   return { early, moves, before, after: heap() }; }"""
 
 
-@pytest.mark.slow
 def test_two_windows_a_changed_file_and_a_lost_connection(page, context, studio):
     file, address, _ = studio
     other = Page(context, address)
@@ -934,10 +931,7 @@ UNNAMED = """[...document.querySelectorAll("button, input, select")].filter((e) 
   !e.textContent.trim() && !e.getAttribute("aria-label") && !document.querySelector(`label[for="${e.id}"]`)).length"""
 
 
-OTHERS = [pytest.param(name, marks=pytest.mark.slow) for name in ("Round an obstacle", "Helicoid to pipe")]
-
-
-@pytest.mark.parametrize("name", ["Two quadrics", *OTHERS])
+@pytest.mark.parametrize("name", ["Two quadrics", "Round an obstacle", "Helicoid to pipe"])
 def test_shape_values_are_drawn_by_the_page_alone(page, name):
     before, problem = page.problem, GALLERY[name]["problem"]
     page.page.evaluate(OPEN, problem)

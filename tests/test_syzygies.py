@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 import pas
 from pas import Ideal, Polynomial, Submodule, contact_ideal, syzygies
-from pas.algebra.hilbert import count_members, minimal
-from pas.algebra.monomials import exponents, homogeneous_exponents
+from pas.algebra.monomials import count_members, exponents, homogeneous_exponents, minimal
 from pas.algebra.normal_form import NormalForm
 
 X, Y, Z = sympy.symbols("x y z")

@@ -23,8 +23,7 @@ from typing import Any, TypeVar
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
-from pas.algebra.hilbert import count_members, count_monomials, minimal
-from pas.algebra.monomials import Exponents
+from pas.algebra.monomials import Exponents, count_members, count_monomials, minimal
 from pas.algebra.polynomial import RING
 from pas.limits import checkpoint
 

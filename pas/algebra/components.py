@@ -214,16 +214,8 @@ class Shadow:
         ends = [rational_root(low), *(v for v in self.special if v != turn), rational_root(high)]
         around = (between(max(v for v in ends if v < turn), turn), between(turn, min(v for v in ends if turn < v)))
         bends = [self._bend(point) for point in points]
-        found, tried = None, [-1, 0]
-        while found is None and tried[-1] <= MOST_HALVINGS:
-            found = self._windows(points, bends, turn, around, tried[-1])
-            tried.append(2 * tried[-1] + 2)
-        low_, high_ = tried[-3:-1]
-        while found is not None and high_ - low_ > 1 + high_ // 8:  # larger windows have shorter numbers
-            middle = (low_ + high_) // 2
-            larger = self._windows(points, bends, turn, around, middle)
-            found, low_, high_ = (found, middle, high_) if larger is None else (larger, low_, middle)
-        return found
+        sizes = (self._windows(points, bends, turn, around, halved) for halved in range(MOST_HALVINGS))
+        return next(filter(None, sizes), None)
 
     def _windows(
         self,

@@ -21,8 +21,8 @@ from typing import Any
 from flint import Ordering, fmpq, fmpz_mpoly, fmpz_mpoly_ctx
 
 from pas.algebra.brief import whole_or_brief
-from pas.algebra.hilbert import count_standard, numerator
-from pas.algebra.monomials import Exponents, exponents
+from pas.algebra.inputs import natural
+from pas.algebra.monomials import Exponents, count_standard, exponents, numerator
 from pas.algebra.normal_form import NormalForm, groebner, integral, leading_exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, VARIABLES, Polynomial, PolynomialLike
@@ -70,8 +70,7 @@ class Ideal:
 
     def members(self, degree: int) -> tuple[Polynomial, ...]:
         """A basis of all members of degree <= `degree`: m - NF(m) over non-standard monomials m."""
-        if not isinstance(degree, int) or isinstance(degree, bool) or degree < 0:
-            raise ValueError(f"degree must be a whole number >= 0, not {degree!r}")
+        natural(degree, "degree")
         images = self.form.images(degree)
         standard = set(self.form.standard(degree))
         return tuple(
@@ -112,8 +111,7 @@ class Ideal:
         return Ideal(*(p * q for p in self.generators for q in other.generators))
 
     def __pow__(self, exponent: int) -> Ideal:
-        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent < 1:
-            raise ValueError(f"the exponent of an ideal must be a whole number >= 1, not {exponent!r}")
+        natural(exponent, "the exponent of an ideal", least=1)
         powers = combinations_with_replacement(self.generators, exponent)
         return Ideal(*(prod(factors, start=Polynomial(1)) for factors in powers))
 

@@ -107,6 +107,13 @@ def whole(value: Any, name: str, least: int, most: int, words: str = "") -> int:
     return number
 
 
+def natural(value: Any, name: str, least: int = 0, words: str = "") -> int:
+    """A whole number from `least` on, however large; raises `ValueError` for anything else (see also `whole`)."""
+    if not isinstance(value, int) or isinstance(value, bool) or value < least:
+        raise ValueError(f"{name} must be a whole number >= {least}{words}, not {shown(value)}")
+    return value
+
+
 def check_flag(value: Any, name: str) -> bool:
     """A truth value, of Python or numpy; raises `TypeError` for anything else, which might mean the opposite."""
     if not isinstance(value, bool | np.bool_):

@@ -27,7 +27,7 @@ def unit(vectors: ArrayLike) -> Floats:
 
 
 def scaled(vectors: ArrayLike) -> Floats:
-    """The same directions, each vector times a power of two so that its greatest coordinate is in [1/2, 1)."""
+    """Vectors (..., n), each times a power of two so that its greatest coordinate is in [1/2, 1)."""
     return _scaled(vectors)[0]
 
 

@@ -19,6 +19,7 @@ from typing import Any
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
 from pas.algebra.normal_form import divmod_all, groebner, integral
+from pas.algebra.polynomial import primitive
 from pas.limits import checkpoint
 
 Sign = frozenset[int]
@@ -135,7 +136,7 @@ class Locus:
         return found
 
     def tidied(self) -> Locus:
-        """The same locus without inequations that follow from the rest."""
+        """This locus without inequations that follow from the rest."""
         kept = list(self.inequations)
         for q in self.inequations:
             rest = [p for p in kept if str(p) != str(q)]
@@ -203,19 +204,6 @@ def _basis(parameters: Parameters, equations: Sequence[fmpq_mpoly]) -> tuple[fmp
         return ()
     basis = groebner(generators, parameters.integers)
     return tuple(primitive(parameters.ring.from_dict(g.to_dict())) for g in basis)
-
-
-def primitive(polynomial: fmpq_mpoly) -> fmpq_mpoly:
-    """The multiple with coprime whole coefficients and a positive leading one."""
-    if polynomial.is_zero():
-        return polynomial
-    denominator, content = 1, 0
-    for c in polynomial.coeffs():
-        denominator = int(c.q.lcm(denominator))
-    scaled = polynomial * denominator
-    for c in scaled.coeffs():
-        content = int(c.p.gcd(content))
-    return scaled * (1 / (scaled.leading_coefficient() / abs(scaled.leading_coefficient()) * content))
 
 
 def _sum_sign(signs: Sequence[Sign]) -> Sign:

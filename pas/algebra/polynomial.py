@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import formula_repr, latex
 from pas.algebra.evaluation import evaluate
 from pas.algebra.expressions import read_polynomial
-from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, shown
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, natural, shown
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 from pas.registry import loaded
@@ -161,16 +161,10 @@ class Polynomial:
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
-        if self.is_zero:
-            return self
-        values = self.raw.coeffs()
-        denominator = lcm(*(int(c.q) for c in values))
-        divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
-        sign = 1 if values[0] > 0 else -1
-        return Polynomial.from_raw(self.raw * fmpq(sign * denominator, divisor))
+        return Polynomial.from_raw(primitive(self.raw))
 
     def to_sympy(self) -> sympy.Expr:
-        """The same polynomial as a sympy expression in the symbols x, y, z."""
+        """A sympy expression in the symbols x, y, z that is this polynomial."""
         import sympy
 
         symbols = sympy.symbols(VARIABLES)
@@ -199,8 +193,7 @@ class Polynomial:
         return Polynomial.from_raw(self.raw * (1 / divisor))
 
     def __pow__(self, exponent: int) -> Polynomial:
-        if not isinstance(exponent, int) or isinstance(exponent, bool) or exponent < 0:
-            raise ValueError(f"the exponent must be a whole number >= 0, not {shown(exponent)}")
+        natural(exponent, "the exponent")
         try:
             check_power(self.raw, exponent)
         except ValueError as error:
@@ -244,6 +237,16 @@ class Polynomial:
             except TypeError:
                 return NotImplemented
         return Polynomial.from_raw(operation(self.raw, other.raw))
+
+
+def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:
+    """The multiple of a polynomial of any ring with coprime integers as coefficients, the leading one positive."""
+    if raw.is_zero():
+        return raw
+    values = raw.coeffs()
+    denominator = lcm(*(int(c.q) for c in values))
+    divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
+    return raw * fmpq(denominator if values[0] > 0 else -denominator, divisor)
 
 
 def _rebuilt(terms: Mapping[tuple[int, int, int], Fraction]) -> Polynomial:

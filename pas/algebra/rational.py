@@ -139,7 +139,7 @@ def vector(value: Any, name: str = "vector") -> Vector:
 
 
 def to_fraction(value: fmpq) -> Fraction:
-    """The same number as `fractions.Fraction`."""
+    """The number as a `fractions.Fraction`."""
     return Fraction(int(value.p), int(value.q))
 
 

@@ -22,7 +22,7 @@ from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text
 from pas.algebra.grammar import Step
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
-from pas.algebra.locus import primitive
+from pas.algebra.polynomial import primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
 
 if TYPE_CHECKING:
@@ -73,12 +73,13 @@ class RationalFunction:
         cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names = PARAMETERS
     ) -> RationalFunction:
         """Own a numerator and a denominator known to be coprime."""
-        result = cls.__new__(cls)
         scaled = primitive(denominator)
-        if scaled.leading_coefficient() < 0:
-            scaled = -scaled
-        result.numerator = numerator * (scaled.leading_coefficient() / denominator.leading_coefficient())
-        result.denominator, result.names = scaled, names
+        return cls._owned(numerator * (scaled.leading_coefficient() / denominator.leading_coefficient()), scaled, names)
+
+    @classmethod
+    def _owned(cls, numerator: fmpq_mpoly, denominator: fmpq_mpoly, names: Names) -> RationalFunction:
+        result = cls.__new__(cls)
+        result.numerator, result.denominator, result.names = numerator, denominator, names
         return result
 
     @property
@@ -88,7 +89,7 @@ class RationalFunction:
 
     @property
     def degrees(self) -> tuple[int, int]:
-        """The same in each parameter."""
+        """The greater of the degrees of numerator and denominator in each parameter (0 for the zero function)."""
         tops = [p.degrees() if not p.is_zero() else (0, 0) for p in (self.numerator, self.denominator)]
         return max(int(d[0]) for d in tops), max(int(d[1]) for d in tops)
 
@@ -139,7 +140,7 @@ class RationalFunction:
         return Bundle.of_pairs([(self.numerator, self.denominator)])
 
     def to_sympy(self) -> sympy.Expr:
-        """The same function as a sympy expression in the symbols of its parameters."""
+        """A sympy expression in the symbols of its parameters that is this function."""
         import sympy
 
         symbols = sympy.symbols(self.names)
@@ -222,12 +223,7 @@ class RationalFunction:
             except TypeError:
                 return NotImplemented
         result = operation(self, other)
-        return RationalFunction._renamed(result, self.names)
-
-    @staticmethod
-    def _renamed(function: RationalFunction, names: Names) -> RationalFunction:
-        function.names = names
-        return function
+        return self._owned(result.numerator, result.denominator, self.names)
 
 
 def total(functions: Sequence[RationalFunction]) -> RationalFunction:
@@ -256,18 +252,9 @@ def homogenised(
     terms: Mapping[tuple[int, ...], fmpq], tops: Sequence[fmpq_mpoly], over: fmpq_mpoly, highest: int
 ) -> fmpq_mpoly:
     """`over^highest` times the polynomial at `tops / over`."""
-    bases = [*tops, over]
-    powers = [[ONE] for _ in bases]
-    for base, table in zip(bases, powers, strict=True):
-        for _ in range(highest):
-            table.append(table[-1] * base)
-    result = ONE * 0
-    for exponents, coefficient in terms.items():
-        product = powers[-1][highest - sum(map(int, exponents))] * coefficient
-        for table, exponent in zip(powers, exponents, strict=False):
-            product = product * table[int(exponent)]
-        result = result + product
-    return result
+    ring = fmpq_mpoly_ctx.get([f"u{i}" for i in range(len(tops) + 1)], Ordering.degrevlex)
+    lifted = ring.from_dict({(*map(int, e), highest - sum(map(int, e))): c for e, c in terms.items()})
+    return lifted.compose(*tops, over, ctx=RING)
 
 
 def _total_degree(polynomial: fmpq_mpoly) -> int:

@@ -8,9 +8,10 @@ growing accuracy, and a value that stays near 0 is compared with 0 exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import count
+from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 
@@ -137,16 +138,8 @@ class RealZero:
         raise AssertionError
 
     def _vanishes(self, polynomial: Polynomial) -> bool:
-        powers: list[list[fmpq_poly]] = [[fmpq_poly([1])] for _ in range(3)]
-        result = fmpq_poly([0])
-        for e, c in polynomial.raw.to_dict().items():
-            term = fmpq_poly([c])
-            for axis, power in enumerate(map(int, e)):
-                while len(powers[axis]) <= power:
-                    powers[axis].append(powers[axis][-1] * self._coordinates[axis] % self._modulus)
-                term = term * powers[axis][power] % self._modulus
-            result += term
-        return bool((result % self._modulus).degree() < 0)
+        value = _evaluated(polynomial, self._coordinates, fmpq_poly([1]), lambda p: p % self._modulus)
+        return bool(value.degree() < 0)
 
     @cached_property
     def point(self) -> tuple[float, float, float]:
@@ -162,18 +155,24 @@ class RealZero:
 
 def value_at(polynomial: Polynomial, balls: tuple[arb, ...]) -> arb:
     """A ball that holds the value of a polynomial at a point in three balls."""
-    powers: list[list[arb]] = [[arb(1), ball] for ball in balls]
-    result = arb(0)
+    value: arb = _evaluated(polynomial, balls, arb(1))
+    return value
+
+
+def _evaluated(
+    polynomial: Polynomial, values: Sequence[Any], one: Any, reduced: Callable[[Any], Any] = lambda value: value
+) -> Any:
+    """The value of a polynomial at three members of a ring, whose products are `reduced`."""
+    powers: list[list[Any]] = [[one] for _ in values]
+    total = one - one
     for e, c in polynomial.raw.to_dict().items():
-        term = arb(c)
-        for axis, power in enumerate(map(int, e)):
-            row = powers[axis]
-            while len(row) <= power:
-                row.append(row[-1] * balls[axis])
-            if power:
-                term *= row[power]
-        result += term
-    return result
+        term = one * c
+        for value, table, power in zip(values, powers, map(int, e), strict=True):
+            while len(table) <= power:
+                table.append(reduced(table[-1] * value))
+            term = reduced(term * table[power]) if power else term
+        total += term
+    return total
 
 
 def real_zeros(ideal: Ideal) -> list[RealZero] | None:

@@ -1,13 +1,13 @@
-"""Exact B-forms of polynomials on segments, triangles and tetrahedra, and their rounding."""
+"""Exact B-forms of polynomials on segments, triangles and tetrahedra, their rounding, and integrals of products."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from math import factorial, lcm, prod
+from math import comb, factorial, lcm, prod
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
+from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
@@ -76,7 +76,8 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
 
 
 def _elevated(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
-    """The same as a homogeneous polynomial in all barycentric coordinates, whose sum is 1, degree after degree."""
+    """What `b_form` gives, for any degree: as a homogeneous polynomial in all barycentric coordinates, whose sum is 1,
+    degree after degree."""
     ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
     whole = sum(ring.gens(), ring.constant(0))
     parts: dict[int, dict[tuple[int, ...], fmpq]] = {}
@@ -118,11 +119,17 @@ def rounded(values: Sequence[fmpq]) -> Floats:
 
 
 def _rounded(whole: Sequence[int]) -> Floats:
-    """The same of whole numbers."""
+    """Whole numbers over the largest of their sizes, rounded to the nearest doubles."""
     largest = max(map(abs, whole), default=0)
     if largest == 0:
         return np.zeros(len(whole))
     return np.array([v / largest for v in whole])
+
+
+def corner_points(simplices: Sequence[Sequence[Vector]]) -> Floats:
+    """The corners (N, d + 1, 3) of simplices of one dimension, of which many may have some in common, as doubles."""
+    known = {id(c): to_floats(c) for c in {id(c): c for s in simplices for c in s}.values()}
+    return np.array([[known[id(c)] for c in s] for s in simplices])
 
 
 def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]], degree: int | None = None) -> Floats:
@@ -156,8 +163,8 @@ def nearby_forms(
         return np.empty((0, 0)), UNIT_ROUNDOFF
     tables = {id(p): _polar_table(p, degree) for p in {id(p): p for p in polynomials}.values()}  # most are many times
     table = np.stack([tables[id(p)] for p in polynomials], axis=1)
-    corners = {id(c): (1.0, *to_floats(c)) for c in {id(c): c for s in simplices for c in s}.values()}
-    places = np.array([[corners[id(c)] for c in s] for s in simplices]).transpose(1, 2, 0)
+    points = corner_points(simplices)
+    places = np.concatenate([np.ones((*points.shape[:2], 1)), points], axis=2).transpose(1, 2, 0)
     with np.errstate(all="ignore"):  # what is not finite is rounded
         both = np.concatenate([table, np.abs(table)], axis=1), np.concatenate([places, np.abs(places)], axis=2)
         forms, sizes = np.split(np.stack(list(_blossom(both[0], degree, both[1])), axis=1), 2)
@@ -206,3 +213,19 @@ def _steps(degree: int) -> NDArray[np.intp]:
     """Where monomials of degree <= `degree`, times 1, x, y and z, stand: (C(n+3, 3), 4)."""
     where, units = positions(degree + 1), ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
     return np.array([[where[a + i, b + j, c + k] for i, j, k in units] for a, b, c in exponents(degree)])
+
+
+@cache
+def gram(degree: int, dimension: int) -> fmpq_mat:
+    """Integrals of B_a B_b over a simplex of volume 1 (Lai and Schumaker 2007, section 2.11).
+
+    `int B_a B_b = C(a+b, a) / (C(2n, n) C(2n+d, d))`, with the product of the entries'
+    binomials in the numerator.
+    """
+    indices = homogeneous_exponents(degree, dimension + 1)
+    scale = comb(2 * degree, degree) * comb(2 * degree + dimension, dimension)
+    return fmpq_mat(
+        len(indices),
+        len(indices),
+        [fmpq(prod(comb(i + j, i) for i, j in zip(a, b, strict=True)), scale) for a in indices for b in indices],
+    )

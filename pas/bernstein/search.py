@@ -19,7 +19,7 @@ it may take is said by `pas.limits.limit` around it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from itertools import product
 from typing import Any, Generic, Self, TypeVar
@@ -51,11 +51,10 @@ class Cells:
 
     @property
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        values = ((f.name, getattr(self, f.name)) for f in fields(self))
-        return {name: value for name, value in values if isinstance(value, np.ndarray)}
+        return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def __len__(self) -> int:
-        return len(next(iter(self._arrays.values())))
+        return len(next(value for value in vars(self).values() if isinstance(value, np.ndarray)))
 
     def select(self, rows: NDArray[Any]) -> Self:
         """Some of the cells, by a mask (N,) or their numbers."""
@@ -132,15 +131,17 @@ def search(
     cells: C, judge: Callable[[C, int], Fates], split: Callable[[C], C], limits: Limits, task: str
 ) -> Searched[C]:
     """Judge cells and split those that are open, until none is, the claim is refuted, or the limits are met."""
-    kept, examined, waited = [], 0, 0
+    kept: list[C] = []
+    examined, nothing = 0, cells.select(np.arange(0))
+    waiting = nothing
     for depth in range(limits.depth + 1):
         checkpoint(f"{task} ({examined} cells examined)")
-        examined += len(cells) - waited
+        examined += len(cells) - len(waiting)
         fates = judge(cells, depth)
-        kept.append(cells.select(fates == Fate.KEEP))
-        refuted, cut, waiting = (cells.select(fates == fate) for fate in (Fate.REFUTE, Fate.SPLIT, Fate.WAIT))
-        waited = len(waiting)
-        if len(refuted) or not len(cut) or depth == limits.depth or len(cut) + waited > limits.cells:
+        found = {fate: cells.select(fates == fate) for fate in np.flatnonzero(np.bincount(fates)).tolist() if fate}
+        cut, waiting, refuted = (found.get(fate, nothing) for fate in (Fate.SPLIT, Fate.WAIT, Fate.REFUTE))
+        kept += [found[Fate.KEEP]] if Fate.KEEP in found else []
+        if len(refuted) or not len(cut) or depth == limits.depth or len(cut) + len(waiting) > limits.cells:
             break
         cells = split(cut).joined([waiting])
-    return Searched(kept[-1].joined(kept[:-1]), refuted, cut.joined([waiting]), examined)
+    return Searched(kept[-1].joined(kept[:-1]) if kept else nothing, refuted, cut.joined([waiting]), examined)

@@ -21,15 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
+from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.algebra.rational import Vector
+from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, degree_of
-from pas.bernstein.subdivision import halving
+from pas.bernstein.subdivision import halves
 from pas.verdicts import Status
 
 BISECTIONS = 53
@@ -124,6 +127,48 @@ def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None 
     return prove_positive(nowhere, corners, zeros, limits)
 
 
+Exact: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"
+"""Polynomials, one on each of some simplices, and the degree as of which they are taken."""
+
+
+def alike(polynomial: fmpq_mpoly, simplices: Sequence[object], degree: int | None = None) -> Exact:
+    """One polynomial on all simplices, as of its own degree or another."""
+    return [polynomial] * len(simplices), max(int(polynomial.total_degree()), 0) if degree is None else degree
+
+
+def positive_on(
+    simplices: Sequence[Sequence[Vector]],
+    values: Exact,
+    others: Sequence[Exact] = (),
+    *,
+    inside: bool = False,
+    near: bool = False,
+    limits: Limits | None = None,
+) -> SignResult:
+    """Prove that polynomials are positive on exact simplices, where all `others` vanish, or with `inside` where none of
+    these is positive.
+
+    B-coefficients are exact ones, rounded; or with `near` worked out in doubles, which is faster where they are many.
+    """
+    found = [_forms(raws, simplices, degree, near) for raws, degree in (values, *others)]
+    (value, *rest), error = [form for form, _ in found], max(off for _, off in found)
+    return _searched((value, *rest), corner_points(simplices), limits, error, below=inside)
+
+
+def apart_on(simplices: Sequence[Sequence[Vector]], polynomials: Sequence[fmpq_mpoly]) -> SignResult:
+    """Prove that some polynomials have no common zero on exact simplices."""
+    return prove_apart([rounded_forms(p, simplices) for p in polynomials], corner_points(simplices))
+
+
+def _forms(
+    raws: Sequence[fmpq_mpoly], simplices: Sequence[Sequence[Vector]], degree: int, near: bool
+) -> tuple[Floats, float]:
+    if near:
+        return nearby_forms(raws, simplices, degree)
+    forms = [rounded_forms(raw, [simplex], degree)[0] for raw, simplex in zip(raws, simplices, strict=True)]
+    return np.array(forms), UNIT_ROUNDOFF
+
+
 def _judged(batch: _Claim, _: int) -> Fates:
     fates = np.where(_settled(batch, batch.bound), Fate.SETTLED, Fate.SPLIT).astype(np.intp)
     for rule, fate in ((_by_multiple, Fate.SETTLED), (_violations, Fate.REFUTE)):
@@ -189,14 +234,11 @@ def _witness(batch: _Claim) -> Floats:
     # the B-form on the edge from low to high: of all other vertices the index is 0
     pairs = zip(homogeneous_exponents(degree, vertices), batch.zeros[0][0], strict=True)
     edge = np.array([c for _, c in sorted((a[high], c) for a, c in pairs if a[low] + a[high] == degree)])
-    near, far = halving(degree, 2, 0)
     share = 0.0
     for step in range(1, BISECTIONS + 1):
-        first = near @ edge
-        if first[-1] < 0:
-            edge, share = far @ edge, share + 2.0**-step
-        else:
-            edge = first
+        first, second = halves(edge, 0)
+        edge = second if first[-1] < 0 else first
+        share += 2.0**-step * (first[-1] < 0)
     return corners[low] * (1 - share) + corners[high] * share
 
 

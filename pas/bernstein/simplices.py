@@ -1,12 +1,12 @@
 """Simplices with the B-coefficients of polynomials on them, many at once, halved with rounding counted.
 
-A simplex is halved at the middle of its longest edge, by means of two coefficients each (see `pas.bernstein.polar`).
+A simplex is halved at the middle of its longest edge, by means of two coefficients each.
 
 Rounding: coefficients are at most 1 in size, and off by at most an error that is given, 2^-53 where exact ones were
 rounded to nearest.  One halving takes at most n means of two one after the other, n the degree: each adds 2^-53 of a
-number of size 1 (Higham 2002, section 3.1) and does not enlarge the errors before it.  Counted are (n+2) 2^-53, which
-also does for halving by products with matrices (`pas.bernstein.subdivision.halving`), and all is doubled for products
-of roundings: after m halvings a coefficient is within `2 (error + m (n+2) 2^-53)` of the true one.
+number of size 1 (Higham 2002, section 3.1) and does not enlarge the errors before it.  Counted are (n+2) 2^-53,
+which does for halving by products with matrices of n+1 weights as well, and all is doubled for products of roundings:
+after m halvings a coefficient is within `2 (error + m (n+2) 2^-53)` of the true one.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.bernstein.polar import bisection
 from pas.bernstein.search import Cells, Fates
-from pas.bernstein.subdivision import edges, raised
-from pas.kernels.library import Functions
+from pas.bernstein.subdivision import bisection, edges, raised
+from pas.kernels.library import compiled
 
 ROUNDINGS = 16
 """Of derivatives, over the largest coefficient, beyond what halvings make of it."""
@@ -69,7 +68,7 @@ class Simplices(Cells):
         table, corners = np.empty((twice, size)), np.empty((twice, vertices, 3))
         pairs, halves, taken = cuts
         tables = (len(pairs), pairs, halves.shape[1], halves, taken)
-        _compiled().call("pas_halved", count, size, vertices - 1, *tables, self.table, self.corners, table, corners)
+        compiled().call("pas_halved", count, size, vertices - 1, *tables, self.table, self.corners, table, corners)
         source = np.repeat(self.source, 2)
         return replace(self, table=table, corners=corners, source=source, halvings=self.halvings + 1)
 
@@ -83,7 +82,7 @@ class Simplices(Cells):
         (count, size), vertices, fates = self.table.shape, self.corners.shape[1], np.empty(len(self), dtype=np.intp)
         up = _raised(self.degrees[0], vertices)
         given, bounds = (count, size, vertices - 1, len(up), up, self.table), (self.bound, ROUNDINGS * UNIT_ROUNDOFF)
-        _compiled().call("pas_judged", *given, self.corners, *bounds, fates)
+        compiled().call("pas_judged", *given, self.corners, *bounds, fates)
         return fates
 
 
@@ -129,8 +128,3 @@ def _cuts(degrees: tuple[int, ...], vertices: int) -> tuple[Integers, Integers, 
         starts, places = starts + means.shape[1], places + size
     known = np.zeros((len(edges(vertices)), sum(sizes), 2), dtype=np.intp)
     return np.array(edges(vertices)), np.concatenate([known, *halves], axis=1), np.concatenate(taken, axis=2)
-
-
-@cache
-def _compiled() -> Functions:
-    return Functions()

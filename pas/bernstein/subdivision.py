@@ -1,14 +1,17 @@
-"""De Casteljau's subdivision at a middle: of forms on simplices across an edge, of forms on boxes across a parameter.
+"""De Casteljau's subdivision at a middle, by means of two coefficients each: of forms on simplices, and on boxes.
 
-Two ways of one algorithm, of which proofs need one or the other.  As a product with `halving`'s matrices, whose weights
-are exact in floating point, many forms are halved at once, each coefficient with an error of at most (n+2) 2^-53 of
-the greatest; by repeated means (`halves`), with n 2^-53, exact for exact numbers.
+A polar form one of whose arguments is the middle of an edge is the mean of those with an end of the edge in its place
+(Ramshaw 1989).  Coefficients on several parts of a simplex have many such values in common, and each is worked out
+once, with one rounding.  A coefficient on a half is some of n means one after the other at most, n the degree, so it is
+off by n 2^-53 of the greatest and does not enlarge the errors before; means of exact numbers are exact.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import comb
 from typing import Any
 
@@ -16,6 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
+
+Node = tuple[int, ...]
+"""A corner of a simplex or the middle of an edge, by barycentric coordinates in halves."""
+
+Times = tuple[int, ...]
+"""How often each of some nodes is an argument of a polar form; the corners come first."""
 
 
 @cache
@@ -35,30 +44,93 @@ def raised(degree: int, vertices: int) -> NDArray[np.intp]:
     return np.array([[where[tuple(v + (i == k) for i, v in enumerate(a))] for k in range(vertices)] for a in lower])
 
 
-@cache
-def halving(degree: int, vertices: int, edge: int) -> tuple[Floats, Floats]:
-    """Matrices from the B-coefficients on a simplex to those on its two halves.
+@dataclass(frozen=True)
+class Means:
+    """How the B-coefficients of one degree on a simplex give those on parts of it.
 
-    The first half has the midpoint of `edges(vertices)[edge]` in place of the edge's second
-    vertex, the other half in place of its first.  Rows are convex combinations with weights
-    `C(m, j) / 2^m`, exact in floating point.
+    Behind the m coefficients come means of two that stand before, at the places `halves` (M, 2), those of the first m
+    being 0; `levels` (degree + 1,) begin where all means are of what stands before.  `taken` (P, m) are the places of
+    each part's coefficients.
     """
-    first, second = edges(vertices)[edge]
-    return _half(degree, vertices, first, second), _half(degree, vertices, second, first)
+
+    halves: NDArray[np.intp]
+    levels: tuple[int, ...]
+    taken: NDArray[np.intp]
+
+    def __call__(self, forms: Floats) -> Floats:
+        """Those on the parts (P, T, m) of simplices (T, m)."""
+        table = np.empty((len(self.halves), len(forms)))
+        table[: forms.shape[1]] = forms.T
+        for start, end in pairwise(self.levels):
+            first, second = self.halves[start:end].T
+            table[start:end] = (table[first] + table[second]) / 2
+        return np.asarray(table[self.taken].transpose(0, 2, 1))
 
 
-def _half(degree: int, vertices: int, stays: int, moves: int) -> Floats:
+def means(degree: int, parts: Sequence[Sequence[Node]]) -> Means:
+    """Those of parts whose corners, as many as the simplex has, are given."""
+    vertices = len(parts[0])
+    ends = [_end(k, vertices) for k in range(vertices)]
+    nodes = [*ends, *sorted({node for part in parts for node in part if node not in ends})]
+    edge_of = [[k for k, share in enumerate(node) if share] for node in nodes]
     indices = homogeneous_exponents(degree, vertices)
-    where = {a: i for i, a in enumerate(indices)}
-    matrix = np.zeros((len(indices), len(indices)))
-    for row, index in enumerate(indices):
-        m = index[moves]
-        for j in range(m + 1):
-            source = list(index)
-            source[moves] = j
-            source[stays] += m - j
-            matrix[row, where[tuple(source)]] = comb(m, j) / 2**m
-    return matrix
+    found: dict[Times, tuple[Times, ...]] = {}
+
+    def find(times: Times) -> Times:
+        """Look for the values with the last middle replaced by each end of its edge, if there is a middle."""
+        if times not in found:
+            last = max((k for k, number in enumerate(times) if number), default=0)
+            halves = [_replaced(times, last, end) for end in edge_of[last]] if last >= vertices else []
+            found[times] = tuple(find(half) for half in halves)
+        return times
+
+    own = [(*index, *[0] * (len(nodes) - vertices)) for index in indices]
+    wanted = [
+        [find(_times([nodes.index(node) for node in part], index, len(nodes))) for index in indices] for part in parts
+    ]
+    for times in own:
+        find(times)
+    order = sorted((degree - sum(times[:vertices]), times) for times in found if found[times])
+    place = {times: number for number, times in enumerate(own + [times for _, times in order])}
+    halves = [[0, 0]] * len(own) + [[place[half] for half in found[times]] for _, times in order]
+    number = [0] * len(own) + [middles for middles, _ in order]
+    levels = tuple(int(np.searchsorted(number, middles)) for middles in range(1, degree + 2))
+    taken = np.array([[place[times] for times in part] for part in wanted], dtype=np.intp)
+    return Means(np.array(halves, dtype=np.intp), levels, taken)
+
+
+@cache
+def bisection(degree: int, vertices: int) -> tuple[Means, ...]:
+    """Those of both halves of a simplex, cut at the middle of each of its `edges`.
+
+    The first half has the middle in place of the edge's second corner, the other in place of its first.
+    """
+    corners, result = [_end(k, vertices) for k in range(vertices)], []
+    for first, second in edges(vertices):
+        middle = tuple(int(k in (first, second)) for k in range(vertices))
+        parts = [[middle if k == moved else corner for k, corner in enumerate(corners)] for moved in (second, first)]
+        result.append(means(degree, parts))
+    return tuple(result)
+
+
+def _end(number: int, vertices: int) -> Node:
+    return tuple(2 * (i == number) for i in range(vertices))
+
+
+def _times(places: Sequence[int], index: Sequence[int], size: int) -> Times:
+    """How often each of so many nodes is an argument, where those at some places are as often as an index says."""
+    times = [0] * size
+    for place, number in zip(places, index, strict=True):
+        times[place] += number
+    return tuple(times)
+
+
+def _replaced(times: Times, node: int, end: int) -> Times:
+    """How often each is an argument after one node has given way to an end."""
+    result = list(times)
+    result[node] -= 1
+    result[end] += 1
+    return tuple(result)
 
 
 def halves(coefficients: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -76,11 +148,21 @@ def halves(coefficients: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray
 
 
 def halved(nets: Floats, axis: int) -> tuple[Floats, Floats]:
-    """Both halves of nets (C, m+1, n+1, d) along parameter `axis`, by matrices."""
-    matrices = halving(nets.shape[1 + axis] - 1, 2, 0)
+    """Both halves of nets (C, m+1, n+1, d) along parameter `axis`, by matrices: ten times as fast as means of many.
+
+    Each coefficient errs by at most (n+2) 2^-53 of the greatest (Higham 2002, section 3.1).
+    """
+    matrices = _halving(nets.shape[1 + axis] - 1)
     if axis == 0:
         flat = nets.reshape(*nets.shape[:2], -1)
         left, right = (np.matmul(matrix, flat).reshape(nets.shape) for matrix in matrices)
     else:
         left, right = (np.matmul(matrix, nets) for matrix in matrices)
     return left, right
+
+
+@cache
+def _halving(degree: int) -> tuple[Floats, Floats]:
+    """Matrices from B-coefficients on a segment to those on its halves; their weights are exact in doubles."""
+    left = np.array([[comb(i, j) / 2**i for j in range(degree + 1)] for i in range(degree + 1)])
+    return left, left[::-1, ::-1].copy()

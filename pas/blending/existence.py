@@ -23,12 +23,20 @@ from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 from pas.algebra.brief import brief
 from pas.algebra.expressions import read_polynomial
 from pas.algebra.inputs import check_degree, check_order
-from pas.algebra.locus import ANY, Locus, Parameters, Sign, primitive
+from pas.algebra.locus import ANY, Locus, Parameters, Sign
 from pas.algebra.monomials import exponents
-from pas.algebra.parametric import ParametricNullspace, independent, merged, parametric_nullspaces
-from pas.algebra.polynomial import VARIABLES
+from pas.algebra.parametric import (
+    ParametricNullspace,
+    Remainders,
+    Terms,
+    independent,
+    membership_rows,
+    merged,
+    parametric_nullspaces,
+    power,
+)
+from pas.algebra.polynomial import VARIABLES, primitive
 from pas.algebra.rational import Exact, Symbolic, rational
-from pas.algebra.remainders import Remainders, Terms, membership_rows, power
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 

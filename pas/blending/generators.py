@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pas.algebra.brief import brief
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial
-from pas.blending.methods.intersection import intersection
+from pas.blending.methods import intersection
 from pas.blending.multipliers import Multipliers, consistency
 from pas.blending.space import Space
 

@@ -3,7 +3,7 @@
 The unknowns are the B-coefficients at the domain points, those on common faces shared by the
 cells around them, so that C^0 holds by construction.  Across a face with corners v1, v2, v3 the
 patches of the cells with the other corners a and b meet with C^r iff their B-coefficients satisfy
-the equations of `pas.blending.domain_points`.  These have few terms and only neighbours in common, so
+the equations of `across`.  These have few terms and only neighbours in common, so
 sparse elimination hardly fills in: for more than a few cells this is much faster than the
 construction of `pas.blending.conditions`, which is there for few cells and large orders.
 
@@ -13,22 +13,86 @@ one of the domain points that elimination left free (a minimal determining set).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import lcm, prod
+from math import factorial, lcm, prod
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
 
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.nullspace import solve_sparse
+from pas.algebra.nullspace import Solved, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.rational import Vector
-from pas.blending.domain_points import Point, Row, across, domain_point, members, multinomial, numbered
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
 from pas.surface.placed import PlacedContacts
+
+Row = dict[int, fmpq]
+
+Point = tuple[tuple[int, int], ...]
+"""The corners of a domain point with their multiplicities, in order."""
+
+
+def domain_point(simplex: Exponents, index: Exponents) -> Point:
+    """The domain point of a multi-index on a simplex."""
+    return tuple(sorted((v, times) for v, times in zip(simplex, index, strict=True) if times))
+
+
+def numbered(simplices: Sequence[Exponents], degree: int) -> dict[Point, int]:
+    """All domain points of a degree, with a number each."""
+    numbers: dict[Point, int] = {}
+    for simplex in simplices:
+        for index in homogeneous_exponents(degree, len(simplex)):
+            numbers.setdefault(domain_point(simplex, index), len(numbers))
+    return numbers
+
+
+def across(
+    points: Mapping[Point, int], degree: int, face: Exponents, a: int, b: int, coordinates: Sequence[fmpq], s: int
+) -> Iterator[Row]:
+    """The conditions of order s across a face between the corners a and b, `coordinates` those of b by (a, *face)."""
+    weights = _power_weights(coordinates, s)
+    for index in homogeneous_exponents(degree - s, len(face)):
+        row: Row = {points[domain_point((b, *face), (s, *index))]: fmpq(-1)}
+        for shift, weight in weights:
+            there = (shift[0], *(i + m for i, m in zip(index, shift[1:], strict=True)))
+            number = points[domain_point((a, *face), there)]
+            row[number] = row.get(number, fmpq(0)) + weight
+        yield row
+
+
+def members(solved: Solved, points: int) -> list[dict[int, int]]:
+    """The B-coefficients as {member: value} for each domain point, every member primitive."""
+    place = {number: i for i, number in enumerate(solved.free)}
+    scales = [1] * len(place)
+    for row in solved.bound.values():
+        for source, value in row.items():
+            scales[place[source]] = lcm(scales[place[source]], int(value.q))
+    found: list[dict[int, int]] = [{} for _ in range(points)]
+    for number, i in place.items():
+        found[number][i] = scales[i]
+    for number, row in solved.bound.items():
+        for source, value in row.items():
+            i = place[source]
+            found[number][i] = int(value.p) * (scales[i] // int(value.q))
+    return found
+
+
+def multinomial(index: Exponents) -> int:
+    """The number of words with so many letters of each kind."""
+    return factorial(sum(index)) // prod(map(factorial, index))
+
+
+def _power_weights(coordinates: Sequence[fmpq], s: int) -> list[tuple[Exponents, fmpq]]:
+    """The terms of (sum of coordinates)^s that are not zero, by multi-index."""
+    weights = []
+    for index in homogeneous_exponents(s, len(coordinates)):
+        value = prod((c**k for c, k in zip(coordinates, index, strict=True)), start=fmpq(1)) * multinomial(index)
+        if value != 0:
+            weights.append((index, value))
+    return weights
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.products import Products
-from pas.blending.domain_points import Row, across, domain_point, members, multinomial, numbered
+from pas.blending.net import Row, across, domain_point, members, multinomial, numbered
 from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout

@@ -22,121 +22,83 @@ A unit at the points of the curve changes no ideal there, so with these `<f, h^(
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_floats
-from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import SignResult, prove_positive
+from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.certify.certificate import Proposition
 from pas.certify.free_curves import free_verdict, transversality
-from pas.certify.meetings import alpha_signs, meetings, on_faces, unmet
+from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
 from pas.certify.openings import opening_verdict
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Point, Status, Verdict
-
-
-@dataclass(frozen=True)
-class Case:
-    """One contact of a surface and what is claimed of it."""
-
-    surface: PiecewisePolynomial
-    join: Join
-    claim: str
-
-    def verdict(self, status: Status, reason: str, point: Point | None = None, measure: int = 0) -> Verdict:
-        """A verdict on the claim."""
-        return Verdict(status, self.claim, reason, point, measure)
-
-    def failure(self, result: SignResult, reason: str) -> Verdict | None:
-        """The verdict of a proof that did not succeed; `reason` says what is wrong where it is refuted."""
-        return None if result.status is Status.PROVED else from_signs(self.surface, self.claim, reason, result)
+from pas.verdicts import Status, Verdict
 
 
 def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     """Exact GC^k with one contact, alpha > 0 on its curve, the curve closed, regular and in its place."""
-    case = Case(surface, surface.joins[number], f"contact {number + 1} GC^{surface.order}")
-    if case.join.opening:
-        return _opening(case)
-    if not case.join.faces:
-        return _free(case)
+    claim, join = Proposition(surface, f"contact {number + 1} GC^{surface.order}"), surface.joins[number]
+    if join.opening:
+        return opening_verdict(claim, join)
+    if not join.faces:
+        return free_verdict(claim, join)
     for rule in (_met, _closed, _simple, _sided, _regular):
-        verdict = rule(case)
+        verdict = rule(claim, join)
         if verdict is not None:
             return verdict
-    positive = alpha_signs(surface, case.join, on_curve=True)
-    failed = case.failure(positive, "alpha is not positive on the curve")
+    positive = alpha_signs(surface, join, on_curve=True)
+    failed = claim.failed(positive, "alpha is not positive on the curve")
     if failed is not None:
         return failed
-    if not case.join.confined:
-        return _free(case)
+    if not join.confined:
+        return free_verdict(claim, join)
     reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
-    return case.verdict(Status.PROVED, reason, measure=positive.examined)
+    return claim.proved(reason, positive.examined)
 
 
-def _met(case: Case) -> Verdict | None:
+def _met(claim: Proposition, join: Join) -> Verdict | None:
     """The patch is a member of the contact's ideal at every point of the curve in the clip faces."""
-    k = case.surface.order
-    for meeting in meetings(case.surface, case.join, k):
-        achieved = meeting.division.order
+    k = claim.surface.order
+    for met in incidences(claim.surface, join, k):
+        achieved = met.division.order
         if achieved == k:
             continue
-        found = unmet(case.join, meeting)
+        found = unmet(join, met)
         if found is None:
-            reason = f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
-            return case.verdict(Status.UNDECIDED, reason)
-        met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-        return case.failure(found, f"the patch {met}: f is not in <f_i, h_i^{k + 1}>")
+            return claim.undecided(
+                f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
+            )
+        how = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
+        return claim.failed(found, f"the patch {how}: f is not in <f_i, h_i^{k + 1}>")
     return None
 
 
-def _closed(case: Case) -> Verdict | None:
+def _closed(claim: Proposition, join: Join) -> Verdict | None:
     """The curve is closed inside the clip faces, around a point where the surface is negative."""
-    failed = case.failure(curve_in_face(case.join), "the contact's surface is not positive on its clip face's edges")
-    if failed is None and case.join.inside_point() is None:
-        return case.verdict(Status.UNDECIDED, "no point inside the contact was found on its clip face")
+    failed = claim.failed(curve_in_face(join), "the contact's surface is not positive on its clip face's edges")
+    if failed is None and join.inside_point() is None:
+        return claim.undecided("no point inside the contact was found on its clip face")
     return failed
 
 
-def _simple(case: Case) -> Verdict | None:
+def _simple(claim: Proposition, join: Join) -> Verdict | None:
     """No clip plane is a multiple factor of the clip."""
-    if all(plane.simple for plane in case.join.planes):
+    if all(plane.simple for plane in join.planes):
         return None
-    return case.verdict(Status.UNDECIDED, "the clip's gradient vanishes on its face, which is a multiple factor of it")
+    return claim.undecided("the clip's gradient vanishes on its face, which is a multiple factor of it")
 
 
-def _sided(case: Case) -> Verdict | None:
+def _sided(claim: Proposition, join: Join) -> Verdict | None:
     """The clip is negative on the region's side of its faces, all along the curve."""
-    return case.failure(clip_sided(case.join), "the clip is positive on the region's side of its face")
+    return claim.failed(clip_sided(join), "the clip is positive on the region's side of its face")
 
 
-def _regular(case: Case) -> Verdict | None:
+def _regular(claim: Proposition, join: Join) -> Verdict | None:
     """The clip cuts the surface transversally along the curve."""
-    return case.failure(curve_regular(case.join), "the clip is tangent to the surface on the curve")
-
-
-def _free(case: Case) -> Verdict:
-    """The verdict on the parts of the curve that are in no clip face."""
-    status, reason, point = free_verdict(case.surface, case.join)
-    return case.verdict(status, reason, None if point is None else global_point(case.surface, point))
-
-
-def _opening(case: Case) -> Verdict:
-    """The verdict on the contact through which the region is open."""
-    status, reason, signs = opening_verdict(case.surface, case.join)
-    if status is Status.PROVED or signs is None:
-        return case.verdict(status, reason, measure=signs.examined if signs else 0)
-    return from_signs(case.surface, case.claim, reason, signs)
+    return claim.failed(curve_regular(join), "the clip is tangent to the surface on the curve")
 
 
 def curve_in_face(join: Join) -> SignResult:
     """`f_i > 0` on the rim of the clip faces: the curve is closed inside them."""
-    rim = join.rim()
-    corners = np.array([[to_floats(p) for p in edge] for edge in rim])
-    return prove_positive(rounded_forms(join.contact.surface.raw, rim), corners)
+    return positive_on(join.rim(), alike(join.contact.surface.raw, join.rim()))
 
 
 def curve_regular(join: Join) -> SignResult:
@@ -192,23 +154,6 @@ def check_join(number: int, join: Join) -> None:
             f"contact {number}: its clip {contact.clip} cuts its surface inside the region, too, around "
             f"{_place(join.elsewhere)}; give the plane of its face alone as the clip"
         )
-
-
-def from_signs(surface: PiecewisePolynomial, claim: str, reason: str, result: SignResult) -> Verdict:
-    """The verdict that a proof came to; `reason` says what is wrong where it is refuted."""
-    if result.witness is not None:
-        point = global_point(surface, result.witness)
-        return Verdict(Status.REFUTED, claim, reason, point, result.examined)
-    left = len(result.undecided)
-    point = global_point(surface, result.undecided[0])
-    place = f"{left} simplices undecided, one around ({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g})"
-    return Verdict(Status.UNDECIDED, claim, f"open whether {reason}: {place}", measure=result.examined)
-
-
-def global_point(surface: PiecewisePolynomial, local: Floats) -> Point:
-    """A local point (3,) in the user's coordinates."""
-    x, y, z = surface.partition.frame.global_points(local).tolist()
-    return x, y, z
 
 
 def _place(result: SignResult) -> str:

@@ -1,4 +1,4 @@
-"""Do two surfaces meet along a curve with equal Gauss curvature?  A check by normal forms.
+"""Whether two surfaces have equal curvatures along a curve, by normal forms; and a bound on curvature, proved.
 
 The conditions of "Algebraic blending surfaces in CAGD by Groebner bases" for surfaces f = 0 and
 g = 0 along V(I), each the vanishing of normal forms modulo I: (1) g; (2) the components of
@@ -21,16 +21,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flint import fmpq_mpoly
+import numpy as np
+from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
+from pas.algebra.rational import Vector, plain
+from pas.bernstein.forms import b_form, on_simplex, rounded
+from pas.bernstein.signs import prove_positive
+from pas.certify.certificate import Proposition
 from pas.contacts.contact import ContactLike, as_contact, contact_ideal
 from pas.errors import GeometryError
+from pas.limits import checkpoint
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Verdict
 
 ZERO = RING.constant(0)
+
+Matrix = list[list[fmpq_mpoly]]
 
 
 @dataclass(frozen=True)
@@ -154,3 +164,53 @@ def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
 def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Polynomial]:
     x, y, z = (Polynomial.from_raw(c) for c in components)
     return x, y, z
+
+
+def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
+    """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface, `bound` in 1 / unit of length.
+
+    With g = grad f, H the second derivatives of f and M = |g|^2 tr H - g^T H g,
+
+        k1^2 + k2^2 = (M^2 - 2 |g|^2 g^T adj(H) g) / |g|^6
+
+    so that it holds where `K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g`, of degree 6 (n - 1), is positive wherever f = 0.
+    f is written as of that degree, so that multiples of it count: near the surface the polynomial changes by what one
+    of these does, and slowly along it.  A pipe, one of whose curvatures is 0, has its own curvature for the root.
+    """
+    claim = Proposition(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
+    local = surface.local
+    square = (bound * surface.partition.frame.scale) ** 2
+    zero, value, degree = [], [], 6 * max(surface.degree - 1, 0)
+    for cell, piece in zip(local.cells, local.piece_of, strict=True):
+        checkpoint("bounding curvature")
+        corners, patch = local.corners(cell), surface.patches[int(piece)].raw
+        zero.append(rounded(b_form(on_simplex(patch, corners), degree, 3)))
+        value.append(rounded(b_form(_difference(patch, corners, square), degree, 3)))
+    result = prove_positive(np.array(value), local.points[np.array(local.cells)], np.array(zero))
+    reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.examined} tetrahedra"
+    return claim.settled(result, "it is larger somewhere", reason)
+
+
+def _difference(patch: fmpq_mpoly, corners: Sequence[Vector], square: fmpq) -> fmpq_mpoly:
+    """`K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g` on a tetrahedron.
+
+    The derivatives are brought there one by one: the whole has thousands of terms.
+    """
+    slopes = [patch.derivative(i) for i in range(3)]
+    g = [on_simplex(slope, corners) for slope in slopes]
+    upper = {(i, j): on_simplex(slopes[i].derivative(j), corners) for i in range(3) for j in range(i, 3)}
+    h: Matrix = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    length = sum((a * a for a in g), RING.constant(0))
+    bent = length * (h[0][0] + h[1][1] + h[2][2]) - _form(g, h)
+    adjugate: Matrix = [[_cofactor(h, i, j) for j in range(3)] for i in range(3)]
+    return length * length * length * square - bent * bent + length * _form(g, adjugate) * 2
+
+
+def _form(g: Sequence[fmpq_mpoly], matrix: Matrix) -> fmpq_mpoly:
+    return sum((g[i] * g[j] * matrix[i][j] for i in range(3) for j in range(3)), RING.constant(0))
+
+
+def _cofactor(h: Matrix, i: int, j: int) -> fmpq_mpoly:
+    (a, b), (c, d) = ([x for x in range(3) if x != k] for k in (i, j))
+    minor = h[a][c] * h[b][d] - h[a][d] * h[b][c]
+    return minor if (i + j) % 2 == 0 else -minor

@@ -10,7 +10,7 @@ curve; d is the clip without the planes of its clip faces.  Proved of a single p
   `v = alpha |grad f x grad d|^2` there: the curve is regular and alpha > 0.
 
 All by Bernstein branch and bound over the cells with two equations.  Refuted only at points of the
-curve that are proved to exist, with a sign that is proved around them (see `pas.certify.space_curve`).
+curve that are proved to exist, with a sign that is proved around them (see `Enclosure`).
 
 The order is refuted with a derivation that is tangent to V(f), `D = ((grad f x grad d) x grad f) . grad`:
 of a member of `<f, d^j>`, `g = alpha f + beta d^j`, it makes `D^j g = j! beta (D d)^j` on the curve,
@@ -21,60 +21,85 @@ Only the part `h <= 0` of the surface is used; which part of the region that is,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
 
+import numpy as np
 from flint import fmpq_mpoly
+from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
+from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import RING, Polynomial
-from pas.certify.space_curve import Curve
+from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.algebra.scaling import scaled
+from pas.bernstein.forms import b_form, on_simplex
+from pas.bernstein.signs import alike, apart_on, positive_on
+from pas.certify.certificate import Proposition
 from pas.contacts.joins import Join
-from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Status
+from pas.partition.cells import Partition
+from pas.verdicts import Status, Verdict
 
-Finding = tuple[Status, str, Floats | None]
-"""A status, the reason and a point (3,) in local coordinates."""
+START_LATTICE = 4
+"""Subdivisions of a cell's edge for the points at which Newton's method starts."""
+
+REACHES = (1.0, 8.0, 64.0)
+"""Half sizes of the cubes in which points of the curve are looked for where there is no region."""
+
+NEWTON_STEPS, ARRIVED = 24, 1e-10
+"""Steps of Newton's method, and the last one's length at which it has arrived (local units)."""
+
+HALF_SIDES = (2.0**-20, 2.0**-28, 2.0**-12)
+"""Half sides of the parallelograms, tried in turn: small, since signs must not change on them, and
+large against the 1e-15 that the middle is off the curve."""
+
+PARALLEL = 1e-12
+"""The squared sine of the angle between gradients from which on they count as parallel."""
+
+MOST_TRIED = 12
+"""Points that are tried for one proof, those that promise most first."""
 
 
-def free_verdict(surface: PiecewisePolynomial, join: Join) -> Finding:
+def free_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets a contact along the part of its curve that is in no clip face."""
+    surface = claim.surface
     f, d, k = join.contact.surface, join.rest, surface.order
     if len(surface.patches) > 1 or d.degree < 1:
         what = f"{d} = 0" if d.degree > 0 else "the plane of a clip face"
-        return Status.UNDECIDED, f"the clip cuts the surface inside the region as well, where {what}", None
-    patch, curve = surface.patches[0], Curve(f, d, join.partition)
+        return claim.undecided(f"the clip cuts the surface inside the region as well, where {what}")
+    patch, curve = surface.patches[0], RegionCurve(f, d, join.partition)
     achieved, obstacle = contact_order(patch, f, d, k)
     if obstacle is not None:
-        return _unmet(curve, achieved, obstacle, k)
+        return _unmet(claim, curve, achieved, obstacle)
     exactly = f"in <f, h^{k + 1}> exactly"
     if not join.partition.cells:
-        return Status.UNDECIDED, f"{exactly}; alpha is not examined, since there is no region", None
+        return claim.undecided(f"{exactly}; alpha is not examined, since there is no region")
     if not curve.closed():
-        return Status.UNDECIDED, f"{exactly}; but the curve may reach the boundary of the region", None
+        return claim.undecided(f"{exactly}; but the curve may reach the boundary of the region")
     if next(curve.enclosures(), None) is None:
         absent = join.elsewhere.status is Status.PROVED
         what = "the curve does not come into the region" if absent else "no point of it was found in the region"
-        return Status.UNDECIDED, f"{exactly}; but {what}", None
+        return claim.undecided(f"{exactly}; but {what}")
     transverse = transversality(patch, f, d)
     wrong = next((e for e in curve.enclosures(-transverse) if e.sign(transverse.raw) < 0), None)
     if wrong is not None:
-        return Status.REFUTED, "alpha is not positive on the curve", wrong.middle
+        return claim.refuted("alpha is not positive on the curve", wrong.middle)
     if not curve.positive(transverse):
-        return Status.UNDECIDED, f"{exactly}; but alpha > 0 on a regular curve is not proved", None
+        return claim.undecided(f"{exactly}; but alpha > 0 on a regular curve is not proved")
     if join.faces:
         reason = f"{exactly}; but the curve is inside the region, too, where {d} = 0: one side of it only is in use"
-        return Status.UNDECIDED, reason, None
-    return Status.PROVED, f"{exactly}, alpha > 0 on the curve, which is closed inside the region", None
+        return claim.undecided(reason)
+    return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
 
 
-def _unmet(curve: Curve, achieved: int, obstacle: Polynomial, k: int) -> Finding:
+def _unmet(claim: Proposition, curve: RegionCurve, achieved: int, obstacle: Polynomial) -> Verdict:
+    power = claim.surface.order + 1
     met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
     found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
     if found is not None:
-        return Status.REFUTED, f"the patch {met}: f is not in <f_i, h_i^{k + 1}>", found.middle
-    reason = f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
-    return Status.UNDECIDED, reason, None
+        return claim.refuted(f"the patch {met}: f is not in <f_i, h_i^{power}>", found.middle)
+    return claim.undecided(f"f is not in <f_i, h_i^{power}>, and no point of the curve was found where it matters")
 
 
 def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int) -> tuple[int, Polynomial | None]:
@@ -117,3 +142,130 @@ def _cross(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]
 
 def _dot(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
     return sum((x * y for x, y in zip(a, b, strict=True)), RING.constant(0))
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """A parallelogram (its corners in cyclic order) with a common zero of two polynomials in it.
+
+    It is there as one of them has opposite signs on two opposite sides, the other on the other two (Miranda 1940), and
+    a sign that a polynomial has on all of the parallelogram it has at that zero.  These signs are exact, by
+    B-coefficients over the rationals; where the parallelogram is laid is found in doubles, by Newton's method.
+    """
+
+    middle: Floats
+    corners: tuple[Vector, Vector, Vector, Vector]
+
+    def sign(self, polynomial: fmpq_mpoly) -> int:
+        """1 or -1 where a polynomial has that sign on all of it, else 0."""
+        a, b, c, e = self.corners
+        return _sign(polynomial, ((a, b, c), (a, c, e)))
+
+
+class RegionCurve:
+    """The curve V(f, d) in a region, or in all of space where there are no cells."""
+
+    def __init__(self, f: Polynomial, d: Polynomial, partition: Partition) -> None:
+        self.f, self.d, self.partition = f, d, partition
+
+    def closed(self) -> bool:
+        """Whether the curve is proved not to meet the region's boundary."""
+        faces = [self.partition.corners(face.vertices) for face in self.partition.outer_faces]
+        return apart_on(faces, (self.f.raw, self.d.raw)).status is Status.PROVED
+
+    def positive(self, value: Polynomial) -> bool:
+        """Whether a polynomial is proved positive on the curve."""
+        cells = [self.partition.corners(cell) for cell in self.partition.cells]
+        found = positive_on(cells, alike(value.raw, cells), [alike(p.raw, cells) for p in (self.f, self.d)])
+        return found.status is Status.PROVED
+
+    def enclosures(self, size: Polynomial | None = None) -> Iterator[Enclosure]:
+        """Proved points of the curve in the region; those first where `size` is largest, if it is positive."""
+        points = self.points
+        if size is not None:
+            values = scaled(size)(points)
+            points = points[np.argsort(-values)][: np.count_nonzero(values > 0)]
+        for point in points[:MOST_TRIED]:
+            for half in HALF_SIDES:
+                enclosure = self.enclosure(point, half)
+                if enclosure is not None:
+                    yield enclosure
+
+    def enclosure(self, point: Floats, half: float) -> Enclosure | None:
+        """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
+        a common zero of f and d."""
+        along_f, along_d, _ = _dual(scaled(self.f).gradient(point[None]), scaled(self.d).gradient(point[None]))
+        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
+        a, b, c, e = (_moved(p, u, s, w, t) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+        f, d = self.f.raw, self.d.raw
+        met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
+        return Enclosure(point, (a, b, c, e)) if met and self._holds((a, b, c, e)) else None
+
+    @property
+    def points(self) -> Floats:
+        """Points (m, 3) on the curve and in the region, up to rounding, by Newton's method."""
+        f, d = scaled(self.f), scaled(self.d)
+        points = self._starts()
+        reach = 4 * float(np.abs(points).max())
+        for _ in range(NEWTON_STEPS):
+            along_f, along_d, regular = _dual(f.gradient(points), d.gradient(points))
+            step = f(points)[:, None] * along_f + d(points)[:, None] * along_d
+            kept = regular & (np.abs(points - step).max(axis=1) < reach)
+            points, step = (points - step)[kept], step[kept]
+        points = points[np.linalg.norm(step, axis=1) < ARRIVED]
+        inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
+        return points[inside]
+
+    def _starts(self) -> Floats:
+        corners = self.partition.points[np.array(self.partition.cells)] if self.partition.cells else _cubes()
+        vertices = corners.shape[1]
+        weights = np.array(homogeneous_exponents(START_LATTICE, vertices)) / START_LATTICE
+        return np.unique((weights @ corners).reshape(-1, 3), axis=0)
+
+    def _holds(self, corners: tuple[Vector, ...]) -> bool:
+        """Whether the hull of some points is proved to be in the region.
+
+        It is if it is in one cell, or on the inner side of the planes of all outer faces.
+        """
+        if not self.partition.cells:
+            return True
+        near = self.partition.locate(np.array([to_floats(c) for c in corners]), tolerance=np.inf)
+        around = [face.plane for face in self.partition.outer_faces]
+        return any(
+            all(plane.raw(*c) <= 0 for plane in planes for c in corners)
+            for planes in (self.partition.planes(int(near[0])), around)
+        )
+
+
+def _sign(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]]) -> int:
+    """1 or -1 where all B-coefficients on some simplices have that sign, else 0."""
+    degree = max(int(polynomial.total_degree()), 0)
+    values = [v for s in simplices for v in b_form(on_simplex(polynomial, s), degree, len(s) - 1)]
+    return 1 if min(values) > 0 else -1 if max(values) < 0 else 0
+
+
+def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """The vectors in the span of two gradients (N, 3) along which one function rises by 1 and the other stays.
+
+    And where they exist, (N,): where the gradients are not parallel.
+    """
+    ff, fd, dd = ((a * b).sum(axis=1, keepdims=True) for a, b in ((f, f), (f, d), (d, d)))
+    determinant = ff * dd - fd * fd
+    regular = determinant > PARALLEL * ff * dd
+    scale = np.where(regular, determinant, 1.0)
+    return (dd * f - fd * d) / scale, (ff * d - fd * f) / scale, regular[:, 0]
+
+
+def _cubes() -> Floats:
+    """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
+    corners = np.array(list(product((-1.0, 1.0), repeat=3)))
+    return np.array([reach * corners for reach in REACHES])
+
+
+def _moved(p: Vector, u: Vector, s: int, w: Vector, t: int) -> Vector:
+    x, y, z = (a + s * b + t * c for a, b, c in zip(p, u, w, strict=True))
+    return x, y, z
+
+
+def _unit(v: Floats) -> Floats:
+    return v / np.linalg.norm(v)

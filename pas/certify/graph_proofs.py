@@ -21,13 +21,12 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
-from pas.certify.mesh_stage import Sheet
-from pas.certify.windings import crossed, volumes
+from pas.certify.local_mesh import FramedMesh
+from pas.kernels.library import compiled
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
-from pas.mesh.rows import dots
-from pas.surface.opening_rim import OpeningRim
-from pas.surface.rings import Ring
+from pas.mesh.rows import cross, dots, norms
+from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 
 CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the contacts' curves"
@@ -38,17 +37,23 @@ OFF = 1e-9
 BEYOND = 2.0
 """Over the distance of the vertex that is furthest from the centre: how far rays into discs are followed."""
 
+SURE = 2.0**-46
+"""Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
+
+GRAZING = 1e-9
+"""By which cosines of angles may be wrong without a triangle being missed."""
+
 SEPARATE = 1e-6
 """Radians that are left at least between loops."""
 
 
-def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate]) -> tuple[Verdict, Verdict]:
+def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certificate]) -> tuple[Verdict, Verdict]:
     """The verdicts on the boundary of a mesh and on its topology, which rests on the surface's own certificate."""
-    surface = sheet.stage.surface
-    assert sheet.stage.center is not None
-    points = sheet.points - sheet.stage.center
+    surface = mesh.local.function
+    assert mesh.local.center is not None
+    points = mesh.points - mesh.local.center
     try:
-        rings = surface.placed.rings
+        rings = surface.placed.loops
     except ArithmeticError as unseen:
         return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
     loops = _loops(edges)
@@ -56,17 +61,17 @@ def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate
     off = np.array([ring.off(points[rim]) for ring in rings])
     far = np.flatnonzero(off.min(axis=0) > OFF)
     if len(far):
-        place = _place(sheet, rim[far[0]])
+        place = mesh.local.point(mesh.points[rim[far[0]]])
         return Verdict(Status.REFUTED, BORDER, "the mesh ends beside the curves", place), _open("it does not end there")
     owner = np.full(len(points), -1)
     owner[rim] = off.argmin(axis=0)
     said = f"every inner edge has two triangles; with {len(rim)} edges in {len(loops)} loops, to rounding"
     chain = Verdict(Status.PROVED, BORDER, said)
-    volume, error = volumes(points[sheet.triangles])
+    volume, error = volumes(points[mesh.triangles])
     turned = np.flatnonzero(volume <= error)
     if len(turned):
         reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
-        return chain, _open(reason, _place(sheet, sheet.triangles[turned[0], 0]))
+        return chain, _open(reason, mesh.local.point(mesh.points[mesh.triangles[turned[0], 0]]))
     certificate = promised()
     if not (certificate.one_sheet.proved and certificate.enclosed.proved):
         return chain, _open("the surface is not proved to be a graph over directions")
@@ -75,25 +80,16 @@ def certify_graph(sheet: Sheet, edges: Edges, promised: Callable[[], Certificate
         return chain, _open(reason)
     ways = np.array([-ring.middle if ring.opening else ring.middle for ring in rings])
     ends = ways * (BEYOND * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
-    times, known = crossed(points, sheet.triangles, np.zeros(3), ends)
+    times, known = crossed(points, mesh.triangles, np.zeros(3), ends)
     for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
         which = "away from the opening" if rings[number].opening else "out through one of the ends"
-        return chain, _open(f"a ray {which} may cross the mesh", _point(sheet, ends[number] + sheet.stage.center))
+        return chain, _open(f"a ray {which} may cross the mesh", mesh.local.point(ends[number] + mesh.local.center))
     reason = f"all {len(volume)} triangles are seen once from the centre, as the surface is; {len(loops)} loops"
     return chain, Verdict(Status.PROVED, CLAIM, reason, measure=len(volume))
 
 
 def _open(reason: str, place: Point | None = None) -> Verdict:
     return Verdict(Status.UNDECIDED, CLAIM, reason, place)
-
-
-def _place(sheet: Sheet, vertex: int) -> Point:
-    return _point(sheet, sheet.points[vertex])
-
-
-def _point(sheet: Sheet, place: Floats) -> Point:
-    x, y, z = sheet.stage.world(place).tolist()
-    return x, y, z
 
 
 def _loops(edges: Edges) -> list[Integers]:
@@ -110,7 +106,7 @@ def _loops(edges: Edges) -> list[Integers]:
     return found
 
 
-def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[Ring | OpeningRim]) -> str:
+def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[BoundaryLoop]) -> str:
     """Why the loops may not bound discs that are apart; empty where they do."""
     if sorted(int(owner[loop[0]]) for loop in loops) != list(range(len(rings))):
         return "the mesh does not end in one loop on each contact's curve"
@@ -130,7 +126,7 @@ def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: S
     return ""
 
 
-def _once_round(loop: Floats, ring: Ring | OpeningRim) -> bool:
+def _once_round(loop: Floats, ring: BoundaryLoop) -> bool:
     """Whether a loop goes round the middle of a ring once, always on."""
     first = np.cross(ring.normal, np.eye(3)[np.abs(ring.normal).argmin()])
     second = np.cross(ring.normal, first)
@@ -149,9 +145,31 @@ def _inside(inner: Floats, outer: Floats) -> bool:
     return bool((depths > SEPARATE).all() or (depths < -SEPARATE).all())
 
 
-def _spread(loop: Floats, ring: Ring | OpeningRim) -> float:
+def _spread(loop: Floats, ring: BoundaryLoop) -> float:
     return max(_angle(point, ring.middle) for point in loop)
 
 
 def _angle(a: Floats, b: Floats) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+
+def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, np.ndarray]:
+    """How often segments from `origin` (3,) to `ends` (E, 3) leave through triangles more than they enter.
+
+    Also for which ends (E,) that is known.  A segment from 0 to p crosses a triangle a, b, d where det(p, a, b),
+    det(p, b, d) and det(p, d, a) have one sign, at the share det(a, b, d) over their sum.  Each is known to `SURE`
+    times the lengths of its rows; what is not surely crossed nor surely missed makes the number of p unknown.
+    """
+    ways = ends - origin
+    towards = ways / np.maximum(norms(ways), 1e-300)[:, None]
+    times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
+    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, GRAZING, SURE)
+    compiled().call("pas_crossed", *given, times, known)
+    return times, known
+
+
+def volumes(corners: Floats) -> tuple[Floats, Floats]:
+    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and by
+    how much each may be off."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return dots(a, cross(b, c)), SURE * np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))

@@ -11,14 +11,15 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.certify.mesh_stage import LARGER, ROUNDINGS, Sheet, Stage
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
+from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import TriangleForms, on_corners
-from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.rows import any_of, cross, dots
 
-CUTS, MANY = 6, 4096
-"""How often triangles are cut into four where bounds on them do not do, and how many are cut for their distance."""
+CUTS, MANY, MOST = 6, 4096, 1 << 22
+"""How often triangles are cut into four where bounds on them do not do, how many are cut for their distance, and how
+many at all, for bounds that some 100 bytes each are needed for."""
 
 CLEAR = 1e-9
 """In local units: how far what is apart from a triangle is from a plane of it."""
@@ -27,20 +28,42 @@ TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
 """How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
 the share `USUAL` of them."""
 
+TASK = "bounding the function on triangles"
+
 USUAL, ENOUGH, HARDEST = 0.98, 1.2, 64
 """That share; how many times as far triangles in several pieces are moved, before they are cut; and how many triangles,
 on which |f| by the least slope is largest, are moved first."""
 
 
 @dataclass(frozen=True)
-class Bounds:
+class TriangleBounds:
     """Of each triangle: an upper bound of |f| and a lower one of the derivative of f along its normal, (T,)."""
 
     most: Floats
     least: Floats
 
 
-class Boxes:
+@dataclass(frozen=True)
+class Parts(Cells):
+    """Parts (P, 3, 3) of triangles, their numbers (P,), and which corners (P, 3) are marked, such as those on walls."""
+
+    corners: Floats
+    owner: Integers
+    marks: np.ndarray
+
+    @classmethod
+    def of(cls, corners: Floats) -> Parts:
+        """Whole triangles (T, 3, 3), all corners of which are marked."""
+        return cls(corners, np.arange(len(corners)), np.ones((len(corners), 3), dtype=bool))
+
+    def quarters(self) -> Parts:
+        """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
+        marks = _quarters(self.marks.astype(float)) == 1
+        parts = Parts(_quarters(self.corners), np.repeat(self.owner, 4), marks)
+        return parts if marks.all() else parts.select(marks.any(axis=1))
+
+
+class BoxTable:
     """Many boxes from `low` (N, 3) to `high` (N, 3)."""
 
     def __init__(self, low: Floats, high: Floats) -> None:
@@ -74,58 +97,62 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     return found
 
 
-def bounds(sheet: Sheet) -> Bounds:
+def bounds(mesh: FramedMesh) -> TriangleBounds:
     """The bounds on all triangles, each for all pieces that it may touch.
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
-    normals, loose = sheet.normals, sheet.loose
-    if len(sheet.stage.makers) == 1:
-        return _bounded_by_one(sheet.stage.makers[0], sheet.corners, normals, loose)
-    most, least = np.zeros(len(normals)), np.full(len(normals), np.inf)
-    owner, corners, usual = np.arange(len(normals)), sheet.corners, np.inf
-    for depth in range(CUTS + 1):
-        large, small, several = _bounded(sheet.stage, corners, normals[owner], loose[owner])
+    normals, loose = mesh.normals, mesh.loose
+    if len(mesh.local.makers) == 1:
+        return _bounded_by_one(mesh.local.makers[0], mesh.corners, normals, loose)
+    most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        nonlocal usual
+        large, small, several = _bounded(mesh.local, parts.corners, normals[parts.owner], loose[parts.owner])
         if depth == 0 and not several.all():
             usual = large[~several].max()
         again = several & ((small <= 0) | (large > usual)) & (depth < CUTS)
-        np.maximum.at(most, owner[~again], large[~again])
-        np.minimum.at(least, owner[~again], small[~again])
-        if not again.any():
-            break
-        owner, corners = np.repeat(owner[again], 4), quarters(corners[again])
-    return Bounds(most, least)
+        np.maximum.at(most, parts.owner[~again], large[~again])
+        np.minimum.at(least, parts.owner[~again], small[~again])
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts.of(mesh.corners), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open.owner
+    most[left], least[left] = np.inf, -np.inf
+    return TriangleBounds(most, least)
 
 
-def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> Bounds:
+def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> TriangleBounds:
     """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
     by `loose`, (T,)."""
     most = _largest(maker.ranges(corners)) + maker.value_error
     along, size = maker.slopes(corners, normals)
     large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
     most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
-    return Bounds(most, along - _slack(size, maker.gradient_error, loose))
+    return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
 
 
-def _bounded(stage: Stage, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, np.ndarray]:
+def _bounded(
+    local: FramedSurface, corners: Floats, normals: Floats, loose: Floats
+) -> tuple[Floats, Floats, np.ndarray]:
     """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
     which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
-    touched = stage.touched(corners)
+    touched = local.touched(corners)
     several = _times(touched, len(corners)) > 1
-    for maker, rows in zip(stage.makers, touched, strict=True):
+    for maker, rows in zip(local.makers, touched, strict=True):
         most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
         along, size = maker.slopes(corners[rows], normals[rows])
         least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
     large = most > most.max(initial=0.0, where=~several if not several.all() else several) / 2  # bounded more closely
     closer = np.zeros(len(most))
-    for maker, rows in zip(stage.makers, touched, strict=True):
+    for maker, rows in zip(local.makers, touched, strict=True):
         part = rows[large[rows]]
         closer[part] = np.maximum(closer[part], _largest(maker.ranges(corners[part], closer=True)) + maker.value_error)
     return np.where(large, closer, most), least, several
 
 
-def quarters(corners: Floats) -> Floats:
+def _quarters(corners: Floats) -> Floats:
     """The four parts (4 T, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
@@ -143,7 +170,7 @@ def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
-def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(mesh: FramedMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
@@ -151,47 +178,44 @@ def along_walls(sheet: Sheet, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Fl
     """
     if not rims:
         return np.empty(0), np.empty(0, dtype=np.intp)
-    ends = sheet.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in rims], axis=0)[sheet.triangles]))]
+    ends = mesh.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in rims], axis=0)[mesh.triangles]))]
     rows = [some[any_of(vertices[ends])] for _, vertices in rims]
     owner, rim = np.concatenate(rows), np.repeat(np.arange(len(rims)), [len(own) for own in rows])
-    marks = np.concatenate([vertices[sheet.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
-    normals = [sheet.normals[own] for own in rows]
+    marks = np.concatenate([vertices[mesh.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
+    normals = [mesh.normals[own] for own in rows]
     ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, rims, strict=True)]
-    along, loose, corners, part = np.concatenate(ways), sheet.loose[owner], sheet.corners[owner], np.arange(len(owner))
+    along, loose, corners = np.concatenate(ways), mesh.loose[owner], mesh.corners[owner]
     found: list[tuple[Floats, Integers]] = []
-    for depth in range(CUTS + 1):
-        least, several = _on_sides(sheet.stage, corners, marks, along[part], loose[part])
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        least, several = _on_sides(mesh.local, parts, along[parts.owner], loose[parts.owner])
         again = several & (least <= 0) & (depth < CUTS)
-        found.append((least[~again], part[~again]))
-        if not again.any():
-            break
-        part, corners = np.repeat(part[again], 4), quarters(corners[again])
-        marks = quarters(marks[again].astype(float)) == 1  # the middle of a side is on the wall if both ends are
-        kept = marks.any(axis=1)
-        part, corners, marks = part[kept], corners[kept], marks[kept]
+        found.append((least[~again], parts.owner[~again]))
+        return np.where(again, Fate.SPLIT, Fate.SETTLED)
+
+    left = search(Parts(corners, np.arange(len(owner)), marks), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open
+    found.append((np.full(len(left), -np.inf), left.owner))
     least, part = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(rim[part], kind="stable")
     return least[order], owner[part[order]]
 
 
-def _on_sides(
-    stage: Stage, corners: Floats, marks: np.ndarray, along: Floats, loose: Floats
-) -> tuple[Floats, np.ndarray]:
+def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
     """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
-    (T, 3, 3) that have marks (T, 3); and which triangles may touch several pieces."""
-    least, touched = np.full(len(corners), np.inf), stage.touched(corners)
-    code = marks @ np.array([1, 2, 4])
-    for maker, near in zip(stage.makers, touched, strict=True):
-        gradients = maker.gradients(corners[near])
+    that are marked; and which triangles may touch several pieces."""
+    least, touched = np.full(len(parts), np.inf), local.touched(parts.corners)
+    code = parts.marks @ np.array([1, 2, 4])
+    for maker, near in zip(local.makers, touched, strict=True):
+        gradients = maker.gradients(parts.corners[near])
         slack = _slack(np.sqrt((gradients**2).sum(axis=0).max(axis=0)), maker.gradient_error, loose[near])
         way = along[near].T
         slopes = way[0] * gradients[0] + way[1] * gradients[1] + way[2] * gradients[2]
-        slopes[~on_corners(stage.degree - 1)[code[near]].T] = np.inf
+        slopes[~on_corners(local.degree - 1)[code[near]].T] = np.inf
         least[near] = np.minimum(least[near], slopes.min(axis=0) - slack)
-    return least, _times(touched, len(corners)) > 1
+    return least, _times(touched, len(parts)) > 1
 
 
-def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
+def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
     how far the hardest is.
 
@@ -199,65 +223,63 @@ def farthest(sheet: Sheet, bounds: Bounds) -> Floats | None:
     f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
     cones about the centre.  That is looked at where `_moves` does not say that it is so.
     """
-    stage = sheet.stage
-    if stage.center is None:
+    local = mesh.local
+    if local.center is None:
         return None
-    longest = stage.beyond
+    longest = local.beyond
     with np.errstate(all="ignore"):
         need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
     known = np.sort(need[need <= longest])
     usual, most = known[[int(USUAL * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
     tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
-    enough = _moves(sheet, bounds, min(TIMES[-1] * usual, longest))
+    enough = _moves(mesh, bounds, min(TIMES[-1] * usual, longest))
     hard = need >= np.partition(need, max(len(need) - HARDEST, 0))[max(len(need) - HARDEST, 0)]
     way, least = np.zeros(len(need)), 0.0
     for group in (hard, ~hard):  # the hardest say what is worth trying with others
         rows = np.flatnonzero(group & (enough > least))
         here = [away for away in tried if away >= least]
-        way[rows] = _reached(sheet, rows, enough[rows], here, max(ENOUGH * usual, least))
+        way[rows] = _reached(mesh, rows, enough[rows], here, max(ENOUGH * usual, least))
         least = min(float(way.max(initial=0.0)), tried[-1])
-    return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + stage.reach))
+    return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
 
 
-def _reached(sheet: Sheet, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
+def _reached(mesh: FramedMesh, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
     """The first of rising ways for which chosen triangles (K,) were seen to have both signs, infinite without one.
 
     Those that touch several pieces are moved no further than `within` before they are cut.
     """
-    stage, normals = sheet.stage, sheet.normals[chosen]
-    way, owner, corners = np.zeros(len(chosen)), np.arange(len(chosen)), sheet.corners[chosen]
-    for depth in range(CUTS + 1):
-        several = _several(stage, corners, within * normals[owner])
+    local, normals, way = mesh.local, mesh.normals[chosen], np.zeros(len(chosen))
+
+    def judge(parts: Parts, depth: int) -> Fates:
+        several = _several(local, parts.corners, within * normals[parts.owner])
+        left, fates = np.arange(len(parts)), np.full(len(parts), Fate.SETTLED.value)
         for away in tried:
-            checkpoint(f"bounding distances ({len(owner)} triangles)")
+            some, owner = parts.select(left), parts.owner[left]
             sure = enough[owner] <= away
-            rows = np.flatnonzero(~sure & (~several | (away <= within) | (depth == CUTS)))
-            done = rows[_signs(stage, corners[rows], -away * normals[owner[rows]], -1)]
-            done = done[_signs(stage, corners[done], away * normals[owner[done]], 1)]
-            done = np.concatenate([done, np.flatnonzero(sure)])
-            np.maximum.at(way, owner[done], away)
-            left = np.ones(len(owner), dtype=bool)
-            left[done] = False
-            owner, corners, several = owner[left], corners[left], several[left]
-            if not len(owner):
-                return way
-        if depth == CUTS or len(owner) > MANY:
-            break
-        owner, corners = np.repeat(owner, 4), quarters(corners)
-    way[owner] = np.inf
+            rows = np.flatnonzero(~sure & (~several[left] | (away <= within) | (depth == CUTS)))
+            done = rows[_signs(local, some.corners[rows], -away * normals[owner[rows]], -1)]
+            done = done[_signs(local, some.corners[done], away * normals[owner[done]], 1)]
+            sure[done] = True
+            np.maximum.at(way, owner[sure], away)
+            left = left[~sure]
+        fates[left] = Fate.SPLIT
+        return fates
+
+    cells = Parts.of(mesh.corners[chosen])
+    way[search(cells, judge, Parts.quarters, Limits(CUTS, MANY), "bounding distances").open.owner] = np.inf
     return way
 
 
-def _moves(sheet: Sheet, bounds: Bounds, longest: float) -> Floats:
+def _moves(mesh: FramedMesh, bounds: TriangleBounds, longest: float) -> Floats:
     """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
 
     Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
     its least slope l across the triangle: that is to be more than |f|.
     """
     enough = np.full(len(bounds.most), np.inf)
-    if len(sheet.stage.makers) > 1:
+    if len(mesh.local.makers) > 1:
         return enough
-    bend = sheet.stage.makers[0].bend(np.abs(sheet.points).max(axis=0) + (1 + CLEAR) * longest)
+    bend = mesh.local.makers[0].bend(np.abs(mesh.points).max(axis=0) + (1 + CLEAR) * longest)
     with np.errstate(all="ignore"):
         root = np.sqrt(bounds.least**2 - 2 * (1 + CLEAR) * bend * bounds.most)
         found = 2 * (1 + CLEAR) * bounds.most / (bounds.least + root) + CLEAR**2
@@ -266,11 +288,11 @@ def _moves(sheet: Sheet, bounds: Bounds, longest: float) -> Floats:
     return enough
 
 
-def _several(stage: Stage, corners: Floats, ways: Floats) -> np.ndarray:
+def _several(local: FramedSurface, corners: Floats, ways: Floats) -> np.ndarray:
     """Which triangles (T, 3, 3) may touch several pieces when they are moved along ways (T, 3) or back."""
-    if len(stage.makers) == 1:
+    if len(local.makers) == 1:
         return np.zeros(len(corners), dtype=bool)
-    moved = [stage.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
+    moved = [local.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
     return np.asarray(np.maximum(*(_times(rows, len(corners)) for rows in moved)) > 1)
 
 
@@ -279,11 +301,11 @@ def _times(rows: list[Integers], count: int) -> Integers:
     return np.bincount(np.concatenate(rows), minlength=count)
 
 
-def _signs(stage: Stage, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
     """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
     corners = corners + ways[:, None]
     result = np.ones(len(corners), dtype=bool)
-    for maker, near in zip(stage.makers, stage.touched(corners, LARGER), strict=True):
+    for maker, near in zip(local.makers, local.touched(corners, LARGER), strict=True):
         rows = near[result[near]]
         for closer in (False, True) if len(rows) else ():
             low, high = maker.ranges(corners[rows], closer)

@@ -15,8 +15,8 @@ same surface up to an isotopy along the curves, and neither has a component that
 
 The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (see
 `pas.certify.critical_points`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
-along segments from the centre (`pas.certify.windings`).  All count their rounding.  Points of the boundary may be off
-the walls by rounding, and are then taken to be on them.
+along segments from the centre (`pas.certify.graph_proofs.crossed`).  All count their rounding.  Points of the boundary
+may be off the walls by rounding, and are then taken to be on them.
 """
 
 from __future__ import annotations
@@ -30,12 +30,11 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
-from pas.certify.graph_proofs import certify_graph
-from pas.certify.mesh_bounds import Bounds, Boxes, along_walls, apart, bounds, farthest
-from pas.certify.mesh_stage import ON_WALL, SCALED, Sheet, Stage
-from pas.certify.windings import crossed
+from pas.certify.graph_proofs import certify_graph, crossed
+from pas.certify.local_mesh import ON_WALL, SCALED, FramedMesh, FramedSurface
+from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
+from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
-from pas.mesh.radial import Edges
 from pas.mesh.topology import same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
@@ -64,7 +63,7 @@ class MeshCertificate(Findings):
 
 
 def certify_mesh(
-    stage: Stage, points: Floats, triangles: Integers, promised: Callable[[], Certificate]
+    local: FramedSurface, points: Floats, triangles: Integers, promised: Callable[[], Certificate]
 ) -> MeshCertificate:
     """The verdicts on a mesh (N, 3), (T, 3) of a surface: whether it is its boundary on walls, topology, distance.
 
@@ -74,57 +73,52 @@ def certify_mesh(
     if not len(triangles) or not edges.manifold:
         verdict = Verdict(Status.REFUTED, "a manifold", "there are no triangles, or some edge does not have one or two")
         return MeshCertificate((verdict,), partly_measured=True)
-    sheet = Sheet(stage, points, triangles)
-    if np.abs(sheet.points).max() > sheet.stage.reach:
+    mesh = FramedMesh(local, points, triangles)
+    if np.abs(mesh.points).max() > mesh.local.reach:
         return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
-    found = bounds(sheet)
-    if any(join.opening for join in stage.surface.joins):
-        near, distance = _distance(sheet, found, closed=False)
-        verdicts = (*certify_graph(sheet, edges, promised), _vertices(sheet), near)
+    found = bounds(mesh)
+    if any(join.opening for join in local.function.joins):
+        near, distance = _distance(mesh, found, closed=False)
+        verdicts = (*certify_graph(mesh, edges, promised), _vertices(mesh), near)
         places = tuple(v.witness for v in verdicts if v.witness is not None)
         return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
-    chain, rims = _border(sheet, edges)
+    chain, rims = _border(mesh, edges)
     if chain.proved:
-        topology, places = _topology(sheet, found, rims)
+        topology, places = _topology(mesh, found, rims)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
-    near, distance = _distance(sheet, found, closed=not len(edges.rim))
-    verdicts = (chain, _vertices(sheet), topology, near)
+    near, distance = _distance(mesh, found, closed=not len(edges.rim))
+    verdicts = (chain, _vertices(mesh), topology, near)
     return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
 
 
-def _point(stage: Stage, place: Floats) -> Point:
-    x, y, z = stage.world(place).tolist()
-    return x, y, z
-
-
-def _vertices(sheet: Sheet) -> Verdict:
+def _vertices(mesh: FramedMesh) -> Verdict:
     """How near the vertices are, to first order: what a vertex that was moved fails."""
-    claim, stage = "vertices on the surface", sheet.stage
-    values, gradients = stage.jets(sheet.points)
+    claim, local = "vertices on the surface", mesh.local
+    values, gradients = local.jets(mesh.points)
     with np.errstate(all="ignore"):
         off = np.where(values == 0, 0.0, np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0)))
     if np.isnan(off).any():
-        place = sheet.points[int(np.isnan(off).argmax())]
-        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", _point(stage, place))
+        place = mesh.points[int(np.isnan(off).argmax())]
+        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", local.point(place))
     worst = int(off.argmax())
     if off[worst] <= OFF:
-        reason = f"|f| / |grad f| is at most {off[worst] * stage.scale:.1g} at all {len(off)} of them"
+        reason = f"|f| / |grad f| is at most {off[worst] * local.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
-    reason = f"|f| / |grad f| is {off[worst] * stage.scale:.2g} at one"
-    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(stage, sheet.points[worst]))
+    reason = f"|f| / |grad f| is {off[worst] * local.scale:.2g} at one"
+    return Verdict(Status.FAILS_MEASURED, claim, reason, local.point(mesh.points[worst]))
 
 
-def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
-    claim, stage, points = BORDER, sheet.stage, sheet.points
+    claim, local, points = BORDER, mesh.local, mesh.points
     middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
-    inside, on = stage.placed(np.concatenate([points, middles]))
-    used = np.flatnonzero(np.bincount(sheet.triangles.ravel(), minlength=len(points)))
+    inside, on = local.placed(np.concatenate([points, middles]))
+    used = np.flatnonzero(np.bincount(mesh.triangles.ravel(), minlength=len(points)))
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
-        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", _point(stage, place)), []
+        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", local.point(place)), []
     touches = np.zeros(len(points), dtype=bool)
     for number, rows in enumerate(on):
         first = np.searchsorted(rows, len(points))
@@ -132,22 +126,22 @@ def _border(sheet: Sheet, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.
         wall[rows[first:] - len(points)] = number
     if (wall < 0).any():
         place = middles[wall < 0][0]
-        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", _point(stage, place)), []
+        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", local.point(place)), []
     touches[edges.rim] = False
     if touches[used].any():
         place = points[used[touches[used]][0]]
-        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", _point(stage, place)), []
+        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.point(place)), []
     how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
-    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(sheet, edges, wall)
+    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(mesh, edges, wall)
 
 
-def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _rims(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
-    on, stage = {}, sheet.stage
+    on, local = {}, mesh.local
     for number in np.unique(wall).tolist():
-        on[number] = np.zeros(len(sheet.points), dtype=bool)
+        on[number] = np.zeros(len(mesh.points), dtype=bool)
         on[number][edges.rim[wall == number]] = True
-    normals = stage.planes[:, :3]
+    normals = local.planes[:, :3]
     result = [(normals[[n]], vertices) for n, vertices in on.items()]
     pairs = [(i, j, both) for i, j in combinations(on, 2) if (both := on[i] & on[j]).any()]
     planes = normals[np.array([pair[:2] for pair in pairs], dtype=np.intp).reshape(-1, 2)]
@@ -155,31 +149,33 @@ def _rims(sheet: Sheet, edges: Edges, wall: Integers) -> list[tuple[Floats, np.n
     return [*result, *((way, both) for way, (_, _, both) in zip(across, pairs, strict=True))]
 
 
-def _topology(sheet: Sheet, found: Bounds, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Verdict, tuple[Point, ...]]:
-    stage = sheet.stage
+def _topology(
+    mesh: FramedMesh, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]
+) -> tuple[Verdict, tuple[Point, ...]]:
+    local = mesh.local
 
     def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
-        at = tuple(_point(stage, place) for place in _spread(places))
+        at = tuple(local.point(place) for place in _spread(places))
         return Verdict(Status.UNDECIDED, CLAIM, reason, at[0] if at else None), at
 
-    if stage.center is None:
+    if local.center is None:
         return undecided("the region has no centre from which to count", np.empty((0, 3)))
-    if not stage.meets_smoothly:
+    if not local.meets_smoothly:
         return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
     flat = ~(found.least > 0)
     if flat.any():
-        places = sheet.corners[flat].mean(axis=1)
+        places = mesh.corners[flat].mean(axis=1)
         return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", places)
-    steep, numbers = along_walls(sheet, rims)
+    steep, numbers = along_walls(mesh, rims)
     if not (steep > 0).all():
-        places = sheet.corners[numbers[~(steep > 0)]].mean(axis=1)
+        places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)
-    singular = np.concatenate([part.open.corners.mean(axis=1) for part in stage.isolated])
-    parts = [] if len(singular) else _critical(sheet, found.most * (1 + 2 * SCALED))
+    singular = np.concatenate([part.open.corners.mean(axis=1) for part in local.isolated])
+    parts = [] if len(singular) else _critical(mesh, found.most * (1 + 2 * SCALED))
     left = np.concatenate([singular, *(part.open for part in parts)])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
-    return _counted(sheet, parts)
+    return _counted(mesh, parts)
 
 
 def _spread(places: Floats, most: int = 8) -> Floats:
@@ -193,27 +189,27 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _critical(sheet: Sheet, most: Floats) -> list[CriticalParts]:
+def _critical(mesh: FramedMesh, most: Floats) -> list[CriticalParts]:
     """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
-    size, largest = sheet.stage.size, most.max()
-    a, b, c = (sheet.corners[:, i] for i in range(3))
-    boxes = Boxes(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
+    size, largest = mesh.local.size, most.max()
+    a, b, c = (mesh.corners[:, i] for i in range(3))
+    boxes = BoxTable(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
-        if len(near) * len(sheet.corners) <= BOXES:
+        if len(near) * len(mesh.corners) <= BOXES:
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
             met = [boxes.meeting(*ends) for ends in zip(low, high, strict=True)]
             rows, triangles = np.repeat(near, [len(some) for some in met]), np.concatenate([*met, near[:0]])
             close = most[triangles] >= least[rows] * size
             rows, triangles = rows[close], triangles[close]
-            free_of = apart(simplices[rows], sheet.corners[triangles], sheet.normals[triangles])
+            free_of = apart(simplices[rows], mesh.corners[triangles], mesh.normals[triangles])
             result[near] = True
             result[rows[~free_of]] = False
         return result
 
-    return [critical_parts(found, free) for found in sheet.stage.isolated]
+    return [critical_parts(found, free) for found in mesh.local.isolated]
 
 
 def _grouped(parts: list[Floats]) -> list[list[int]]:
@@ -237,35 +233,35 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _counted(sheet: Sheet, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
+def _counted(mesh: FramedMesh, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
     """Whether the mesh is crossed as the surface is between all critical points.
 
     None of them is on the mesh, so one of each group with common corners stands for all.
     """
-    stage, examined = sheet.stage, sum(part.examined for part in parts)
+    local, examined = mesh.local, sum(part.examined for part in parts)
     simplices = [simplex for part in parts for simplex in part.simplices]
     signs = np.concatenate([part.signs for part in parts])
     groups = _grouped([part.simplices for part in parts])
     times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
     known, inside = np.zeros(len(groups), dtype=bool), signs[[group[0] for group in groups]] < 0
-    assert stage.center is not None
-    origin = stage.center + stage.room * np.array([0.213, 0.127, -0.171])
+    assert local.center is not None
+    origin = local.center + local.room * np.array([0.213, 0.127, -0.171])
     for attempt in range(TRIES):
         rows = np.flatnonzero(~known)
         for row in rows.tolist():
             simplex = simplices[groups[row][attempt % len(groups[row])]]
             weights = 1 + 0.618 * np.sin(2.4 * np.arange(1, len(simplex) + 1) + attempt)
             ends[row] = weights @ simplex / weights.sum()
-        times[rows], known[rows] = crossed(sheet.points, sheet.triangles, origin, ends[rows])
+        times[rows], known[rows] = crossed(mesh.points, mesh.triangles, origin, ends[rows])
         if known.all():
             break
     if not known.all():
-        places = tuple(_point(stage, place) for place in _spread(ends[~known]))
+        places = tuple(local.point(place) for place in _spread(ends[~known]))
         return Verdict(Status.UNDECIDED, CLAIM, "crossings could not be counted for sure", places[0]), places
     excess = times + inside  # the same for all where the mesh is the surface
     wrong = np.flatnonzero(excess != excess[:1])  # as for the largest part, which small ones may outnumber
     if len(wrong):
-        places = tuple(_point(stage, place) for place in _spread(ends[wrong]))
+        places = tuple(local.point(place) for place in _spread(ends[wrong]))
         # no refutation: coarse meshes pass by places next to the surface whose changes cancel one another
         reason = (
             f"{len(wrong)} of {len(groups)} places at which f rests are on the wrong side: a component is missing or "
@@ -273,24 +269,24 @@ def _counted(sheet: Sheet, parts: list[CriticalParts]) -> tuple[Verdict, tuple[P
         )
         return Verdict(Status.UNDECIDED, CLAIM, reason, places[0], examined), places
     reason = (
-        f"f rises across all {len(sheet.triangles)} triangles, and {len(groups)} parts that hold all its critical "
+        f"f rises across all {len(mesh.triangles)} triangles, and {len(groups)} parts that hold all its critical "
         f"points are on the right side of the mesh; {examined} simplices"
     )
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(sheet: Sheet, found: Bounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
-    stage, way = sheet.stage, farthest(sheet, found)
+    local, way = mesh.local, farthest(mesh, found)
     if way is None or not np.isfinite(way).all():
         place, reason = None, "the gradient may vanish too near to a triangle"
         if way is not None:
             worst = np.flatnonzero(~np.isfinite(way))[0]
-            place = _point(stage, sheet.corners[worst].mean(axis=0))
+            place = local.point(mesh.corners[worst].mean(axis=0))
             if found.least[worst] > 0:
                 reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
-    most = float(way.max()) * stage.scale
+    most = float(way.max()) * local.scale
     beyond = "" if closed else ", which go on beyond the walls"
     reason = f"|f| on triangles over the least slope of f across them, to the zeros{beyond}"
     return Verdict(Status.PROVED, f"within {most:.3g} of the surface", reason), most

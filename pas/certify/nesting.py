@@ -25,15 +25,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, to_floats
-from pas.bernstein.forms import nearby_forms
+from pas.algebra.rational import Vector, cross, dot
 from pas.bernstein.search import Limits
-from pas.bernstein.signs import SignResult, prove_positive_inside
-from pas.certify.contact_proofs import from_signs
+from pas.bernstein.signs import Exact, SignResult, alike, positive_on
+from pas.certify.certificate import Proposition
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
@@ -52,9 +50,6 @@ fewer, around two some thousand."""
 
 Triangle: TypeAlias = "tuple[Vector, Vector, Vector]"
 Tetrahedron: TypeAlias = "tuple[Vector, Vector, Vector, Vector]"
-
-OfDegree: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"
-"""Polynomials, one on each simplex, and the degree as of which they are taken."""
 
 ORIGIN: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
@@ -81,14 +76,15 @@ def nesting(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Ver
 
 def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     """Where the inner surface's function is not positive, the outer one's is negative, all over the inner region."""
+    claim = Proposition(outer, INSIDE)
     if not inner.partition.cells or not outer.partition.cells:
-        return Verdict(Status.UNDECIDED, INSIDE, "one of the surfaces has no region")
+        return claim.undecided("one of the surfaces has no region")
     if inner.partition.center is None or outer.partition.center is None:
-        return Verdict(Status.UNDECIDED, INSIDE, "one of the surfaces is not seen from a centre")
+        return claim.undecided("one of the surfaces is not seen from a centre")
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
-        return Verdict(Status.UNDECIDED, INSIDE, "a clip passes through a region, so that a part of it only is in use")
+        return claim.undecided("a clip passes through a region, so that a part of it only is in use")
     if not all(_one_nappe(inner, outer, number) for number, join in enumerate(outer.joins) if join.opening):
-        return Verdict(Status.UNDECIDED, INSIDE, "the outer region is open, and the inner one not along the same cone")
+        return claim.undecided("the outer region is open, and the inner one not along the same cone")
     frame = outer.partition.frame
     parts = common_parts(_in_frame_of(inner.partition, outer.partition), outer.local)
     below = [frame.localise(p).raw for p in inner.polynomials]
@@ -96,70 +92,69 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     above = [-p.raw for p in outer.patches]
 
     def proved(some: Sequence[Common], values: Sequence[fmpq_mpoly], degree: int) -> SignResult:
-        inside = [([below[part.inner] for part in some], inner.degree), *(([q] * len(some), 2) for q in cones)]
-        return prove_inside((values, degree), inside, [part.corners for part in some])
+        inside = [([below[part.inner] for part in some], inner.degree), *(alike(q, some) for q in cones)]
+        return prove_inside([part.corners for part in some], (values, degree), inside)
 
     found = proved(parts, [above[part.outer] for part in parts], outer.degree)
-    reason = "the inner surface is not inside the outer one"
-    if found.status is not Status.PROVED:
-        return from_signs(outer, INSIDE, reason, found)
+    failed = claim.failed(found, "the inner surface is not inside the outer one")
+    if failed is not None:
+        return failed
     examined = found.examined
     walls = [(part, -part.beyond.raw) for part in parts if part.beyond is not None]
     if walls:
         found = proved([part for part, _ in walls], [raw for _, raw in walls], 1)
         examined += found.examined
-        if found.status is not Status.PROVED:
-            return from_signs(outer, INSIDE, "the inner surface is not in the region of the outer one", found)
+        failed = claim.failed(found, "the inner surface is not in the region of the outer one")
+        if failed is not None:
+            return failed
     where = "where the inner function is not positive, the outer one is negative"
-    return Verdict(Status.PROVED, INSIDE, f"{where}; {examined} tetrahedra", measure=examined)
+    return claim.proved(f"{where}; {examined} tetrahedra", examined)
 
 
 def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
     """The wall ends at a contact between two nested curves in one plane."""
-    claim = f"end {number + 1}"
+    claim = Proposition(outer, f"end {number + 1}")
     if number >= min(len(inner.contacts), len(outer.contacts)):
-        return Verdict(Status.REFUTED, claim, "only one of the two surfaces ends there")
+        return claim.refuted("only one of the two surfaces ends there")
     ours, theirs = inner.joins[number], outer.joins[number]
     if ours.opening and theirs.opening:
-        return _open_end(inner, outer, number)
+        return _open_end(claim, inner, outer, number)
     if len(ours.planes) != 1 or len(theirs.planes) != 1 or not ours.confined or not theirs.confined:
-        return Verdict(Status.UNDECIDED, claim, "one of the surfaces does not end in a plane there")
+        return claim.undecided("one of the surfaces does not end in a plane there")
     frame = outer.partition.frame
     plane = frame.localise(inner.partition.frame.globalise(ours.planes[0].plane)).primitive()
     if plane not in (theirs.planes[0].plane, -theirs.planes[0].plane):
-        return Verdict(Status.REFUTED, claim, "the two surfaces end in different planes")
+        return claim.refuted("the two surfaces end in different planes")
     local = _in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(face.vertices) for face in ours.faces]
-    return _nested(inner, outer, number, corners, (), "one plane, the inner section in the interior of the outer one")
+    return _nested(claim, inner, number, corners, (), "one plane, the inner section in the interior of the outer one")
 
 
-def _open_end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
+def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
     """The wall ends at an opening between two nested curves on one cone."""
     if not _one_nappe(inner, outer, number):
-        return Verdict(Status.REFUTED, f"end {number + 1}", "the two surfaces do not end in one nappe of one cone")
+        return claim.refuted("the two surfaces do not end in one nappe of one cone")
     cone = outer.joins[number].contact.clip.raw
     local = _in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(cell) for cell in local.cells]
-    return _nested(inner, outer, number, corners, (cone, -cone), "one cone, the inner curve inside the outer surface")
+    return _nested(claim, inner, number, corners, (cone, -cone), "one cone, the inner curve inside the outer surface")
 
 
 def _nested(
+    claim: Proposition,
     inner: PiecewisePolynomial,
-    outer: PiecewisePolynomial,
     number: int,
     corners: Sequence[Sequence[Vector]],
     walls: Sequence[fmpq_mpoly],
     words: str,
 ) -> Verdict:
     """That on simplices, where no wall is positive, a contact's inner surface is inside its outer one."""
-    claim, count = f"end {number + 1}", len(corners)
+    outer = claim.surface
     narrow = outer.partition.frame.localise(inner.contacts[number].surface).raw
     wide = -outer.joins[number].contact.surface.raw
-    inside = [([p] * count, int(p.total_degree())) for p in (narrow, *walls)]
-    found = prove_inside(([wide] * count, int(wide.total_degree())), inside, corners)
-    if found.status is not Status.PROVED:
-        return from_signs(outer, claim, "the inner contact is not inside the outer one", found)
-    return Verdict(Status.PROVED, claim, f"both end in {words}", measure=found.examined)
+    inside = [alike(p, corners) for p in (narrow, *walls)]
+    found = prove_inside(corners, alike(wide, corners), inside)
+    return claim.settled(found, "the inner contact is not inside the outer one", f"both end in {words}")
 
 
 def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> bool:
@@ -179,16 +174,13 @@ def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: i
     return bool(cone(x, y, z) < cone(*v) + cone(*w))
 
 
-def prove_inside(values: OfDegree, inside: Sequence[OfDegree], corners: Sequence[Sequence[Vector]]) -> SignResult:
-    """That values are positive where no other polynomials are, on simplices."""
-    forms, *errors = nearby_forms(values[0], corners, values[1])
-    walls = [nearby_forms(raws, corners, degree) for raws, degree in inside]
-    error = max([*errors, *(off for _, off in walls)])
-    points = np.array([[to_floats(corner) for corner in simplex] for simplex in corners])
+def prove_inside(simplices: Sequence[Sequence[Vector]], values: Exact, inside: Sequence[Exact]) -> SignResult:
+    """Prove that polynomials are positive where no other polynomials are, on exact simplices."""
     worst, examined = None, 0
-    for start in range(0, max(1, len(corners)), TOGETHER):
+    for start in range(0, max(1, len(simplices)), TOGETHER):
         some = slice(start, start + TOGETHER)
-        found = prove_positive_inside(forms[some], [w[some] for w, _ in walls], points[some], HALVINGS, error)
+        value, *others = ((raws[some], degree) for raws, degree in (values, *inside))
+        found = positive_on(simplices[some], value, others, inside=True, near=True, limits=HALVINGS)
         examined += found.examined
         if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
             worst = found

@@ -22,19 +22,17 @@ from collections.abc import Sequence
 from functools import lru_cache
 from itertools import combinations
 
-import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.monomials import exponents
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import to_floats
-from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import SignResult, prove_positive
-from pas.certify.meetings import on_faces
+from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.certify.certificate import Proposition
+from pas.certify.incidence import on_faces
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Status
+from pas.verdicts import Status, Verdict
 
 
 def cofactor(patch: Polynomial, join: Join, order: int) -> Polynomial | None:
@@ -80,9 +78,8 @@ def _combination(wanted: fmpq_mpoly, given: Sequence[fmpq_mpoly]) -> list[fmpq] 
 def side_signs(join: Join) -> SignResult:
     """Branch and bound for q > 0 on the far edges of the region's sides, from which q > 0 on all of them follows."""
     local = join.partition
-    edges = [_far_edge(local, side.vertices) for side in local.sides]
-    forms = rounded_forms(join.contact.clip.raw, [local.corners(edge) for edge in edges])
-    return prove_positive(forms, np.array([[to_floats(p) for p in local.corners(edge)] for edge in edges]))
+    edges = [local.corners(_far_edge(local, side.vertices)) for side in local.sides]
+    return positive_on(edges, alike(join.contact.clip.raw, edges))
 
 
 def _inside_cone(join: Join, other: Join) -> bool:
@@ -101,30 +98,26 @@ def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
     alphas = [alpha for patch in surface.patches if (alpha := cofactor(patch, join, surface.order)) is not None]
     if len(alphas) < len(surface.patches):
         return None
-    exact = [local.corners(cell) for cell in local.cells]
-    degree = max(0, *(alpha.degree for alpha in alphas))
-    owners = zip(exact, local.piece_of.tolist(), strict=True)
-    forms = np.concatenate([rounded_forms(alphas[piece].raw, [corners], degree) for corners, piece in owners])
-    zeros = rounded_forms(join.contact.clip.raw, exact)
-    return prove_positive(forms, local.points[np.array(local.cells)], zeros)
+    cells = [local.corners(cell) for cell in local.cells]
+    values = [alphas[piece].raw for piece in local.piece_of.tolist()], max(0, *(alpha.degree for alpha in alphas))
+    return positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
 
 
-def opening_verdict(surface: PiecewisePolynomial, join: Join) -> tuple[Status, str, SignResult | None]:
-    """Whether the surface meets the contact through which its region is open: a status, the reason, and what proved or
-    refuted it."""
+def opening_verdict(claim: Proposition, join: Join) -> Verdict:
+    """Whether the surface meets the contact through which its region is open."""
+    surface = claim.surface
     k = surface.order
     if any(other.opening and other is not join for other in surface.joins):
-        return Status.UNDECIDED, "the region is open through another contact as well", None
+        return claim.undecided("the region is open through another contact as well")
     for number, other in enumerate(surface.joins, start=1):
         if other is not join and not _inside_cone(join, other):
-            return Status.UNDECIDED, f"the curve of contact {number} is not proved to be inside the clip", None
+            return claim.undecided(f"the curve of contact {number} is not proved to be inside the clip")
     if side_signs(join).status is not Status.PROVED:
-        return Status.UNDECIDED, "the clip is not proved to be positive on the sides of the region", None
+        return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
-        return Status.UNDECIDED, "no point inside the clip was found in the region", None
+        return claim.undecided("no point inside the clip was found in the region")
     signs = cone_signs(surface, join)
     if signs is None:
-        return Status.UNDECIDED, f"f is not in <f_i, h_i^{k + 1}>", None
-    if signs.status is Status.PROVED:
-        return signs.status, f"in <f, h^{k + 1}> exactly, alpha > 0 where h = 0", signs
-    return signs.status, "alpha is not positive on the clip", signs
+        return claim.undecided(f"f is not in <f_i, h_i^{k + 1}>")
+    right = f"in <f, h^{k + 1}> exactly, alpha > 0 where h = 0"
+    return claim.settled(signs, "alpha is not positive on the clip", right)

@@ -38,29 +38,16 @@ from flint import fmpq_mpoly
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
-from pas.bernstein.forms import nearby_forms, on_simplex
+from pas.bernstein.forms import on_simplex
 from pas.bernstein.search import Limits
-from pas.bernstein.signs import SignResult, prove_positive
-from pas.certify.certificate import Certificate
-from pas.certify.contact_proofs import check_join, contact_verdict, from_signs, global_point
-from pas.certify.meetings import alpha_signs, meetings
+from pas.bernstein.signs import SignResult, positive_on
+from pas.certify.certificate import Certificate, Proposition
+from pas.certify.contact_proofs import contact_verdict
+from pas.certify.incidence import alpha_signs, incidences
 from pas.certify.openings import opening_verdict
 from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
-
-__all__ = [
-    "CLAIMS",
-    "Claim",
-    "certify",
-    "check_join",
-    "contact_verdict",
-    "enclosed_verdict",
-    "face_verdict",
-    "sheet_signs",
-    "sheet_verdict",
-    "wall_signs",
-]
 
 
 @dataclass(frozen=True)
@@ -89,7 +76,7 @@ def certify(surface: PiecewisePolynomial) -> Certificate:
 def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     """Exact C^k across one interior face."""
     face, k = surface.local.interior_faces[number], surface.order
-    claim = f"face {face.first + 1}|{face.second + 1} C^{k}"
+    claim = Proposition(surface, f"face {face.first + 1}|{face.second + 1} C^{k}")
     difference = surface.patches[face.second].raw - surface.patches[face.first].raw
     plane, power = face.plane.raw, 0
     while power <= k and not difference.is_zero():
@@ -99,81 +86,76 @@ def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
             point = _nonzero_point(jump, surface.local.corners(face.vertices))
             reached = "not continuous" if power == 0 else f"C^{power - 1} only"
             reason = f"{reached}: pi^{power + 1} does not divide the difference"
-            return Verdict(Status.REFUTED, claim, reason, global_point(surface, np.array(point)))
+            return claim.refuted(reason, np.array(point))
         difference, power = quotient, power + 1
-    return Verdict(Status.PROVED, claim, f"pi^{k + 1} divides the difference exactly")
+    return claim.proved(f"pi^{k + 1} divides the difference exactly")
 
 
 def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
     """Every ray from the centre meets the surface at most once, transversally."""
-    claim = "one sheet"
+    claim = Proposition(surface, "one sheet")
     if surface.partition.center is None or not surface.partition.cells:
-        return Verdict(Status.UNDECIDED, claim, "the partition has no centre to look from")
+        return claim.undecided("the partition has no centre to look from")
     if any(patch.at((0, 0, 0)) >= 0 for patch in surface.patches):
         if _unused(surface, np.zeros(3)):
-            return Verdict(Status.UNDECIDED, claim, "the centre is beyond a contact's clip")
-        point = global_point(surface, np.zeros(3))
-        return Verdict(Status.REFUTED, claim, "the centre is not inside the surface", point)
+            return claim.undecided("the centre is beyond a contact's clip")
+        return claim.refuted("the centre is not inside the surface", np.zeros(3))
     result = sheet_signs(surface)
-    if result.status is Status.PROVED:
-        reason = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
-        return Verdict(Status.PROVED, claim, reason, measure=result.examined)
-    reason = "a ray from the centre meets the surface more than once or tangentially"
-    return from_signs(surface, claim, reason, _where_used(surface, result))
+    wrong = "a ray from the centre meets the surface more than once or tangentially"
+    said = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
+    return claim.settled(_where_used(surface, result), wrong, said)
 
 
 def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     """The surface leaves the region through its contact curves only."""
-    claim = "enclosed"
+    claim = Proposition(surface, "enclosed")
     if not surface.partition.cells:
-        return Verdict(Status.UNDECIDED, claim, "there is no region")
+        return claim.undecided("there is no region")
     walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
     if surface.partition.sides and not any(join.opening for join in surface.joins):
         reached = "no contact closes the region, which is open: the inside reaches its sides"
-    if walls.status is Status.REFUTED:
-        return from_signs(surface, claim, reached, walls)
+    failed = claim.failed(walls, reached)
+    if failed is not None and failed.status is Status.REFUTED:
+        return failed
     for number, join in enumerate(surface.joins, start=1):
         if not join.confined:
             where = "passes through the region" if join.faces else "has no face of the region"
             reason = f"the clip of contact {number} {where}, so that the surface is used in a part of it only"
-            return Verdict(Status.UNDECIDED, claim, reason)
-    if walls.status is Status.UNDECIDED:
-        return from_signs(surface, claim, reached, walls)
+            return claim.undecided(reason)
+    if failed is not None:
+        return failed
     examined = walls.examined
     for number, join in enumerate(surface.joins, start=1):
         if join.opening:
-            status, reason, _ = opening_verdict(surface, join)
-            if status is not Status.PROVED:
-                return Verdict(Status.UNDECIDED, claim, f"contact {number}: {reason}")
+            found = opening_verdict(claim, join)
+            if not found.proved:
+                return claim.undecided(f"contact {number}: {found.reason}")
             continue
-        if any(meeting.division.order < 0 for meeting in meetings(surface, join, 0)):
-            return Verdict(Status.UNDECIDED, claim, f"contact {number} is not met on its clip face")
+        if any(met.division.order < 0 for met in incidences(surface, join, 0)):
+            return claim.undecided(f"contact {number} is not met on its clip face")
         result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
-        if result.status is not Status.PROVED:
-            return from_signs(surface, claim, f"alpha is not positive on the clip face of contact {number}", result)
+        failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
+        if failed is not None:
+            return failed
         examined += result.examined
-    reason = f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles"
-    return Verdict(Status.PROVED, claim, reason, measure=examined)
+    return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
 
 
 def sheet_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
     local, degree = surface.local, surface.degree
-    exact = [local.corners(cell) for cell in local.cells]
-    corners = local.points[np.array(local.cells)]
+    cells = [local.corners(cell) for cell in local.cells]
     radial = [_radial_derivative(patch) for patch in surface.patches]
-    zero, off = nearby_forms([surface.patches[piece].raw for piece in local.piece_of], exact, degree)
-    value, error = nearby_forms([radial[piece] for piece in local.piece_of], exact, degree)
-    return prove_positive(value, corners, zero, limits, max(off, error))
+    values = [radial[piece] for piece in local.piece_of], degree
+    zeros = [surface.patches[piece].raw for piece in local.piece_of], degree
+    return positive_on(cells, values, [zeros], near=True, limits=limits)
 
 
 def wall_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
     """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
-    local = surface.local
-    exact = [local.corners(face.vertices) for face in surface.walls]
-    forms, error = nearby_forms([surface.patches[face.piece].raw for face in surface.walls], exact, surface.degree)
-    corners = np.array([local.points[list(face.vertices)] for face in surface.walls])
-    return prove_positive(forms, corners, limits=limits, error=error)
+    faces = [surface.local.corners(face.vertices) for face in surface.walls]
+    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
+    return positive_on(faces, values, near=True, limits=limits)
 
 
 def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:

@@ -76,17 +76,6 @@ class TriangleForms:
             compiled().call("pas_slopes", *given, least[here], sizes[here])
         return least, np.sqrt(sizes)
 
-    def jets(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values (N,) and gradients (3, N) at points (N, 3)."""
-        places, values, gradients = (
-            np.ascontiguousarray(points.T),
-            np.empty((1, len(points))),
-            np.empty((3, len(points))),
-        )
-        horner(self._value, self.degree, places, values)
-        horner(self._gradient, self.degree - 1, places, gradients)
-        return values[0], gradients
-
     def bend(self, reach: Floats) -> float:
         """A bound of second derivatives along unit vectors where the coordinates' sizes are up to `reach` (3,)."""
         sizes, total = np.abs(self._value[0]), 0.0

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from pas.cli.arguments import settings_of
-from pas.cli.common import DONE, FAILED, Outcome, problem_file, project_file
+from pas.cli.common import DONE, FAILED, CommandResult, problem_file, project_file, settings_of
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from pas.exchange.corner_problem import CornerProblem
 
 
-def run_solve(options: argparse.Namespace) -> Outcome:
+def run_solve(options: argparse.Namespace) -> CommandResult:
     """`pas solve`."""
     from pas.exchange.problem import read_problem
     from pas.pipeline.report import report
@@ -33,10 +32,10 @@ def run_solve(options: argparse.Namespace) -> Outcome:
         method=options.method,
         regular=options.regular,
     )
-    return Outcome(report(space, options.form, module=options.generators), {})
+    return CommandResult(report(space, options.form, module=options.generators), {})
 
 
-def run_check(options: argparse.Namespace) -> Outcome:
+def run_check(options: argparse.Namespace) -> CommandResult:
     """`pas check`."""
     from pas.kinds.files import load
 
@@ -51,7 +50,7 @@ def run_check(options: argparse.Namespace) -> Outcome:
     return _judged(text, certificate.counts, certificate.verdicts, certificate.proved, certificate.holds, start)
 
 
-def _check_independently(options: argparse.Namespace) -> Outcome:
+def _check_independently(options: argparse.Namespace) -> CommandResult:
     from pas.independent.checker import check_independently
 
     start = time.perf_counter()
@@ -61,7 +60,7 @@ def _check_independently(options: argparse.Namespace) -> Outcome:
     return _judged("\n".join(map(str, findings)), counts, findings, proved, proved, start)
 
 
-def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, start: float) -> Outcome:
+def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, start: float) -> CommandResult:
     seconds = time.perf_counter() - start
     record = {
         "proved": proved,
@@ -69,10 +68,10 @@ def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, st
         "seconds": round(seconds, 3),
         "verdicts": [verdict.to_record() for verdict in verdicts],
     }
-    return Outcome(f"{text}\n\n{counts}, in {seconds:.2f} s", record, DONE if holds else FAILED)
+    return CommandResult(f"{text}\n\n{counts}, in {seconds:.2f} s", record, DONE if holds else FAILED)
 
 
-def run_mesh(options: argparse.Namespace) -> Outcome:
+def run_mesh(options: argparse.Namespace) -> CommandResult:
     """`pas mesh`."""
     from pas.exchange.files import target
     from pas.exchange.formats import suffixes_of
@@ -89,10 +88,10 @@ def run_mesh(options: argparse.Namespace) -> Outcome:
         check_open(options.output)
     whole = kind.parts is None
     path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings)
-    return Outcome(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
+    return CommandResult(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
 
 
-def run_render(options: argparse.Namespace) -> Outcome:
+def run_render(options: argparse.Namespace) -> CommandResult:
     """`pas render`."""
     from pas.exchange.picture_options import Picture
     from pas.kinds.files import load
@@ -105,17 +104,17 @@ def run_render(options: argparse.Namespace) -> Outcome:
     if options.curvature is not None and not coloring.curved:
         raise ValueError(f"--curvature shows mean, gauss, max or min, not {coloring.name}; draw it with --style")
     path = draw(load(project_file(options.project)), options.output, **given(picture))
-    return Outcome(str(path), {"written": [str(path)]})
+    return CommandResult(str(path), {"written": [str(path)]})
 
 
-def run_write(options: argparse.Namespace) -> Outcome:
+def run_write(options: argparse.Namespace) -> CommandResult:
     """`pas write`."""
     from pas.kinds.files import load
 
     return _written(load(project_file(options.project)), options)
 
 
-def run_convert(options: argparse.Namespace) -> Outcome:
+def run_convert(options: argparse.Namespace) -> CommandResult:
     """`pas convert`: `pas write` of the body, where the kind of shape has one."""
     from pas.kinds.files import load
     from pas.shape import kind_of
@@ -129,25 +128,25 @@ def run_convert(options: argparse.Namespace) -> Outcome:
     return _written(shape, options)
 
 
-def run_studio(options: argparse.Namespace) -> Outcome:
+def run_studio(options: argparse.Namespace) -> CommandResult:
     """`pas studio`: until it is interrupted."""
     from pas.exchange.files import source
     from pas.studio.server import serve
 
     file = None if options.file is None else source(options.file)
     serve(file, options.port, lambda line: print(line, flush=True), browser=not options.no_browser)
-    return Outcome("the studio has ended", {"ended": True})
+    return CommandResult("the studio has ended", {"ended": True})
 
 
-def _written(shape: Any, options: argparse.Namespace) -> Outcome:
+def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.write import write_as
 
     mesh = settings_of(MeshSettings, options)
     path = write_as(shape, options.output, mesh, unit=options.unit or "millimeter", sew=options.sew)
-    return Outcome(str(path), {"written": [str(path)]})
+    return CommandResult(str(path), {"written": [str(path)]})
 
 
-def run_bench(options: argparse.Namespace) -> Outcome:
+def run_bench(options: argparse.Namespace) -> CommandResult:
     """Measure, compare with the last run, keep it, and write a page where that is asked for."""
     from pas.bench.run import default_history, run
     from pas.exchange.files import check_place, replacing
@@ -160,7 +159,7 @@ def run_bench(options: argparse.Namespace) -> Outcome:
     if page is not None:
         with replacing(page) as path:
             path.write_text(report.page() + "\n", encoding="utf-8")
-    return Outcome(str(report), report.record())
+    return CommandResult(str(report), report.record())
 
 
 def size_of(mesh: Any) -> str:

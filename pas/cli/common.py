@@ -1,19 +1,22 @@
-"""What the commands share: exit codes, what they come to, progress, checks of arguments."""
+"""What the commands share: exit codes, what they come to, progress, settings as arguments, names of files, versions."""
 
 from __future__ import annotations
 
+import argparse
 import platform
 import sys
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pas._version import __version__
 from pas.exchange.files import check_folder, source
 from pas.exchange.formats import FORMATS
 from pas.limits import note, stage_line
+from pas.settings import options
 
 EXIT_CODES = """\
 Exit codes: 0 done; 1 what could not be done or proved; 2 what the user got wrong; 130 interrupted.
@@ -29,7 +32,7 @@ INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CommandResult:
     """What a command came to: the text that it prints, the same as a record for `--json`, and the exit code."""
 
     text: str
@@ -50,6 +53,28 @@ class Clock:
         self.seconds[stage] = round(now - self.last, 3)
         note(stage_line(f"{stage}{detail}", now - self.last))
         self.last = now
+
+
+Settings = TypeVar("Settings")
+
+
+def add_settings(
+    parser: argparse._ActionsContainer, settings: type[Any], usual: str = "", leave: Iterable[str] = ()
+) -> None:
+    """An argument for each option of a class of settings, but those to leave out; `usual` stands in help texts."""
+    for one in options(settings, "command", leave):
+        name, about = f"--{one.name.replace('_', '-')}", one.metadata
+        text = about["text"].format(usual=usual)
+        if about["kind"] is bool:
+            parser.add_argument(name, action="store_true", default=None, help=text)
+        else:
+            parser.add_argument(name, type=about["kind"], metavar=about["metavar"], help=text)
+
+
+def settings_of(settings: type[Settings], arguments: argparse.Namespace) -> Settings:
+    """The settings that arguments give; what was not given is as usual."""
+    values = {one.name: getattr(arguments, one.name, None) for one in options(settings, "command")}
+    return settings(**{name: value for name, value in values.items() if value is not None})
 
 
 def output_folder(name: str) -> Path:

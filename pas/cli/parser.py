@@ -1,66 +1,126 @@
-"""The arguments of the commands."""
+"""The arguments of the commands: a table of commands, and a parser that guesses what was meant."""
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import fields
-from typing import TYPE_CHECKING
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, NoReturn
 
 from pas.cli import commands, problems
-from pas.cli.arguments import Parser, add_settings
-from pas.cli.common import EXIT_CODES
+from pas.cli.common import EXIT_CODES, CommandResult, add_settings
+from pas.errors import meant
 from pas.exchange.formats import Request
 from pas.exchange.picture_options import Picture
 from pas.settings import MeshSettings
 
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction["Parser"]
+Add = Callable[[argparse.ArgumentParser], object]
+"""Adds an argument, or several, to the parser of a command."""
 
 
-def parser() -> argparse.ArgumentParser:
-    """The reader of all arguments."""
-    result = Parser(
-        prog="pas",
-        description="Smooth transitions between algebraic surfaces, with a proof.",
-        epilog=f"`pas COMMAND --help` tells more of a command.\n\n{EXIT_CODES}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
-    result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
-    result.set_defaults(command=None, debug=False, json=False, seconds=None)
-    added = result.add_subparsers(title="commands", metavar="COMMAND")
-    _blend_parser(added)
-    _parametric_parser(added)
-    _solve_parser(added)
-    _check_parser(added)
-    _mesh_parser(added)
-    _render_parser(added)
-    _write_parser(added)
-    _convert_parser(added)
-    _teapot_parser(added)
-    _studio_parser(added)
-    _bench_parser(added)
-    return result
+@dataclass(frozen=True)
+class Command:
+    """A command: what runs it, what it does in a line, its arguments, and more text below them."""
+
+    name: str
+    run: Callable[[argparse.Namespace], CommandResult]
+    text: str
+    arguments: tuple[Add, ...]
+    more: str = ""
+
+    def add_to(self, commands: Any) -> None:
+        """Make its parser, one of several."""
+        parser = commands.add_parser(
+            self.name, help=self.text, description=f"{self.text[0].upper()}{self.text[1:]}.", epilog=self.more,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )  # fmt: skip
+        parser.set_defaults(command=self.name, run=self.run)
+        parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+        if self.name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
+            parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
+        if self.name != "studio":  # which runs until it is interrupted
+            parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
+        for add in self.arguments:
+            add(parser)
 
 
-def _command(added: Commands, name: str, text: str, more: str = "") -> argparse.ArgumentParser:
-    parser = added.add_parser(
-        name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=more,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
-    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    if name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
-        parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
-    if name != "studio":  # which runs until it is interrupted
-        parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
-    return parser
+def flag(name: str, text: str) -> Add:
+    """An argument that is there or not."""
+    return lambda parser: parser.add_argument(name, action="store_true", help=text)
 
 
-def _blend_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+def value(names: str, metavar: str, text: str, kind: Callable[[str], Any] = str, **more: Any) -> Add:
+    """An argument with a value; `names` are one or several, apart by spaces."""
+    return lambda parser: parser.add_argument(*names.split(), type=kind, metavar=metavar, help=text, **more)
+
+
+def settings(kind: type[Any], usual: str = "") -> Add:
+    """The options of a class of settings."""
+    return lambda parser: add_settings(parser, kind, usual)
+
+
+def project(text: str = "a project file") -> Add:
+    """The file that a command reads."""
+    return value("project", "FILE.pas.json", text)
+
+
+def _degree(text: str) -> int | str:
+    """A number, or the word for the lowest."""
+    if text == "lowest":
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number or lowest, not {text!r}") from None
+
+
+def _forms(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_mutually_exclusive_group()
+    for name in ("json", "latex", "sympy"):
+        group.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
+    parser.set_defaults(form="text")
+
+
+def _styles(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_mutually_exclusive_group()
+    for name, text in (
+        ("zebra", "isophotes, which show the order of continuity"),
+        ("highlights", "highlight lines, reflections of parallel lights, which show small dents"),
+    ):
+        group.add_argument(f"--{name}", action="store_const", const=name, dest="style", help=text)
+    text = "colours by curvature: mean (default), gauss, or a principal one, max or min"
+    group.add_argument("--curvature", nargs="?", const="mean", metavar="WHICH", help=text)
+    add_settings(group, Picture, leave=[f.name for f in fields(Picture) if f.name != "style"])
+    add_settings(parser, Picture, "finer than a picture shows", ["style"])
+
+
+FOLDER = value("-o --output", "DIR", "folder to write to (default: here)", default=".")
+PROBLEM = (
+    value("problem", "PROBLEM.toml", "the problem file, of whatever kind"),
+    FOLDER,
+    value("--order", "K", "contact of order K, instead of the file's", int),
+    value(
+        "--degree", "N",
+        "this degree only, or lowest for the lowest that is proved, instead of the lowest that is fair", _degree,
+    ),
+    value("--tension", "T", "of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's"),
+    settings(MeshSettings, "the file's, or 0.001 of the size"),
+    flag("--no-picture", "do not draw NAME.png"),
+)  # fmt: skip
+OUTPUT = (
+    value("output", "OUT", "the file to write; its suffix says the format"),
+    settings(Request),
+    settings(MeshSettings, "0.001 of the size"),
+)
+
+COMMANDS = (
+    Command(
         "blend",
+        problems.run_problem,
         "find, prove, mesh and draw the blend of a problem file",
+        PROBLEM,
         "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
         "A problem file is TOML:\n\n"
         "  order = 2            # the k of GC^k\n\n"
@@ -68,15 +128,12 @@ def _blend_parser(added: Commands) -> None:
         '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
         "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
-    )
-    _problem_arguments(parser, "blend")
-
-
-def _parametric_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+    ),
+    Command(
         "parametric",
+        problems.run_problem,
         "find, prove, mesh and draw the parametric blend of a problem file",
+        PROBLEM,
         "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
         "A problem file is TOML:\n\n"
         '  order = 2\n  method = "hermite"   # or "weighted", with balance, normalized, exponent\n\n'
@@ -94,169 +151,155 @@ def _parametric_parser(added: Commands) -> None:
         "  l1 = 1\n  l2 = { low = 0.5, high = 1 }\n\n"
         "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
         "Also: align, unit, tolerance, prove, [picture].",
-    )
-    _problem_arguments(parser, "parametric")
-
-
-def _problem_arguments(parser: argparse.ArgumentParser, command: str) -> None:
-    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file, of whatever kind")
-    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
-    parser.add_argument("--order", type=int, metavar="K", help="contact of order K, instead of the file's")
-    parser.add_argument(
-        "--degree",
-        type=_degree,
-        metavar="N",
-        help="this degree only, or lowest for the lowest that is proved, instead of the lowest that is fair",
-    )
-    parser.add_argument(
-        "--tension",
-        metavar="T",
-        help="of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's",
-    )
-    add_settings(parser, MeshSettings, "the file's, or 0.001 of the size")
-    parser.add_argument("--no-picture", action="store_true", help="do not draw NAME.png")
-    parser.set_defaults(command=command, run=problems.run_problem)
-
-
-def _degree(text: str) -> int | str:
-    """A number, or the word for the lowest."""
-    if text == "lowest":
-        return text
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a whole number or lowest, not {text!r}") from None
-
-
-def _solve_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+    ),
+    Command(
         "solve",
+        commands.run_solve,
         "find all surfaces of a degree that meet the contacts of a problem file",
+        (
+            value("problem", "PROBLEM.toml", "the problem file"),
+            value("--order", "K", "GC^K, instead of the file's order", int),
+            value("--degree", "N", "this degree, instead of the lowest with solutions", int),
+            value("--method", "METHOD", "linear, syzygy, normal-form or intersection", default="linear"),
+            flag("--regular", "the lowest degree with regular solutions"),
+            flag("--generators", "of several pieces: the generators of the module too"),
+            _forms,
+        ),
         "Prints degree, dimension, a basis, the generators of all solutions, and which of them are\n"
         "singular along a contact.  The file is one of `pas blend`; for a single polynomial it has\n\n"
         '  [partition]\n  kind = "single cell"',
-    )
-    parser.add_argument("problem", metavar="PROBLEM.toml", help="the problem file")
-    parser.add_argument("--order", type=int, metavar="K", help="GC^K, instead of the file's order")
-    parser.add_argument("--degree", type=int, metavar="N", help="this degree, instead of the lowest with solutions")
-    parser.add_argument("--method", default="linear", help="linear, syzygy, normal-form or intersection")
-    parser.add_argument("--regular", action="store_true", help="the lowest degree with regular solutions")
-    parser.add_argument("--generators", action="store_true", help="of several pieces: the generators of the module too")
-    form = parser.add_mutually_exclusive_group()
-    for name in ("json", "latex", "sympy"):
-        form.add_argument(f"--{name}", action="store_const", const=name, dest="form", help=f"print {name}")
-    parser.set_defaults(command="solve", run=commands.run_solve, form="text")
-
-
-def _check_parser(added: Commands) -> None:
-    parser = _command(added, "check", "prove everything again from a project file alone")
-    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
-    parser.add_argument(
-        "--edited", action="store_true", help="accept a file changed by hand, and prove what it says now"
-    )
-    parser.add_argument(
-        "--independent", action="store_true", help="prove a blend by the second checker, in exact arithmetic alone"
-    )
-    parser.set_defaults(command="check", run=commands.run_check)
-
-
-def _mesh_parser(added: Commands) -> None:
-    parser = _command(added, "mesh", "write the surface or solid of a project file as a triangle mesh")
-    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="OUT",
-        required=True,
-        help="a file of triangles; its suffix, such as .stl, says the format",
-    )
-    add_settings(parser, MeshSettings, "0.001 of the longest side")
-    parser.set_defaults(command="mesh", run=commands.run_mesh)
-
-
-def _render_parser(added: Commands) -> None:
-    parser = _command(added, "render", "draw the surface of a project file")
-    parser.add_argument("project", metavar="FILE.pas.json", help="a project file")
-    parser.add_argument("-o", "--output", metavar="OUT.png", required=True, help="the picture")
-    style = parser.add_mutually_exclusive_group()
-    for name, text in (
-        ("zebra", "isophotes, which show the order of continuity"),
-        ("highlights", "highlight lines, reflections of parallel lights, which show small dents"),
-    ):
-        style.add_argument(f"--{name}", action="store_const", const=name, dest="style", help=text)
-    style.add_argument(
-        "--curvature", nargs="?", const="mean", metavar="WHICH",
-        help="colours by curvature: mean (default), gauss, or a principal one, max or min",
-    )  # fmt: skip
-    add_settings(style, Picture, leave=[f.name for f in fields(Picture) if f.name != "style"])
-    add_settings(parser, Picture, "finer than a picture shows", ["style"])
-    parser.set_defaults(command="render", run=commands.run_render)
-
-
-def _write_parser(added: Commands) -> None:
-    parser = _command(added, "write", "write the shape of a project file for other programs")
-    parser.add_argument("project", metavar="FILE.pas.json", help="a project file of any kind")
-    _output_arguments(parser)
-    parser.set_defaults(command="write", run=commands.run_write)
-
-
-def _output_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("output", metavar="OUT", help="the file to write; its suffix says the format")
-    add_settings(parser, Request)
-    add_settings(parser, MeshSettings, "0.001 of the size")
-
-
-def _convert_parser(added: Commands) -> None:
-    parser = _command(added, "convert", "write the body of a project file for other programs")
-    parser.add_argument(
-        "project", metavar="FILE.pas.json", help="a project file; a blend is made solid, with its neighbours"
-    )
-    parser.add_argument("--length", metavar="L", help="of a blend: how far its neighbours go on before their caps")
-    _output_arguments(parser)
-    parser.set_defaults(command="convert", run=commands.run_convert)
-
-
-def _teapot_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+    ),
+    Command(
+        "check",
+        commands.run_check,
+        "prove everything again from a project file alone",
+        (
+            project(),
+            flag("--edited", "accept a file changed by hand, and prove what it says now"),
+            flag("--independent", "prove a blend by the second checker, in exact arithmetic alone"),
+        ),
+    ),
+    Command(
+        "mesh",
+        commands.run_mesh,
+        "write the surface or solid of a project file as a triangle mesh",
+        (
+            project(),
+            value(
+                "-o --output", "OUT", "a file of triangles; its suffix, such as .stl, says the format", required=True
+            ),
+            settings(MeshSettings, "0.001 of the longest side"),
+        ),
+    ),
+    Command(
+        "render",
+        commands.run_render,
+        "draw the surface of a project file",
+        (project(), value("-o --output", "OUT.png", "the picture", required=True), _styles),
+    ),
+    Command(
+        "write",
+        commands.run_write,
+        "write the shape of a project file for other programs",
+        (project("a project file of any kind"), *OUTPUT),
+    ),
+    Command(
+        "convert",
+        commands.run_convert,
+        "write the body of a project file for other programs",
+        (
+            project("a project file; a blend is made solid, with its neighbours"),
+            value("--length", "L", "of a blend: how far its neighbours go on before their caps"),
+            *OUTPUT,
+        ),
+    ),
+    Command(
         "teapot",
+        problems.run_teapot,
         "build, prove, mesh and draw the teapot",
+        (
+            value("--style", "STYLE", "better (12 patches, all joined) or paper (8 patches)", default="better"),
+            FOLDER,
+            value("--lid-height", "Z", "height of the knob's top", default="7/5"),
+            value("--spout-tilt", "T", "how far the spout leans outwards", default="0"),
+            value("--handle-size", "S", "factor of the handle's size", default="1"),
+            settings(MeshSettings, "0.001"),
+        ),
         "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
-    )
-    parser.add_argument("--style", default="better", help="better (12 patches, all joined) or paper (8 patches)")
-    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="folder to write to (default: here)")
-    parser.add_argument("--lid-height", default="7/5", metavar="Z", help="height of the knob's top")
-    parser.add_argument("--spout-tilt", default="0", metavar="T", help="how far the spout leans outwards")
-    parser.add_argument("--handle-size", default="1", metavar="S", help="factor of the handle's size")
-    add_settings(parser, MeshSettings, "0.001")
-    parser.set_defaults(command="teapot", run=problems.run_teapot)
-
-
-def _studio_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+    ),
+    Command(
         "studio",
+        commands.run_studio,
         "drag a shape in the browser, and see it with its curvature and its proof",
+        (
+            value("file", "FILE", "a problem file (.toml) or a project (.pas.json)", nargs="?"),
+            value("--port", "N", "the port to listen on (default: a free one)", int, default=0),
+            flag("--no-browser", "do not open the page"),
+        ),
         "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
         "Without a file it shows a gallery of starting points.  A file that changes is read again.",
-    )
-    parser.add_argument("file", metavar="FILE", nargs="?", help="a problem file (.toml) or a project (.pas.json)")
-    parser.add_argument("--port", type=int, default=0, metavar="N", help="the port to listen on (default: a free one)")
-    parser.add_argument("--no-browser", action="store_true", help="do not open the page")
-    parser.set_defaults(command="studio", run=commands.run_studio)
-
-
-def _bench_parser(added: Commands) -> None:
-    parser = _command(
-        added,
+    ),
+    Command(
         "bench",
+        commands.run_bench,
         "measure speed, beside other programs where these are installed",
+        (
+            value("--suite", "NAME", "this suite; may be repeated", action="append", default=[]),
+            flag("--quick", "each once, to see that it runs; not kept"),
+            value("--history", "FILE", "where runs are kept, instead of the user's folder for state"),
+            value("--readme", "FILE", "write the results as a page (Markdown), too"),
+        ),
         "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
         "Suites: algebra, fit, eval, mesh, blend, node, parametric, solid; all of them take some minutes.",
+    ),
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """A reader of arguments that guesses what a misspelt command or option was meant to be."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong on stderr and end with exit code 2."""
+        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if wrong:
+            message = f"there is no command {wrong[1]!r}" + (
+                meant(wrong[1], re.findall(r"[\w-]+", wrong[2])) or f"; there are {wrong[2]}"
+            )
+        option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
+        if option:
+            message += meant(option[1], self.options)
+        super().error(message)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As usual, but a project file after --curvature, whose word may be left out, is not its word."""
+        words = list(sys.argv[1:] if args is None else args)
+        for place, word in enumerate(words[:-1]):
+            if word == "--curvature" and words[place + 1].endswith(".json"):
+                words[place] = "--curvature=mean"
+        return super().parse_known_args(words, namespace)
+
+    @property
+    def options(self) -> list[str]:
+        """All long options, those of commands included."""
+        found = list(self._option_string_actions)
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                found += [o for command in action.choices.values() for o in command._option_string_actions]
+        return [o for o in dict.fromkeys(found) if o.startswith("--")]
+
+
+def parser() -> argparse.ArgumentParser:
+    """The reader of all arguments."""
+    result = Parser(
+        prog="pas",
+        description="Smooth transitions between algebraic surfaces, with a proof.",
+        epilog=f"`pas COMMAND --help` tells more of a command.\n\n{EXIT_CODES}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--suite", action="append", default=[], metavar="NAME", help="this suite; may be repeated")
-    parser.add_argument("--quick", action="store_true", help="each once, to see that it runs; not kept")
-    parser.add_argument("--history", metavar="FILE", help="where runs are kept, instead of the user's folder for state")
-    parser.add_argument("--readme", metavar="FILE", help="write the results as a page (Markdown), too")
-    parser.set_defaults(command="bench", run=commands.run_bench)
+    result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
+    result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
+    result.set_defaults(command=None, debug=False, json=False, seconds=None)
+    added = result.add_subparsers(title="commands", metavar="COMMAND")
+    for command in COMMANDS:
+        command.add_to(added)
+    return result

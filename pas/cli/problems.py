@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pas.cli.arguments import settings_of
 from pas.cli.commands import size_of, size_record
-from pas.cli.common import DONE, FAILED, Clock, Outcome, output_folder, problem_file
+from pas.cli.common import DONE, FAILED, Clock, CommandResult, output_folder, problem_file, settings_of
 from pas.errors import MissingLibraryError
 from pas.settings import MeshSettings, given
 
@@ -18,7 +17,7 @@ TEAPOT_TOLERANCE = 0.001
 """Of the teapot's mesh, which is about 5 units long."""
 
 
-def run_problem(options: argparse.Namespace) -> Outcome:
+def run_problem(options: argparse.Namespace) -> CommandResult:
     """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
     from pas.exchange.files import together
     from pas.exchange.problem import read_problem
@@ -57,10 +56,10 @@ def run_problem(options: argparse.Namespace) -> Outcome:
         "holds": certificate.holds,
         "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
     }
-    return Outcome("\n".join([*lines, *(f"  {name}" for name in files)]), record, DONE if done else FAILED)
+    return CommandResult("\n".join([*lines, *(f"  {name}" for name in files)]), record, DONE if done else FAILED)
 
 
-def run_teapot(options: argparse.Namespace) -> Outcome:
+def run_teapot(options: argparse.Namespace) -> CommandResult:
     """`pas teapot`."""
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
@@ -84,7 +83,7 @@ def run_teapot(options: argparse.Namespace) -> Outcome:
     files = [str(folder / path.name) for path in written]
     record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}
     text = "\n".join([text, "", "written:", *(f"  {name}" for name in files)])
-    return Outcome(text, record, DONE if pot.certificate.holds else FAILED)
+    return CommandResult(text, record, DONE if pot.certificate.holds else FAILED)
 
 
 def clock_line(clock: Clock) -> str:

@@ -51,7 +51,7 @@ class Endless(Axial):
         return super().ending if self.ends else "clipped where there is room"
 
     def clipped(self, clip: Exact) -> Self:
-        """The same surface, ended at `point + clip * axis`."""
+        """The contact ended at `point + clip * axis`."""
         return replace(self, **self._changes(rational(clip, "clip")))  # type: ignore[type-var]  # all are dataclasses
 
     def width(self, clip: float) -> float:

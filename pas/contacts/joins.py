@@ -19,8 +19,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
-from pas.bernstein.forms import rounded_forms
-from pas.bernstein.signs import SignResult, prove_apart
+from pas.bernstein.signs import SignResult, apart_on
 from pas.contacts.cones import first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -110,7 +109,7 @@ class Join:
         where = [(self.rest, self.partition.cells)] if self.rest.degree > 0 else []
         where += [(plane.plane, cells) for plane in self.planes if (cells := self._cut_by(plane))]
         results = (self._apart(polynomial, cells) for polynomial, cells in where)
-        nothing = prove_apart((), np.empty((0, 4, 3)))
+        nothing = apart_on((), ())
         return next((result for result in results if result.status is not Status.PROVED), nothing)
 
     @property
@@ -126,8 +125,7 @@ class Join:
     def _apart(self, polynomial: Polynomial, simplices: Sequence[Indices]) -> SignResult:
         """The proof that a polynomial and the surface have no common zero on simplices."""
         exact = [self.partition.corners(s) for s in simplices]
-        zeros = [rounded_forms(p.raw, exact) for p in (self.contact.surface, polynomial)]
-        return prove_apart(zeros, self.partition.points[np.array(simplices).reshape(len(simplices), -1)])
+        return apart_on(exact, (self.contact.surface.raw, polynomial.raw))
 
     def _cut_by(self, plane: ClipPlane) -> tuple[Indices, ...]:
         """The cells that a clip plane meets elsewhere than in a clip face (none in a convex region)."""

@@ -124,7 +124,7 @@ def outlook(surface: Polynomial, rim: Rim, center: VectorLike) -> tuple[float, F
 
 
 @dataclass(frozen=True)
-class Chart:
+class PlaneChart:
     """Exact coordinates (s, t) in a plane: `origin + s first + t second`, the two vectors across one another."""
 
     normal: Vector
@@ -133,7 +133,7 @@ class Chart:
     second: Vector
 
     @classmethod
-    def of(cls, plane: Polynomial) -> Chart:
+    def of(cls, plane: Polynomial) -> PlaneChart:
         """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
         slope = Scaled.of([plane - plane.at((0, 0, 0))])
         x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
@@ -178,7 +178,7 @@ def rim_of(surface: Polynomial, clip: Polynomial, near: VectorLike | None = None
             f"{words} in a curve that is in no plane; a rim needs a clip, or a surface, that is a plane"
         )
     plane, other = (clip, surface) if clip.degree == 1 else (-surface, clip)
-    chart = Chart.of(plane)
+    chart = PlaneChart.of(plane)
     restricted = chart.restricted(other)
     found: list[Rim] = []
     branches = set[str]()
@@ -206,7 +206,7 @@ def _chosen(found: list[Rim], near: VectorLike | None, words: str) -> Rim:
     return found[0]
 
 
-def _closed(factor: Polynomial, chart: Chart) -> tuple[list[Rim], str]:
+def _closed(factor: Polynomial, chart: PlaneChart) -> tuple[list[Rim], str]:
     """The closed curves of an irreducible plane curve, and in words what else it has."""
     if factor.degree == 1:
         return [], "a curve that is not closed"
@@ -220,7 +220,7 @@ def _closed(factor: Polynomial, chart: Chart) -> tuple[list[Rim], str]:
     return rims, "a curve that is not closed" if opened or _met(factor) else "no real point"
 
 
-def _conic(factor: Polynomial, chart: Chart) -> tuple[list[Rim], str]:
+def _conic(factor: Polynomial, chart: PlaneChart) -> tuple[list[Rim], str]:
     """The rim that is an ellipse `a s^2 + 2 b s t + c t^2 = k` around its centre, or in words what it is instead."""
     a, b, c = (factor.diff(i).diff(j).raw(0, 0, 0) / 2 for i, j in ((0, 0), (0, 1), (1, 1)))
     d, e = (factor.diff(i).raw(0, 0, 0) / 2 for i in (0, 1))
@@ -236,7 +236,7 @@ def _conic(factor: Polynomial, chart: Chart) -> tuple[list[Rim], str]:
     return [Rim(center, chart.normal, Ellipse(np.array(to_floats(center)), semiaxes))], ""
 
 
-def _semiaxes(form: tuple[fmpq, fmpq, fmpq], chart: Chart) -> tuple[Floats, Floats]:
+def _semiaxes(form: tuple[fmpq, fmpq, fmpq], chart: PlaneChart) -> tuple[Floats, Floats]:
     """The semi-axes of `a s^2 + 2 b s t + c t^2 = 1`, the longer one first, counterclockwise.
 
     Of the form in unit vectors the difference of the diagonal, the product of the rest and the determinant are
@@ -256,7 +256,7 @@ def _semiaxes(form: tuple[fmpq, fmpq, fmpq], chart: Chart) -> tuple[Floats, Floa
     return longer / sqrt(small), shorter / sqrt(large)
 
 
-def _strips(factor: Polynomial, chart: Chart) -> list[Strip]:
+def _strips(factor: Polynomial, chart: PlaneChart) -> list[Strip]:
     """The strips of two directions with the regular points at which these are stationary along a curve that is no line.
 
     None where there are no such points, and so no ovals.
@@ -273,7 +273,7 @@ def _strips(factor: Polynomial, chart: Chart) -> list[Strip]:
     return strips
 
 
-def _place(zero: RealZero, chart: Chart) -> Floats:
+def _place(zero: RealZero, chart: PlaneChart) -> Floats:
     s, t, _ = map(exact, zero.point)
     return np.array(to_floats(chart.point(s, t)))
 
@@ -284,7 +284,7 @@ def _met(factor: Polynomial) -> bool:
     return any(real_zeros(Ideal(factor, line, Polynomial("z"))) for line in lines)
 
 
-def _rounded(point: Floats, polygon: Floats, chart: Chart) -> Vector:
+def _rounded(point: Floats, polygon: Floats, chart: PlaneChart) -> Vector:
     """An exact point of the plane near one in doubles."""
     away = point - np.array(to_floats(chart.origin))
     size = float(np.ptp(polygon, axis=0).max())
@@ -296,7 +296,7 @@ def _rounded(point: Floats, polygon: Floats, chart: Chart) -> Vector:
     return chart.point(*coordinates)
 
 
-def _check_regular(restricted: Polynomial, chart: Chart, rim: Rim, words: str) -> None:
+def _check_regular(restricted: Polynomial, chart: PlaneChart, rim: Rim, words: str) -> None:
     """That no singular point of the whole plane curve, as where two of its components cross, is on a rim."""
     if restricted.degree < 3:
         return

@@ -11,10 +11,9 @@ of a class of his own with the same methods.
 
 from pas.designs.body import Body
 from pas.designs.exact import points
-from pas.designs.handle import Handle
+from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper import PaperHandle, PaperSpout
-from pas.designs.spout import Spout
+from pas.designs.spout import PaperSpout, Spout
 from pas.designs.teapot import STYLES, Teapot, teapot
 
 __all__ = ["STYLES", "Body", "Handle", "Lid", "PaperHandle", "PaperSpout", "Spout", "Teapot", "points", "teapot"]

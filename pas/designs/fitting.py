@@ -17,15 +17,6 @@ from pas.pipeline.space import SolutionSpace, solutions
 
 Contacts = Sequence[tuple[Polynomial, Polynomial]]
 
-DIGITS = 9
-"""Kept of fitted coefficients: any member with rational coefficients keeps its joints."""
-
-DEPTH = 20
-"""How far below 0 a cubic is at the points that must be inside."""
-
-FAIRNESS = Fraction(1, 2000)
-"""Weight of the thin-plate energy beside the squared values at the points."""
-
 PART_BOX = Box((Fraction(6, 5), Fraction(-3, 10), Fraction(-3, 5)), (3, Fraction(3, 10), Fraction(11, 10)))
 """Where the energy is taken."""
 
@@ -41,11 +32,11 @@ def continued(
 ) -> Polynomial:
     """The cubic that meets the contacts, is -1 at the centre and least in squares at the given points.
 
-    At points `inside` it is below 0 by `DEPTH`.  The thin-plate energy has a small part in what is minimised.
+    At points `inside` it is below 0 by 20.  The thin-plate energy has a small part, 1/2000, in what is minimised.
     """
     space = even(contacts, order, 3)
     best = space.optimum(
-        ThinPlate(PART_BOX, weight=rational(FAIRNESS)), near=points, near_weight=1, inside=inside, margin=DEPTH,
+        ThinPlate(PART_BOX, weight=rational("1/2000")), near=points, near_weight=1, inside=inside, margin=20,
         normalize=ValueAt(center, -1),
     )  # fmt: skip
     return _rounded(space, best.coefficients)
@@ -60,4 +51,5 @@ def closest(
 
 
 def _rounded(space: SolutionSpace, coefficients: Iterable[Any]) -> Polynomial:
-    return space.member([f"{float(c):.{DIGITS}e}" for c in coefficients]).polynomials[0]
+    """The member with coefficients of ten digits: any with rational coefficients keeps its joints."""
+    return space.member([f"{float(c):.9e}" for c in coefficients]).polynomials[0]

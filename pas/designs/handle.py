@@ -1,15 +1,16 @@
-"""The handle: a loop that flows through two straight tubes and two fillets into the body."""
+"""Handles: a loop that flows through two tubes and two fillets into the body, and the published one, a quartic."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import sqrt
+from math import cos, pi, sin, sqrt
 
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.body import Body
-from pas.designs.exact import settle
+from pas.designs.exact import Point, settle
+from pas.designs.fitting import closest, even
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
 
@@ -96,3 +97,68 @@ class Handle:
                 f"{sqrt(reach):.4g} to either side of height {float(height):.4g}, must stay between {floor} at {low} "
                 f"and {ceiling} at {high}"
             )
+
+
+@dataclass(frozen=True)
+class PaperHandle:
+    """The quartic that holds the curves of both ends, at the least mean squared distance from a bent tube.
+
+    Numbers are exact, in the model's units.  Raises `GeometryError` for the joint that cannot be made.
+    """
+
+    size: Fraction = Fraction(1)
+    """Scales the handle about the middle of its ends."""
+
+    upper_end: Polynomial = Polynomial("2*x - z + 323/100")
+    lower_end: Polynomial = Polynomial("2*x + z + 321/100")
+    """Planes in which it meets the upper and the lower body, negative on the handle's side."""
+
+    center: Point = (Fraction(-29, 20), Fraction(1, 10))
+    """The middle (x, z) of its ends."""
+
+    reach: Fraction = Fraction(17, 20)
+    half: Fraction = Fraction(11, 20)
+    thickness: Fraction = Fraction(11, 100)
+    """Of its centre line: how far it stands out, half its height; and its radius."""
+
+    __repr__ = brief
+
+    def __post_init__(self) -> None:
+        settle(self)
+        least, most = Fraction(9, 10), Fraction(11, 10)
+        if not least <= self.size <= most:
+            raise GeometryError(
+                f"the joints of handle and body cannot be made with handle_size {self.size}: the quartic has a clean "
+                f"loop for sizes from {least} to {most}"
+            )
+
+    def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
+        """Where upper and lower body end at the handle."""
+        return (self.upper_end,), (self.lower_end,)
+
+    def attached(self, solid: Solid, body: Body) -> Solid:
+        """The solid, of which the body is part, with the handle and its two joints."""
+        loop, middle = self.quartic(body), Polynomial("z")
+        solid |= patch("handle", loop, middle, -self.upper_end) | patch("handle", loop, -middle, -self.lower_end)
+        solid = solid.joined("body upper", "handle", (body.upper, self.upper_end), 0)
+        return solid.joined("body lower", "handle", (body.lower, self.lower_end), 0)
+
+    def quartic(self, body: Body) -> Polynomial:
+        """The quartic itself, negative inside."""
+        space = even([(body.upper, self.upper_end), (body.lower, self.lower_end)], 0, 4)
+        x, z = self.center
+        return closest(space, self._bent_tube(), (x - self.reach * self.size, Fraction(0), z))
+
+    def _bent_tube(self) -> list[tuple[float, float, float]]:
+        """Points on a tube around half an ellipse (0.96 of it) that starts and ends in the body."""
+        reach, half, radius = (float(v) for v in (self.reach * self.size, self.half * self.size, self.thickness))
+        points, along, around = [], 13, 10
+        for i in range(along):
+            t = pi * (i / (along - 1) - 0.5) * 0.96
+            x, z = float(self.center[0]) - reach * cos(t), float(self.center[1]) + half * sin(t)
+            nx, nz = -half * cos(t), reach * sin(t)
+            length = (nx * nx + nz * nz) ** 0.5
+            for j in range(around):
+                u, v = radius * cos(2 * pi * j / around), radius * sin(2 * pi * j / around)
+                points.append((round(x + u * nx / length, 6), round(v, 6), round(z + u * nz / length, 6)))
+        return points

@@ -17,9 +17,6 @@ from pas.solid.solid import Solid, patch
 KNOB_HEIGHTS = Fraction(1, 10), Fraction(2, 5)
 """Heights of a knob over its start at which its cubic is one sheet."""
 
-AROUND = 1.25
-"""Radius of the points outside the lid's blend, over that of the dome where the blend begins."""
-
 
 @dataclass(frozen=True)
 class Lid:
@@ -77,7 +74,8 @@ class Lid:
         start, end = body.top + self.dome_end, body.top + self.knob_start
         first = contact_ideal(Contact(self._dome(body), -below(start)), 2)
         ideal = first & contact_ideal(Contact(self._cone(body), -below(end)), 2)
-        around = AROUND * float(body.rim) * sqrt(1 - (self.dome_end / self.dome) ** 2)
+        # a quarter beyond the dome where the blend begins
+        around = 1.25 * float(body.rim) * sqrt(1 - (self.dome_end / self.dome) ** 2)
         heights = [float(h) for h in (start, (start + end) / 2, end)]
         for generator in ideal.groebner_basis():
             if max(e[0] for e in generator.coefficients()) == 2:

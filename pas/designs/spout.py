@@ -1,4 +1,4 @@
-"""The spout: two cubics, fitted by least squares inside the ideals of their joints."""
+"""Spouts: two cubics, fitted by least squares inside the ideals of their joints; a slim one, and the published one."""
 
 from __future__ import annotations
 
@@ -21,13 +21,6 @@ from pas.solid.solid import Solid, patch
 MOST_TILT = Fraction(1, 5)
 UPRIGHT = Fraction(1, 2)
 """The height above which a spout leans."""
-
-WIDENED = Fraction(23, 20)
-"""Radius of the ball at a bend of the channel over that of the channel there, so that they cross clearly."""
-
-ON_OUTLINE, ON_SIDES, BEYOND = 1, 4, Fraction(1, 5)
-"""Weights of the lower patch's points: of its outline, its sides, and of the upper patch's points, which
-keep it going in the right direction."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +98,10 @@ class SpoutShape(ABC):
         return solid.joined("body lower", "spout lower", (body.lower, self.root), self.order)
 
     def passage(self, solid: Solid) -> Iterator[Solid]:
-        """The pieces of the channel; raises `GeometryError` where it leaves the spout of a solid."""
+        """The pieces of the channel; raises `GeometryError` where it leaves the spout of a solid.
+
+        Balls at its bends are wider than it by 3/20, so that they cross clearly.
+        """
         points = [self._leaning(x, z, max(z - UPRIGHT, Fraction(0))) for x, z, _ in self.channel]
         cubics = solid.polynomials
         for p in points:
@@ -116,7 +112,7 @@ class SpoutShape(ABC):
                 )
         radii = [radius for *_, radius in self.channel]
         for (start, end), (wide, narrow) in zip(pairwise(points), pairwise(radii), strict=True):
-            yield cone(start, end, wide, narrow, "channel") | ball(end, narrow * WIDENED, "channel bend")
+            yield cone(start, end, wide, narrow, "channel") | ball(end, narrow * Fraction(23, 20), "channel bend")
 
     def outline(self, points: Points, tilt: Fraction = Fraction(0)) -> list[Point]:
         """Points (x, 0, z) of an outline, leaning outwards by `tilt` per unit of height above the bend."""
@@ -152,7 +148,8 @@ class Spout(SpoutShape):
         """Both cubics with GC^1 at the body as well."""
         outline, sides = self.outline(self.lower_outline), self._sides(self.lower_sides)
         beyond = self.outline(self.upper_outline, self.tilt) + self._sides(self.upper_sides, self.tilt)
-        weights = [ON_OUTLINE] * len(outline) + [ON_SIDES] * len(sides) + [BEYOND] * len(beyond)
+        # the upper patch's points keep the lower one going in the right direction
+        weights = [1] * len(outline) + [4] * len(sides) + [Fraction(1, 5)] * len(beyond)
         space = even([(body.lower, self.root)], self.order, 3)
         lower = closest(space, outline + sides + beyond, self.middle, weights)
         return lower, continued([(lower, self.bend)], 1, beyond, self.inside)
@@ -161,3 +158,31 @@ class Spout(SpoutShape):
         """Points (x, +-y, z), leaning like those of the outline."""
         moved = self.outline(tuple((x, z) for x, _, z in points), tilt)
         return [(x, side * y, z) for (x, _, z), (_, y, _) in zip(moved, points, strict=True) for side in (1, -1)]
+
+
+@dataclass(frozen=True)
+class PaperSpout(SpoutShape):
+    """The published spout: GC^0 with the body, its cubics GC^1 with one another; it has no channel."""
+
+    order: ClassVar[int] = 0
+
+    lower_outline: Points = points((1.6, 0.15), (1.8, 0.2), (1.7, 0.17), (1.9, 0.25), (1.5, -0.54), (2.2, 0.05),
+                                   (1.7, -0.45), (1.9, -0.33), (2.1, -0.1))  # fmt: skip
+    upper_outline: Points = points((2.4, 0.55), (2.6, 0.85), (2.8, 1.01), (3.0, 1.1), (2.1, 0.67), (2.2, 0.85),
+                                   (2.4, 1.02), (2.65, 1.1), (2.2, 0.85), (2.4, 1.02))  # fmt: skip
+    """As published; two points occur twice."""
+
+    waist: Polynomial = Polynomial("(z - 8/3*(x - 2))^2 + 8*y^2 - 2/9")
+    """The elliptic cylinder that cuts the spout's outline in the plane of the bend."""
+
+    at_root: Point = (Fraction(7, 5), Fraction(0), Fraction(-1, 5))
+    """A point of the root's plane inside the body, where a cubic must be inside too."""
+
+    __repr__ = brief
+
+    def cubics(self, body: Body) -> tuple[Polynomial, Polynomial]:
+        """Both cubics as published."""
+        contacts = [(body.lower, self.root), (self.waist, self.bend)]
+        lower = continued(contacts, self.order, self.outline(self.lower_outline), self.inside, [self.at_root])
+        beyond = self.outline(self.upper_outline, self.tilt)
+        return lower, continued([(lower, self.bend)], 1, beyond, self.inside)

@@ -11,10 +11,9 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact
 from pas.designs.body import Body, below
 from pas.designs.exact import number
-from pas.designs.handle import Handle
+from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper import PaperHandle, PaperSpout
-from pas.designs.spout import Spout, SpoutShape
+from pas.designs.spout import PaperSpout, Spout, SpoutShape
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality

@@ -7,8 +7,21 @@ from typing import Any, cast
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, plain
 from pas.contacts.contact import Contact
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Table, list_of, maybe, one_of, row
-from pas.exchange.shapes import POINT, equation_record, polynomial_record, read_polynomial
+from pas.exchange.schema import (
+    NUMBER,
+    POINT,
+    REAL,
+    TEXT,
+    WHOLE,
+    Table,
+    equation_record,
+    list_of,
+    maybe,
+    one_of,
+    polynomial_record,
+    read_polynomial,
+    row,
+)
 from pas.fairing.wishes import (
     MeanAlpha,
     Normalization,

@@ -1,4 +1,5 @@
-"""What records must look like: a small language of forms, and the check that names the place where one does not fit.
+"""What records must look like: a small language of forms, whose checks name the place where one does not fit; and the
+forms of polynomials, partitions and surfaces.
 
 A form is one value (`TEXT`, `NUMBER`, ...), a list, a row of given entries, a `Table`, a form or null, or a choice of
 forms told apart by a key or a type.  Records are checked whole before anything is made of them, so what reads them can
@@ -12,6 +13,9 @@ take their form for granted; what the values mean, it still checks.
 
 Libraries that check types (pydantic, msgspec) were weighed: exact numbers as texts, keys that are guessed ("is 'order'
 meant") and the one sentence with the place would all have to be added to them.
+
+Nothing but polynomials is made here, so that the independent checker reads files by the same rules and makes of them
+what it will.
 """
 
 from __future__ import annotations
@@ -20,8 +24,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from pas.algebra.inputs import shown
-from pas.algebra.rational import read_number
+from flint import fmpq
+
+from pas.algebra.inputs import HIGHEST_POWER, shown
+from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.rational import plain, rational, read_number
 from pas.errors import meant
 
 
@@ -166,3 +173,49 @@ def choice(words: str, *forms: Form) -> Value:
 def later(find: Callable[[], Form]) -> Value:
     """A form that is looked up when it is needed, for forms within themselves."""
     return Value("", _anything, lambda value, place: find().check(value, place))
+
+
+POLYNOMIAL = list_of(row(WHOLE, WHOLE, WHOLE, NUMBER), words="a list of terms")
+EQUATION = choice("a polynomial", TEXT, POLYNOMIAL)
+POINT = list_of(NUMBER, 3, words="a point of three numbers")
+_PARTITION_DATA = {"legs": list_of(POINT, 3), "lower": POINT, "upper": POINT, "vertices": list_of(POINT)}
+PARTITION = Table(
+    {"kind": TEXT, "center": maybe(POINT)},
+    {**_PARTITION_DATA, "cells": list_of(list_of(WHOLE, 4)), "pieces": list_of(list_of(WHOLE))},
+    open=True,
+)
+SURFACE = Table(
+    {
+        "partition": PARTITION,
+        "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION})),
+        "order": WHOLE,
+        "degree": WHOLE,
+        "patches": list_of(POLYNOMIAL),
+    }
+)
+LONGEST_EQUATION = 1000
+"""Characters up to which a contact is written as a formula, for people to read; longer ones as terms."""
+
+
+def polynomial_record(polynomial: Polynomial) -> list[list[Any]]:
+    """Terms [i, j, k, "p/q"] of x^i y^j z^k."""
+    return [[*map(int, e), plain(c)] for e, c in polynomial.raw.to_dict().items()]
+
+
+def read_polynomial(record: Any) -> Polynomial:
+    """The polynomial of `polynomial_record`, of any degree that can be evaluated, or of a formula."""
+    if isinstance(record, str):
+        return Polynomial(record)
+    terms: dict[tuple[int, ...], fmpq] = {}
+    for i, j, k, coefficient in record:
+        if min(i, j, k) < 0 or i + j + k > HIGHEST_POWER or (i, j, k) in terms:
+            wrong = "stands twice" if (i, j, k) in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
+            raise ValueError(f"the term {shown([i, j, k, coefficient])} of a polynomial {wrong}")
+        terms[i, j, k] = rational(coefficient, "a coefficient")
+    return Polynomial.from_raw(RING.from_dict(terms))
+
+
+def equation_record(polynomial: Polynomial) -> str | list[list[Any]]:
+    """A formula for people where it is short, else terms."""
+    text = str(polynomial)
+    return text if len(text) <= LONGEST_EQUATION else polynomial_record(polynomial)

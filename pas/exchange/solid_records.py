@@ -17,8 +17,24 @@ from typing import Any, TypeVar
 from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, vector
-from pas.exchange.schema import ANYTHING, FLAG, NUMBER, REAL, TEXT, WHOLE, Table, Value, choice, later, list_of
-from pas.exchange.shapes import PARTITION, POINT, POLYNOMIAL, polynomial_record, read_polynomial
+from pas.exchange.schema import (
+    ANYTHING,
+    FLAG,
+    NUMBER,
+    PARTITION,
+    POINT,
+    POLYNOMIAL,
+    REAL,
+    TEXT,
+    WHOLE,
+    Table,
+    Value,
+    choice,
+    later,
+    list_of,
+    polynomial_record,
+    read_polynomial,
+)
 from pas.partition.kinds import read_partition
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint

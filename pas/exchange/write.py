@@ -119,7 +119,10 @@ def write_solid(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes, within `tolerance` (the model's units)."""
+    """`write` for triangles of solids, assemblies and their meshes, within `tolerance` (the model's units).
+
+    Raises what `write` raises.
+    """
     target(path, suffixes_of("triangles"), "a solid")
     return write(shape, path, tolerance=tolerance, unit=unit)
 

@@ -42,7 +42,7 @@ below 1; and those which they keep at least when a change makes sums of them tha
 
 
 @dataclass(frozen=True)
-class Change:
+class BasisChange:
     """A change of basis, exact: the matrix `numerators * 2^-shift`, a new member a row."""
 
     numerators: fmpz_mat
@@ -67,7 +67,7 @@ class WorkingBasis:
     frame: Frame
     degree: int
     source: Products
-    change: Change
+    change: BasisChange
     coefficients: Floats
 
     @classmethod
@@ -163,7 +163,7 @@ class WorkingBasis:
         return np.asarray(change @ self.coefficients[piece].T)
 
 
-def orthonormal(source: Products, samples: Callable[[list[Floats]], Floats]) -> tuple[Change, list[Floats]]:
+def orthonormal(source: Products, samples: Callable[[list[Floats]], Floats]) -> tuple[BasisChange, list[Floats]]:
     """Change a basis exactly to one whose samples are orthonormal columns up to `CONDITION`.
 
     `source` holds the members as rows; `samples` maps doubles of its matrices to columns (N, m).  Returns
@@ -226,13 +226,13 @@ class _FixedPoint:
         ends = list(accumulate(self.widths))
         return [table[:, end - width : end] for end, width in zip(ends, self.widths, strict=True)]
 
-    def change(self, whole: fmpz_mat, shift: int) -> Change:
+    def change(self, whole: fmpz_mat, shift: int) -> BasisChange:
         """`whole * 2^-shift` as a change of the members as they were given."""
         most = max(self.exponents)
         entries = [[int(v) << (most - e) for v, e in zip(row, self.exponents, strict=True)] for row in whole.tolist()]
         total = shift + most
         scaled = [v * self.source.denominator << max(-total, 0) for row in entries for v in row]
-        return Change(fmpz_mat(self.size, self.size, scaled), max(total, 0))
+        return BasisChange(fmpz_mat(self.size, self.size, scaled), max(total, 0))
 
     def _rounded(self, bits: int) -> fmpz_mat:
         """All members, side by side on the pieces, in whole numbers of 2^-bits.

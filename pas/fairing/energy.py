@@ -9,7 +9,7 @@ energies and their multiples by numbers >= 0 are energies.
 An energy has two parts, of which most have one: a quadratic form of the function f (`hessian`), and an
 integral over the surface f = 0 of squared residuals (`residuals`), which see its differential geometry.  The
 first is made small by one quadratic programme, the second by Gauss-Newton steps around it
-(`pas.fairing.settling`), each of which takes `1/2 |r + J (x - q)|^2` for the energy near a member q.
+(`pas.fairing.solver`), each of which takes `1/2 |r + J (x - q)|^2` for the energy near a member q.
 """
 
 from __future__ import annotations
@@ -79,12 +79,6 @@ class Energy(Serialisable):
     def on_surface(self) -> bool:
         """Whether it has a part that is an integral over the surface."""
         return type(self).residuals is not Energy.residuals
-
-    @property
-    def outset(self) -> Energy:
-        """The energy by which the way down its landscape begins, while that is steep: one for many that differ
-        little, so that the beginning of the way is the same for all of them."""
-        return self
 
     def products(self, members: Members) -> fmpq_mat:
         """The same for a basis of members, exact: (dimension, dimension).

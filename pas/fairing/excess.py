@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.sight import AREA, View
+from pas.fairing.evaluation import AREA, Evaluation
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
@@ -80,7 +80,7 @@ class CurvatureExcess:
             hollow = self.limits.hollowness - MARGIN
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 
-    def values(self, view: View) -> Iterator[Excess]:
+    def values(self, view: Evaluation) -> Iterator[Excess]:
         """What is beyond each limit, where it is."""
         for over, quantity, by in self.over(view.points.shape):
             slope = np.zeros((1, AREA + 1))
@@ -97,7 +97,7 @@ class BulgeExcess:
         self.widest = widest(neighbours)
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
-    def values(self, view: View) -> Iterator[Excess]:
+    def values(self, view: Evaluation) -> Iterator[Excess]:
         """What is beyond the limit, where it is."""
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
@@ -105,7 +105,7 @@ class BulgeExcess:
         yield from weighted(view, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
 
 
-def weighted(view: View, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
+def weighted(view: Evaluation, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
     """Residuals where a limit is passed, by the areas that the points stand for; a single row of slopes serves all."""
     chosen = np.flatnonzero(over > 0)
     if not len(chosen):
@@ -145,7 +145,7 @@ class SectionExcess:
         self.runs = [place[a:b] for a, b in pairwise(starts)]
         self.signs = np.zeros(len(order))
 
-    def settle_signs(self, view: View) -> None:
+    def settle_signs(self, view: Evaluation) -> None:
         """See which way each part of a section turns: that depends on its ends alone, not on the member."""
         normals = view.points.normals
         for run in self.runs:
@@ -157,7 +157,7 @@ class SectionExcess:
             turned = float(turns.sum())
             self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
 
-    def values(self, view: View) -> Iterator[Excess]:
+    def values(self, view: Evaluation) -> Iterator[Excess]:
         """What is beyond the limit, where it is."""
         curvature, slopes = section_curvatures(view.points, self.across)
         over = (-self.signs * curvature * self.widest - self.limits.wrong_sign / 2) / WRONG

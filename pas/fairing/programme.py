@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import floor, log2
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -15,9 +14,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
+from pas.fairing.energy import as_energy
 from pas.fairing.functionals import Functional, b_coefficient, value_at
-from pas.fairing.guard import Rows
+from pas.fairing.prepared import PreparedSpace
 from pas.fairing.qp import Outcome, Programme, feasible, solve
+from pas.fairing.sampled import Inequalities
 from pas.fairing.wishes import (
     DEFAULT_MARGIN,
     MeanAlpha,
@@ -27,9 +28,6 @@ from pas.fairing.wishes import (
     Wishes,
     check_member,
 )
-
-if TYPE_CHECKING:
-    from pas.fairing.fairing import Fairing
 
 FRACTION_BITS = 36
 """Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
@@ -48,38 +46,43 @@ UNIT_STEPS = 100
 class MemberProgramme:
     """The choice of one member: a quadratic programme over the working coefficients, with its exact equations."""
 
-    def __init__(self, fairing: Fairing, wishes: Wishes) -> None:
-        self.fairing, self.wishes, self.basis = fairing, wishes, fairing.basis
+    def __init__(self, space: PreparedSpace, wishes: Wishes) -> None:
+        self.space, self.wishes, self.basis = space, wishes, space.basis
+        self.energy = as_energy(wishes.energy)
         self.exact = self._exact_equations()
 
-    def optimum(self, rows: Rows) -> Floats:
-        """The optimal working coefficients.
+    def optimum(self, rows: Inequalities) -> Floats | None:
+        """The working coefficients of the least quadratic form (for an energy of the surface that of the thin plate)
+        under the constraints and rows; None where these contradict.
 
-        Raises `InfeasibleError` where the constraints and rows conflict, `NotSolvedError` where the solvers failed.
+        Raises `NotSolvedError` where the solvers failed.
         """
-        found = self._optimum(rows)
-        if found is None:
-            raise self.conflict(rows)
-        return found
+        if self.exact is None:
+            return None
+        if not self.quadratic:
+            return self._unit_optimum(rows)
+        return self._solved(self._programme(self.equations, self._points + rows))
 
-    def possible(self, rows: Rows) -> bool:
+    def possible(self, rows: Inequalities) -> bool:
         """Whether all constraints can hold together."""
         if self.exact is None:
             return False
         if not self.quadratic:
-            return self._optimum(rows) is not None
-        return feasible(self._programme(self.equations(), self._points() + rows))
+            return self.optimum(rows) is not None
+        return feasible(self._programme(self.equations, self._points + rows))
 
     def holds(self, member: Floats) -> bool:
         """Whether the user's points and the normalisation hold for a member already."""
-        points, equations = self._points(), self.equations()
+        points, equations = self._points, self.equations
         slack = ROUNDING * self._radius
         left = equations[:, :-1] @ member - equations[:, -1]
         return bool((points.rows @ member >= points.at_least - slack).all() and (np.abs(left) <= slack).all())
 
-    def conflict(self, rows: Rows) -> InfeasibleError:
+    def conflict(self, rows: Inequalities) -> InfeasibleError:
         """An error naming an irreducible infeasible set of the user's points (deletion filter)."""
-        degree, points = self.fairing.degree, list(self.wishes.hard())
+        degree, points = self.space.degree, list(self.wishes.hard())
+        nothing = Inequalities.none(self.basis.size)
+        rows = rows if self.possible(nothing) else nothing
         if not points or not self._without(points).possible(rows):
             return InfeasibleError(
                 f"no member of degree {degree} has clean contacts, walls and a single sheet at the sampled points"
@@ -97,9 +100,9 @@ class MemberProgramme:
             text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
         return InfeasibleError(text, conflict)
 
-    def step(self, hessian: Floats, linear: Floats, rows: Rows) -> Floats | None:
+    def step(self, hessian: Floats, linear: Floats, rows: Inequalities) -> Floats | None:
         """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
-        return self._solved(self._programme(self.equations(), self._points() + rows, hessian, linear))
+        return self._solved(self._programme(self.equations, self._points + rows, hessian, linear))
 
     @property
     def quadratic(self) -> bool:
@@ -108,22 +111,21 @@ class MemberProgramme:
 
     def normalised(self, q: Floats) -> Floats:
         """A multiple of the member to which guard rows refer."""
-        return q if self.quadratic else q / float(self.fairing.guard.mean_alpha @ q)
-
-    def objective(self, q: Floats) -> float:
-        """What is minimised: the form to begin with and the squares at `near` points."""
-        return float(q @ self._hessian @ q) / 2
+        return q if self.quadratic else q / float(self.space.guard.mean_alpha @ q)
 
     @cached_property
     def quadratic_part(self) -> Floats:
         """The part of the energy that is a quadratic form, and the squares at `near` points: (m, m)."""
-        return self.fairing.quadratic_part + self._near
+        return self._form + self._near
 
-    def slope(self, q: Floats) -> Rows:
-        """The inequality that makes a member the optimum: not down the objective's slope there."""
-        gradient = self._hessian @ q
-        row = gradient / (float(np.linalg.norm(gradient)) or 1.0)
-        return Rows(row[None], np.array([row @ q]))
+    def quadratic_energy(self, working: fmpq_mat) -> float:
+        """The part of a member's energy that is a quadratic form."""
+        q = to_doubles(working)[0]
+        return float(q @ self._form @ q) / 2
+
+    @cached_property
+    def _form(self) -> Floats:
+        return self.space.form(self.energy)
 
     def rounded(self, q: Floats) -> fmpq_mat:
         """Nearby rationals that satisfy the exact equations exactly.
@@ -148,19 +150,12 @@ class MemberProgramme:
         return result
 
     def _without(self, points: Sequence[tuple[str, int]]) -> MemberProgramme:
-        return MemberProgramme(self.fairing, self.wishes.without(points))
-
-    def _optimum(self, rows: Rows) -> Floats | None:
-        if self.exact is None:
-            return None
-        if not self.quadratic:
-            return self._unit_optimum(rows)
-        return self._solved(self._programme(self.equations(), self._points() + rows))
+        return MemberProgramme(self.space, self.wishes.without(points))
 
     @property
     def _radius(self) -> float:
         """The radius of the region in the user's units."""
-        partition = self.fairing.partition
+        partition = self.space.partition
         return float(np.linalg.norm(partition.local.points, axis=1).max()) * to_float(partition.frame.scale)
 
     @property
@@ -169,7 +164,7 @@ class MemberProgramme:
         return DEFAULT_MARGIN * self._radius if margin is None else to_float(margin)
 
     def _programme(
-        self, equations: Floats, inequalities: Rows, hessian: Floats | None = None, linear: Floats | None = None
+        self, equations: Floats, inequalities: Inequalities, hessian: Floats | None = None, linear: Floats | None = None
     ) -> Programme:
         """The programme of the objective, or of another quadratic one, with rows of unit length."""
         m = self.basis.size
@@ -192,34 +187,35 @@ class MemberProgramme:
         solution = solve(programme)
         if solution.outcome is Outcome.FAILED:
             raise NotSolvedError(
-                f"neither solver found an optimum that passes its checks in degree {self.fairing.degree}"
+                f"neither solver found an optimum that passes its checks in degree {self.space.degree}"
             )
         return solution.unknowns if solution.outcome is Outcome.SOLVED else None
 
+    @cached_property
     def equations(self) -> Floats:
         """All equations of the wishes with their right-hand sides, (p, m + 1)."""
         assert self.exact is not None
         m = self.basis.size
         equations = to_doubles(self.exact[0]) if self.exact[0].nrows() else np.empty((0, m + 1))
         if isinstance(self.wishes.normalize, MeanAlpha):
-            equations = np.concatenate([equations, np.append(self.fairing.guard.mean_alpha, 1.0)[None]])
+            equations = np.concatenate([equations, np.append(self.space.guard.mean_alpha, 1.0)[None]])
         return equations
 
-    def _unit_optimum(self, rows: Rows) -> Floats | None:
+    def _unit_optimum(self, rows: Inequalities) -> Floats | None:
         """The smallest quotient of the objective by the coefficients' squared length.
 
         Without active inequalities an eigenvector.  With some, the length is linearised at the
         last member again and again: a fixed point satisfies the optimality conditions.
         """
         m = self.basis.size
-        gram, equations = self.fairing.coefficient_gram, self.equations()
+        gram, equations = self.space.coefficient_gram, self.equations
         if len(equations) and np.abs(equations[:, m]).max() > 0:
             raise ValueError("a handle or coefficient other than 0 fixes the length: it needs another normalisation")
         free = null_space(equations[:, :m]) if len(equations) else np.eye(m)
         if not free.shape[1]:
             return None
         vector = free @ eigh(free.T @ self._hessian @ free, free.T @ gram @ free, subset_by_index=[0, 0])[1][:, 0]
-        inequalities = self._points() + self._homogeneous(rows)
+        inequalities = self._points + self._homogeneous(rows)
         starts = sorted((vector, -vector), key=lambda q: self._missed(inequalities, q))
         if self._missed(inequalities, starts[0]) <= 0:
             return starts[0]
@@ -229,7 +225,9 @@ class MemberProgramme:
                 return found
         return None
 
-    def _unit_iteration(self, start: Floats, gram: Floats, equations: Floats, inequalities: Rows) -> Floats | None:
+    def _unit_iteration(
+        self, start: Floats, gram: Floats, equations: Floats, inequalities: Inequalities
+    ) -> Floats | None:
         q = start
         for _ in range(UNIT_STEPS):
             length = np.append(gram @ q, 1.0)[None]
@@ -242,22 +240,23 @@ class MemberProgramme:
             q = unit
         raise NotSolvedError(f"the coefficients of length 1 did not settle in {UNIT_STEPS} steps")
 
-    def _missed(self, rows: Rows, q: Floats) -> float:
+    def _missed(self, rows: Inequalities, q: Floats) -> float:
         """The largest miss of an inequality; without any, the sign that makes alpha positive."""
         if not len(rows.rows):
-            return -float(self.fairing.guard.mean_alpha @ q) if self.fairing.guard.alphas else 0.0
+            return -float(self.space.guard.mean_alpha @ q) if self.space.guard.alphas else 0.0
         return float((rows.at_least - rows.rows @ q).max())
 
-    def _homogeneous(self, rows: Rows) -> Rows:
+    def _homogeneous(self, rows: Inequalities) -> Inequalities:
         """Guard rows, which refer to a mean alpha of 1, for any scale."""
         if not len(rows.rows):
             return rows
-        shifted = rows.rows - rows.at_least[:, None] * self.fairing.guard.mean_alpha
-        return Rows(shifted, np.zeros(len(shifted)))
+        shifted = rows.rows - rows.at_least[:, None] * self.space.guard.mean_alpha
+        return Inequalities(shifted, np.zeros(len(shifted)))
 
     @cached_property
     def _hessian(self) -> Floats:
-        return self.fairing.hessian + self._near
+        """What is minimised to begin with."""
+        return (self.space.form(as_energy(None)) if self.energy.on_surface else self._form) + self._near
 
     @cached_property
     def _near(self) -> Floats:
@@ -267,17 +266,18 @@ class MemberProgramme:
             total += 2 * to_float(weight) * row.T @ row
         return total
 
-    def _points(self) -> Rows:
-        rows = Rows.none(self.basis.size)
+    @cached_property
+    def _points(self) -> Inequalities:
+        rows = Inequalities.none(self.basis.size)
         for kind, sign in SIDES:
             for values in self._values(kind):
-                rows += Rows(sign * to_doubles(fmpq_mat([values])), np.array([self._margin]))
+                rows += Inequalities(sign * to_doubles(fmpq_mat([values])), np.array([self._margin]))
         return rows
 
     def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:
         """The exact equations in reduced form with their pivots; None where they contradict."""
         m = self.basis.size
-        partition, degree = self.fairing.partition, self.fairing.degree
+        partition, degree = self.space.partition, self.space.degree
         table = [[*values, fmpq(0)] for values in self._values("through")]
         for handle, value in self.wishes.handles:
             table.append([*self._on(b_coefficient(partition, handle, degree)), value])
@@ -306,7 +306,7 @@ class MemberProgramme:
         return list((self.basis.transform * fmpq_mat(self.basis.size, 1, values)).entries())
 
     def _at(self, point: tuple[fmpq, fmpq, fmpq], item: tuple[str, int]) -> Functional:
-        return value_at(self.fairing.partition, point, self.fairing.degree, self.wishes.describe(item))
+        return value_at(self.space.partition, point, self.space.degree, self.wishes.describe(item))
 
 
 def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:

@@ -17,8 +17,7 @@ from scipy.special import roots_jacobi, roots_legendre
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, to_floats, vector
-from pas.bernstein.forms import b_form, on_simplex
-from pas.bernstein.gram import gram
+from pas.bernstein.forms import b_form, gram, on_simplex
 from pas.partition.cells import Partition
 
 

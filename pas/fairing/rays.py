@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
-from pas.fairing.guard import Guard, Rows, lattice_weights
+from pas.fairing.sampled import Inequalities, SampledConstraints, lattice_weights
 from pas.kernels.library import Functions
 
 SAMPLES = 32
@@ -26,7 +26,7 @@ LEVELS = 3
 
 
 @dataclass(frozen=True)
-class Crossings:
+class RayCrossings:
     """Where a member takes the values 0 and +-band: ray numbers (N,), shares of the rays (N,), and
     the derivative along the ray there as a multiple of what `Margins.sheet = 1` would ask (N,)."""
 
@@ -34,19 +34,19 @@ class Crossings:
     shares: Floats
     steepness: Floats
 
-    def below(self, steepness: float) -> Crossings:
+    def below(self, steepness: float) -> RayCrossings:
         """The crossings less steep than that."""
         chosen = self.steepness < steepness
-        return Crossings(self.rays[chosen], self.shares[chosen], self.steepness[chosen])
+        return RayCrossings(self.rays[chosen], self.shares[chosen], self.steepness[chosen])
 
     def __len__(self) -> int:
         return len(self.rays)
 
 
-class Rays:
+class RayLattice:
     """Rays from the centre to a lattice of the outer faces (none where the partition has no centre)."""
 
-    def __init__(self, guard: Guard, subdivisions: int) -> None:
+    def __init__(self, guard: SampledConstraints, subdivisions: int) -> None:
         self.guard, self.degree = guard, guard.basis.degree
         ends = _ends(guard, subdivisions)
         self.pieces = sorted(ends)
@@ -58,14 +58,14 @@ class Rays:
         self._lengths = np.sqrt((self.ends * self.ends).sum(axis=1))
         self._shares = np.arange(SAMPLES + 1) / SAMPLES
 
-    def crossings(self, unknowns: Floats, band: float) -> Crossings:
+    def crossings(self, unknowns: Floats, band: float) -> RayCrossings:
         """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
         rays, shares, slopes = crossed(self._profiles(unknowns), self._shares, band)
-        return Crossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
+        return RayCrossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
 
-    def rows(self, crossings: Crossings, margin: float) -> Rows:
+    def rows(self, crossings: RayCrossings, margin: float) -> Inequalities:
         """Rows that ask for the sheet condition at crossings."""
-        rows = Rows.none(self.guard.basis.size)
+        rows = Inequalities.none(self.guard.basis.size)
         points, pieces = self.ends[crossings.rays] * crossings.shares[:, None], self.piece_of[crossings.rays]
         for piece in np.unique(pieces).tolist():
             rows += self.guard.sheet(piece, points[pieces == piece], margin)
@@ -97,7 +97,7 @@ def _functions() -> Functions:
     return Functions()
 
 
-def _ends(guard: Guard, subdivisions: int) -> dict[int, Floats]:
+def _ends(guard: SampledConstraints, subdivisions: int) -> dict[int, Floats]:
     """The lattice points of the outer faces by piece, those that faces share once."""
     local = guard.placed.local
     if local.center is None:

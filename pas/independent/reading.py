@@ -12,7 +12,7 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.inputs import check_order, check_surface_degree, shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
-from pas.exchange.shapes import SURFACE, read_polynomial
+from pas.exchange.schema import SURFACE, read_polynomial
 from pas.independent.signs import RING, Point, on_simplex
 
 CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))

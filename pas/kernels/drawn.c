@@ -1,5 +1,5 @@
 /* Points drawn towards a surface, with gradients and curvatures there, as in pas/surface/local_surface.py, and onto the
-   curves on which it ends, for pas/surface/rings.py and local_field.py.
+   curves on which it ends, for pas/surface/boundary_loops.py and local_field.py.
 
    Compiled together with forms.c and pas/algebra/horner.c.  A function that finds no memory returns -1. */
 

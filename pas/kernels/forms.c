@@ -164,6 +164,17 @@ int pas_leaving(whole faces, const double *weights, whole count, const double *p
     return 0;
 }
 
+/* The least of a point's barycentric coordinates in a cell. */
+static inline double depth_in(const double *map, double x, double y, double z)
+{
+    double least = INFINITY;
+    for (int k = 0; k < 16; k += 4) {
+        const double depth = map[k] * x + map[k + 1] * y + map[k + 2] * z + map[k + 3];
+        least = depth < least ? depth : least;
+    }
+    return least;
+}
+
 /* The cells in which points are deepest by their least barycentric coordinates, the first of several. */
 FAST
 void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell)
@@ -180,11 +191,7 @@ void pas_deepest(whole cells, const double *maps, whole count, const double *poi
         for (whole c = 0; c < cells; c++) {
             const double *m = maps + 16 * c;
             for (int r = 0; r < LANES; r++) {
-                double least = INFINITY;
-                for (int k = 0; k < 16; k += 4) {
-                    const double depth = m[k] * x[r] + m[k + 1] * y[r] + m[k + 2] * z[r] + m[k + 3];
-                    least = depth < least ? depth : least;
-                }
+                const double least = depth_in(m, x[r], y[r], z[r]);
                 const int better = c == 0 || least > best[r];
                 best[r] = better ? least : best[r];
                 chosen[r] = better ? c : chosen[r];
@@ -192,4 +199,68 @@ void pas_deepest(whole cells, const double *maps, whole count, const double *poi
         }
         for (whole r = 0; r < size; r++) cell[start + r] = chosen[r];
     }
+}
+
+/* The piece of the cell in which a point is deepest, of all cells or those of one piece; -1 where it is outside all by
+   more than a tolerance. */
+static whole piece_at(whole cells, const double *maps, const whole *piece_of, whole only, const double *p, double tolerance)
+{
+    double best = -INFINITY;
+    whole found = -1;
+    for (whole c = 0; c < cells; c++) {
+        if (only >= 0 && piece_of[c] != only) continue;
+        const double least = depth_in(maps + 16 * c, p[0], p[1], p[2]);
+        if (least > best) {
+            best = least;
+            found = piece_of[c];
+        }
+    }
+    return best >= -tolerance ? found : -1;
+}
+
+/* Whether a point is behind walls, whose planes are 1 on them. */
+static int behind(whole walls, const double *planes, const double *p, double tolerance)
+{
+    for (whole w = 0; w < walls; w++, planes += 3)
+        if (!(planes[0] * p[0] + planes[1] * p[1] + planes[2] * p[2] <= 1 + tolerance)) return 0;
+    return 1;
+}
+
+/* The pieces of points (3, count), -1 outside: `sizes` says how many cells there are, and how many planes through 0 (-1
+   where pieces are those of cells).  The signs at these tell the piece by `table`, but for signs that there are by
+   rounding alone; then the point must be behind the walls of the piece, which begin at `starts`, or, where there are
+   none of them, in one of its cells. */
+FAST
+int pas_located(const whole *sizes, const double *maps, const whole *piece_of, const double *normals, const whole *table,
+                const whole *starts, const double *walls, whole count, const double *points, double tolerance,
+                whole *pieces)
+{
+    const whole cells = sizes[0], planes = sizes[1];
+    const double *x = points, *y = x + count, *z = y + count;
+    for (whole start = 0; start < count; start += BLOCK) {
+        const whole size = count - start < BLOCK ? count - start : BLOCK;
+        whole codes[BLOCK] = {0};
+        for (whole k = 0; k < planes; k++) {
+            const double *n = normals + 3 * k;
+            for (whole r = 0; r < size; r++) {
+                const double height = n[0] * x[start + r] + n[1] * y[start + r] + n[2] * z[start + r];
+                codes[r] |= (whole)(height >= 0) << k;
+            }
+        }
+        for (whole r = 0; r < size; r++) {
+            const double p[3] = {x[start + r], y[start + r], z[start + r]};
+            whole piece = planes < 0 ? -1 : table[codes[r]];
+            if (!(fabs(p[0]) < INFINITY && fabs(p[1]) < INFINITY && fabs(p[2]) < INFINITY)) piece = -1;
+            else if (planes < 0) piece = piece_at(cells, maps, piece_of, -1, p, tolerance);
+            else {
+                if (piece < 0) piece = piece_at(cells, maps, piece_of, -1, p, INFINITY);
+                const whole own = starts[piece + 1] - starts[piece];
+                if (own ? !behind(own, walls + 3 * starts[piece], p, tolerance)
+                        : piece_at(cells, maps, piece_of, piece, p, tolerance) < 0)
+                    piece = -1;
+            }
+            pieces[start + r] = piece;
+        }
+    }
+    return 0;
 }

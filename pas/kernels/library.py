@@ -68,8 +68,10 @@ def signatures() -> dict[str, Signature]:
 
 
 def _argument(words: list[str]) -> tuple[Array | None, Any]:
-    """An argument from `const double *points` or `whole count`."""
+    """An argument from `const double *points` or `whole count`; structures are given by addresses, as numbers."""
     kind = words[-2]
+    if words[-1].startswith("*") and kind not in ENTRIES:
+        return None, ctypes.c_void_p
     if words[-1].startswith("*"):
         return Array(np.dtype(ENTRIES[kind]).char, words[0] != "const"), ctypes.c_void_p
     return None, SCALARS[kind]

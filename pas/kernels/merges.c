@@ -16,7 +16,7 @@ typedef struct {
     const whole *triangles, *corners, *labels, *edges, *label_count;
     const double *points, *normals;
     whole *first, *around, *seen;
-} Mesh;
+} FaceTable;
 
 /* How near new edges must be to their faces at each vertex, and how slender new triangles may be: for each of `span`
    labels where vertices on curves go, then where those inside do.  Both may be NULL. */
@@ -26,7 +26,7 @@ typedef struct {
     double kept, held, turned;
 } Limits;
 
-static int look_around(Mesh *m)
+static int look_around(FaceTable *m)
 {
     m->first = calloc(m->size + 2, sizeof(whole));
     m->around = malloc((3 * m->count + 1) * sizeof(whole));
@@ -44,7 +44,7 @@ static int look_around(Mesh *m)
 static inline whole next(whole corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
 /* The row of the normal of a vertex's face with a label; -1 where it has none. */
-static whole row_of(const Mesh *m, whole vertex, whole label)
+static whole row_of(const FaceTable *m, whole vertex, whole label)
 {
     for (whole i = m->first[vertex]; i < m->first[vertex + 1]; i++)
         if (m->labels[m->around[i] / 3] == label) return m->corners[m->around[i]];
@@ -68,7 +68,7 @@ static double height(const double *a, const double *b, const double *c)
 }
 
 /* Whether the new edges are near enough to their faces when a vertex moves to `kept`. */
-static int keeps_straight(const Mesh *m, whole removed, whole kept, double most)
+static int keeps_straight(const FaceTable *m, whole removed, whole kept, double most)
 {
     const int sides = m->label_count[removed] > 1 ? 2 : 1; /* on curves edges have two faces */
     for (whole i = m->first[removed]; i < m->first[removed + 1]; i++) {
@@ -89,7 +89,7 @@ static int keeps_straight(const Mesh *m, whole removed, whole kept, double most)
 }
 
 /* The link condition: whether two vertices alone are next to both ends. */
-static int keeps_topology(const Mesh *m, whole number, whole removed, whole kept)
+static int keeps_topology(const FaceTable *m, whole number, whole removed, whole kept)
 {
     int both = 0;
     for (whole i = m->first[kept]; i < m->first[kept + 1]; i++) {
@@ -102,7 +102,7 @@ static int keeps_topology(const Mesh *m, whole number, whole removed, whole kept
 }
 
 /* Whether every triangle around a vertex is on its side of the face when the vertex moves to `kept`. */
-static int keeps_orientation(const Mesh *m, const Limits *l, whole removed, whole kept)
+static int keeps_orientation(const FaceTable *m, const Limits *l, whole removed, whole kept)
 {
     const double *target = m->points + 3 * kept;
     double flattest = INFINITY;
@@ -138,7 +138,7 @@ static int keeps_orientation(const Mesh *m, const Limits *l, whole removed, whol
 }
 
 /* The least value of each vertex and those next to it. */
-static void spread(const Mesh *m, const whole *values, whole *result)
+static void spread(const FaceTable *m, const whole *values, whole *result)
 {
     memcpy(result, values, m->size * sizeof(whole));
     for (whole e = 0; e < m->number; e++) {
@@ -149,7 +149,7 @@ static void spread(const Mesh *m, const whole *values, whole *result)
 }
 
 /* The least numbers of collapses that cannot be done together with those at each vertex: `room` is (4, size). */
-static void touching(const Mesh *m, const whole *rows, whole some, const char *among, whole none, const whole *removed,
+static void touching(const FaceTable *m, const whole *rows, whole some, const char *among, whole none, const whole *removed,
                      const whole *kept, whole *room)
 {
     whole *at_removed = room, *at_either = room + m->size;
@@ -163,7 +163,7 @@ static void touching(const Mesh *m, const whole *rows, whole some, const char *a
     spread(m, at_removed, room + 3 * m->size);
 }
 
-static whole first_of(const Mesh *m, const whole *room, whole removed, whole kept)
+static whole first_of(const FaceTable *m, const whole *room, whole removed, whole kept)
 {
     const whole *at_either = room + m->size, *near_either = room + 2 * m->size, *near_removed = room + 3 * m->size;
     whole result = near_either[removed];
@@ -172,7 +172,7 @@ static whole first_of(const Mesh *m, const whole *room, whole removed, whole kep
 }
 
 /* In rounds those that come before all others that touch them; `rows` are those that are sound, and are written to. */
-static void rounds(const Mesh *m, whole most, whole *rows, whole some, whole none, const whole *removed,
+static void rounds(const FaceTable *m, whole most, whole *rows, whole some, whole none, const whole *removed,
                    const whole *kept, char *chosen, whole *room)
 {
     for (whole round = 0; round < most && some; round++) {
@@ -193,7 +193,7 @@ int pas_merged_faces(whole count, const whole *triangles, const whole *corners, 
                      whole straight, const double *slenderest, whole span, double upright, double held, double turned,
                      whole most_rounds, char *chosen)
 {
-    Mesh m = {count, size, number, triangles, corners, labels, edges, label_count, points, normals, NULL, NULL, NULL};
+    FaceTable m = {count, size, number, triangles, corners, labels, edges, label_count, points, normals, NULL, NULL, NULL};
     const Limits l = {straight ? most : NULL, span ? slenderest : NULL, span, upright, held, turned};
     whole *rows = malloc((some + 1) * sizeof(whole)), *room = malloc((4 * size + 1) * sizeof(whole)), sound = 0;
     int state = look_around(&m);

@@ -2,7 +2,8 @@
    by library.py, which declares them to ctypes.  They return 0, or else there was no memory; those with other results
    are called from C alone.
 
-   Arrays of numbers are `double` or `whole`, of truth values `char`; what is `const` is only read. */
+   Arrays of numbers are `double` or `whole`, of truth values `char`; what is `const` is only read.  Other types are those
+   of structures, of which addresses are given. */
 
 #ifndef PAS_H
 #define PAS_H
@@ -10,16 +11,17 @@
 #include <stddef.h>
 
 typedef ptrdiff_t whole;
-
-/* collapses.c */
-int pas_collapsed(whole count, const whole *triangles, whole size, const double *points, const double *normals,
-                  const double *sizes, whole number, whole inner, const whole *edges, const whole *rim,
-                  const char *fixed, double at_most, double longer, double turned, whole most, whole *target);
+typedef struct Mesh Mesh; /* see halfedge.h */
 
 /* contour.c */
 int pas_crossings(whole count, const whole *tetrahedra, whole size, const char *negative, whole *keys, whole *number);
 int pas_oriented(whole count, whole *triangles, const double *points, const whole *edges, const double *nodes,
                  const char *negative);
+
+/* cut.c */
+int pas_mesh_cut_counts(const Mesh *m, whole q, whole *base, whole *counts);
+int pas_mesh_cut(const Mesh *m, whole q, const whole *base, double *points, whole *corners, whole *codes,
+                 whole *labels);
 
 /* drawn.c */
 int pas_pieces_of(const whole *sizes, const double *maps, const whole *piece_of, whole count, const double *points,
@@ -41,16 +43,10 @@ int pas_slid(const whole *sizes, const double *maps, const whole *piece_of, cons
              const double *tables, whole walls, const double *planes, const double *across, const double *back,
              const whole *numbers, whole steps, double settled, double farthest, whole count, double *points);
 
-/* fans.c */
-int pas_fans(whole count, const whole *triangles, whole size, const char *among, whole some, char *kinds);
-int pas_is_manifold(whole count, const whole *triangles, whole size, whole *manifold);
-int pas_pieces(whole count, const whole *triangles, whole size, whole *parent, whole *number);
-
-/* finer.c */
-int pas_finer(whole count, const whole *triangles, whole size, const double *points, const double *normals, whole edges,
-              const whole *ends, const whole *edge_of, whole m, const double *shares, whole inner,
-              const double *weights, const whole *corners, const whole *sides, const whole *within, whole parts,
-              const whole *cut, whole *grid, double *fresh, whole *result);
+/* edits.c */
+int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends);
+int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole passes);
+int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *limits, whole *done);
 
 /* forms.c */
 int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, whole higher, const double *raising,
@@ -59,6 +55,17 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
                const double *corners, const double *normals, double *least, double *sizes);
 int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
 void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
+int pas_located(const whole *sizes, const double *maps, const whole *piece_of, const double *normals, const whole *table,
+                const whole *starts, const double *walls, whole count, const double *points, double tolerance,
+                whole *pieces);
+
+/* halfedge.c */
+int pas_twins(whole count, const whole *corners, whole size, whole *twins);
+int pas_fans(whole count, const whole *corners, whole size, const whole *twins, whole *fans);
+int pas_mesh_pack(Mesh *m);
+int pas_mesh_labels_about(const Mesh *m, whole count, const whole *chosen, whole width, whole *labels);
+int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, double *centres, whole some, const whole *halves,
+                     double *middles);
 
 /* horner.c */
 int pas_horner(whole n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
@@ -89,6 +96,12 @@ int pas_eighths(whole count, whole m, whole means, const whole *halves, const wh
 int pas_risings(whole count, whole m, whole lower, const whole *up, const double *forms, const double *points,
                 double *means, double *least, double *sizes);
 
+/* lengths.c */
+int pas_mesh_bends(Mesh *m);
+int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, double bent, double grade);
+int pas_mesh_mean_sizes(Mesh *m);
+int pas_mesh_ratios(const Mesh *m, double *ratios);
+
 /* levels.c */
 int pas_levels(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
                whole *ray_of, double *share_of, double *slope_of, whole *number);
@@ -99,17 +112,6 @@ int pas_merged_faces(whole count, const whole *triangles, const whole *corners, 
                      const whole *label_count, whole some, const whole *removed, const whole *kept, const double *most,
                      whole straight, const double *slenderest, whole span, double upright, double held, double turned,
                      whole most_rounds, char *chosen);
-
-/* moves.c */
-int pas_wanted_sizes(whole edges, const whole *every, whole inner, whole size, const double *points,
-                     const double *bends, const char *fixed, double eight, double least_bend, double bent,
-                     double least_bent, double grade, double *sizes);
-int pas_moved(whole count, const whole *triangles, whole edges, const whole *every, whole inner, whole size,
-              const double *points, const double *normals, const double *bends, const char *fixed, double eight,
-              double least_bend, double bent, double least_bent, double grade, double *moved);
-int pas_middles(whole count, const whole *chosen, const whole *triangles, whole edges, const whole *marked,
-                const whole *ends, const double *points, double *middles);
-int pas_slender(whole count, const whole *triangles, const double *points, whole *number);
 
 /* octree.c */
 int pas_tetrahedra(whole levels, const whole *halved, const whole *halved_ends, const whole *missed,
@@ -150,26 +152,23 @@ int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, cons
 int pas_halved(whole count, whole m, whole d, whole edges, const whole *pairs, whole means, const whole *halves,
                const whole *taken, const double *forms, const double *corners, double *new_forms, double *new_corners);
 
+/* smooth.c */
+int pas_mesh_targets(const Mesh *m, double *to);
+int pas_mesh_cosines(const Mesh *m, double *cosines);
+int pas_mesh_settle(Mesh *m, const double *to, const double *normals, const double *bends, whole known, double turned);
+int pas_mesh_sines(const Mesh *m, double *sines);
+int pas_mesh_better(Mesh *m, double aim, whole count, const whole *vertices, whole *chosen, double *places,
+                    whole *number);
+int pas_mesh_stars(const Mesh *m, whole count, const whole *vertices, whole room, whole *rows, whole *owners,
+                   whole *number);
+int pas_mesh_move(Mesh *m, whole count, const whole *vertices, const double *places, const double *normals,
+                  const char *good, double aim, double held, whole *moved);
+
 /* splits.c */
-int pas_longest(whole count, const whole *triangles, whole size, whole edges, const whole *ends, const double *ratio,
-                double limit, char *marks);
 int pas_marked(whole count, const whole *triangles, whole size, const char *ends, whole edges, const whole *keys,
                whole *marks, whole *numbers);
 int pas_split(whole count, const whole *triangles, whole size, const whole *marks, const whole *numbers, whole *parts,
               whole *parents);
-
-/* triangles.c */
-double pas_upright(const whole *triangle, const double *points, const double *normals);
-int pas_uprights(whole count, const whole *triangles, const double *points, const double *normals, double *cosines);
-int pas_edges(whole count, const whole *triangles, whole size, whole *room, whole sorted, whole *sizes);
-int pas_listed(whole count, const whole *triangles, whole size, whole *room, whole inner, whole *every, whole *owners);
-int pas_flipped(whole count, whole *triangles, whole size, whole *room, const double *points, const double *normals,
-                whole passes, double gain, double turned, whole *sorted);
-int pas_grown(whole count, const whole *edges, whole size, const double *points, double grade, double *lengths);
-int pas_centred(whole count, const whole *triangles, whole size, const double *points, const double *sizes,
-                double *moves);
-int pas_settled(whole count, const whole *triangles, whole size, const double *before, double *after,
-                const double *normals, double turned);
 
 /* windings.c */
 int pas_crossed(whole count, const whole *triangles, const double *points, const double *origin, whole ends,

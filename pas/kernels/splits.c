@@ -6,39 +6,6 @@
 
 #include "pas.h"
 
-/* Into `marks` (edges) which of the edges that are the longest, over what each should be, of some triangle are longer
-   than `limit`.  All edges of the triangles are there, once each. */
-int pas_longest(whole count, const whole *triangles, whole size, whole edges, const whole *ends, const double *ratio,
-                double limit, char *marks)
-{
-    whole *first = calloc(size + 2, sizeof(whole)), *order = malloc((edges + 1) * sizeof(whole));
-    const int good = first && order;
-    for (whole e = 0; good && e < edges; e++) {
-        const whole low = ends[2 * e] < ends[2 * e + 1] ? ends[2 * e] : ends[2 * e + 1];
-        first[low + 1]++;
-        marks[e] = 0;
-    }
-    for (whole v = 0; good && v < size; v++) first[v + 1] += first[v];
-    for (whole e = 0; good && e < edges; e++) {
-        const whole low = ends[2 * e] < ends[2 * e + 1] ? ends[2 * e] : ends[2 * e + 1];
-        order[first[low]++] = e; /* `first` now says where those of `low` end */
-    }
-    for (whole t = 0; good && t < count; t++) {
-        whole worst = -1;
-        for (int k = 0; k < 3; k++) {
-            const whole a = triangles[3 * t + k], b = triangles[3 * t + (k + 1) % 3];
-            const whole low = a < b ? a : b, sum = a + b;
-            whole at = low ? first[low - 1] : 0;
-            while (ends[2 * order[at]] + ends[2 * order[at] + 1] != sum) at++;
-            if (worst < 0 || ratio[order[at]] > ratio[worst]) worst = order[at];
-        }
-        if (ratio[worst] > limit) marks[worst] = 1;
-    }
-    free(first);
-    free(order);
-    return good ? 0 : -1;
-}
-
 static whole place_of(const whole *keys, whole count, whole key)
 {
     whole low = 0, high = count;

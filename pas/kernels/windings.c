@@ -1,4 +1,4 @@
-/* How often segments cross an oriented mesh: see pas/certify/windings.py.  Only triangles are looked at whose directions
+/* How often segments cross an oriented mesh: see pas/certify/graph_proofs.py.  Only triangles are looked at whose directions
    from the origin are in a cone with that of the end. */
 
 #include <math.h>

@@ -20,8 +20,7 @@ from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.rational import plain, rational, to_fraction
 from pas.algebra.rational_function import RING, RationalFunction
 from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
-from pas.exchange.schema import ANYTHING, NUMBER, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
-from pas.exchange.shapes import POINT
+from pas.exchange.schema import ANYTHING, NUMBER, POINT, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
 from pas.parametric.blends import ParametricBlend, blend_by, method_of
 from pas.parametric.data import BlendingData
 from pas.parametric.patches import ExactControl, RationalPatch, bezier_patches

@@ -25,9 +25,22 @@ from pas.exchange.records import (
     read_surface,
     surface_record,
 )
-from pas.exchange.schema import NUMBER, REAL, TEXT, WHOLE, Table, list_of, maybe, row, table_of
-from pas.exchange.shapes import POINT, POLYNOMIAL, polynomial_record, read_polynomial
-from pas.exchange.shapes import SURFACE as FORM
+from pas.exchange.schema import (
+    NUMBER,
+    POINT,
+    POLYNOMIAL,
+    REAL,
+    TEXT,
+    WHOLE,
+    Table,
+    list_of,
+    maybe,
+    polynomial_record,
+    read_polynomial,
+    row,
+    table_of,
+)
+from pas.exchange.schema import SURFACE as FORM
 from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes, check_member

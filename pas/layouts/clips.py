@@ -14,11 +14,10 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
 from pas.contacts.contact import Contact, as_contact
 from pas.errors import GeometryError
-from pas.layouts.center import center_of
 from pas.layouts.discs import Disc, rim_of
 from pas.layouts.fan import best_gaps
 from pas.layouts.kinds import LAYOUTS
-from pas.layouts.nodes import MANY, ContactNode
+from pas.layouts.nodes import MANY, ContactNode, center_of
 from pas.layouts.planes import symmetric
 from pas.layouts.region import region
 from pas.layouts.spacing import arms_of, is_free, nearest

@@ -17,8 +17,8 @@ from pas.contacts.contact import as_contact
 from pas.contacts.endless import Endless
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
-from pas.layouts.center import center_of
 from pas.layouts.discs import Disc, angle_between, rim_of
+from pas.layouts.nodes import center_of
 from pas.surface.fairness_limits import WEDGE
 
 SHARE = 0.6

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from pas.mesh.graph import Graph
+    from pas.mesh.labelled import Labelled
     from pas.mesh.triangulate import Beginnings
 
 Floats = NDArray[np.float64]
@@ -121,7 +121,7 @@ class RayField(SheetField, Protocol):
     """A surface that rays from 0 meet once, but for those through its `rims`, on which it ends."""
 
     @property
-    def first(self) -> Graph | None:
+    def first(self) -> Labelled | None:
         """Its first mesh (see `pas.mesh.star.first`), kept; None where it is no graph."""
 
     @property

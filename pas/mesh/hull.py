@@ -10,13 +10,14 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
+from pas.mesh.edges import Edges
 from pas.mesh.field import Floats, Integers, RayField, RingCurve
-from pas.mesh.radial import Edges, seen
-from pas.mesh.rows import cross
+from pas.mesh.rows import cross, dots
 from pas.mesh.shading import unit_rows
 
 AROUND = 12
@@ -34,6 +35,9 @@ SMALL = 0.8
 
 HALVINGS = 12
 """Rounds in which edges of rings that are missing are halved."""
+
+SEEN = 1e-9
+"""Determinants over the product of the three distances count as positive from here."""
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 """A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
@@ -58,6 +62,14 @@ def _icosahedral(level: int) -> Integers:
     triangles = _delaunay(icosphere(level)[0])
     triangles.setflags(write=False)
     return triangles
+
+
+def seen(points: Floats, triangles: Integers) -> NDArray[np.bool_]:
+    """Which triangles (T,) are seen from 0 with their outside away."""
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    volume = dots(a, cross(b, c))
+    lengths = np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))
+    return np.asarray(volume > SEEN * SEEN * lengths)
 
 
 def hull(field: RayField, level: int) -> tuple[Floats, Integers]:

@@ -36,13 +36,15 @@ class Topology:
     """Triangles (T, 3), the label of each (T,), and the number of vertices.
 
     The triangles form a closed manifold.  `pinned` vertices (K,) on curves are corners, whatever the labels around them
-    say: a curve between two faces may turn sharply where these touch.
+    say: a curve between two faces may turn sharply where these touch.  Of an open mesh, which has one label, `rims`
+    (T, 3) are the numbers of the boundary curves that the edges from each corner to the next are on, -1 inside.
     """
 
     triangles: Integers
     labels: Integers
     size: int
     pinned: Integers = field(default_factory=lambda: NONE)
+    rims: Integers | None = None
 
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
@@ -147,9 +149,16 @@ class Labelled:
     normals: Floats | None = None
 
     @classmethod
-    def of(cls, points: Floats, triangles: Integers, labels: Integers, pinned: Integers = NONE) -> Labelled:
+    def of(
+        cls,
+        points: Floats,
+        triangles: Integers,
+        labels: Integers,
+        pinned: Integers = NONE,
+        rims: Integers | None = None,
+    ) -> Labelled:
         """The mesh of points (N, 3), triangles (T, 3) and labels (T,), with `pinned` vertices (K,)."""
-        return cls(points, Topology(triangles, labels, len(points), pinned))
+        return cls(points, Topology(triangles, labels, len(points), pinned, rims))
 
     @property
     def triangles(self) -> Integers:
@@ -172,6 +181,11 @@ class Labelled:
         """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
         topology = self.topology
         return compiled().sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
+
+    @property
+    def rims(self) -> Integers | None:
+        """The boundary curves (T, 3) of the edges of an open mesh."""
+        return self.topology.rims
 
     def moved(self, points: Floats) -> Labelled:
         """The same triangles on other points."""

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.bernstein.polar import Means, means
-from pas.bernstein.subdivision import raised
+from pas.bernstein.subdivision import Means, means, raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 from pas.mesh.kernels import compiled

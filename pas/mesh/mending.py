@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
+from pas.mesh.edges import Edges
 from pas.mesh.field import Floats, Integers
 from pas.mesh.places import Asked, Stars, all_sines, at_vertices, better_places, sines
-from pas.mesh.radial import Edges
 from pas.mesh.rows import all_of, any_of, dots, norms
 
 BESIDE = 0.1

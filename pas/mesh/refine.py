@@ -98,11 +98,3 @@ def with_longest(points: Floats, triangles: Integers, edges: Integers) -> Intege
     size = int(both.max(initial=0)) + 1
     keys = distinct(both.min(axis=1) * size + both.max(axis=1))
     return np.stack([keys // size, keys % size], axis=1)
-
-
-def longest_of(triangles: Integers, edges: Integers, ratio: Floats, size: int, limit: float) -> Integers:
-    """Those of all edges (E, 2) that are the longest of a triangle, each over what it should be, and beyond a limit.
-
-    `ratio` (E,) are lengths over what they should be, `size` is the number of vertices.
-    """
-    return edges[compiled().longest(triangles, edges, ratio, size, limit)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import cross
 
 SMOOTH_COSINE = 0.9
 """Normals of a vertex's faces closer than this are one, so that smooth joints are shaded smoothly."""
@@ -17,6 +18,13 @@ def unit_rows(vectors: Floats) -> Floats:
     """The vectors (..., 3) at length one; those of length 0 stay."""
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     return np.asarray(vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-300)[..., None])
+
+
+def uprightness(points: Floats, triangles: Integers, normals: Floats) -> Floats:
+    """The cosines (T,) between triangles (T, 3) and the sums of the normals (N, 3) at their corners."""
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    across, about = unit_rows(cross(b - a, c - a)), unit_rows(normals[triangles].sum(axis=1))
+    return np.asarray((across * about).sum(axis=1))
 
 
 def mean_normals(count: int, triangles: Integers, normals: Floats) -> Floats:

@@ -1,8 +1,7 @@
 """A graph over directions as triangles: Delaunay's in directions first, then graded by curvature.
 
-The first triangles are seen once from the centre, so they have the topology of the graph.  Splits, flips that make no
-edge twice, and moves keep it (see `pas.mesh.graded`).  That the result is a manifold without folds is looked at, not
-proved.
+The first triangles are seen once from the centre, so they have the topology of the graph.  What the remesher does keeps
+it (see `pas.mesh.remesher`).  That the result is a manifold without folds is looked at, not proved.
 """
 
 from __future__ import annotations
@@ -10,16 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from pas.limits import checkpoint
+from pas.mesh.edges import Edges
 from pas.mesh.field import Floats, Integers, RayField
-from pas.mesh.graded import graded, remeshed
-from pas.mesh.graph import Graph, looked_at
-from pas.mesh.hull import hull, icosphere
+from pas.mesh.grading import Settings
+from pas.mesh.halfedges import HalfEdges
+from pas.mesh.hull import hull, icosphere, seen
+from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.radial import Edges, seen
-from pas.mesh.refine import split
 from pas.mesh.rows import dots
 from pas.mesh.shading import unit_rows
+from pas.mesh.sheet import open_mesh, remeshed
 
 LEVELS = (1, 2, 3)
 """Halvings of the icosahedron whose directions are tried in turn."""
@@ -36,14 +36,8 @@ def star(field: RayField, tolerance: float, most: int | None = None, aim: float 
     """
     if field.first is None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
-    beginning = field.first
-
-    def coarse(tolerance: float) -> Graph:
-        graph = remeshed(field, beginning, tolerance)
-        require_once(field, graph.points[graph.rim < 0])
-        return graph
-
-    return graded(field, coarse, tolerance, aim, most)
+    settings = Settings(aim=aim) if most is None else Settings(aim=aim, most=most)
+    return remeshed(field, field.first, tolerance, settings, lambda points: require_once(field, points))
 
 
 def require_once(field: RayField, points: Floats) -> None:
@@ -52,15 +46,16 @@ def require_once(field: RayField, points: Floats) -> None:
         raise ArithmeticError("a ray from the centre does not meet the surface once")
 
 
-def first(field: RayField) -> Graph:
+def first(field: RayField) -> Labelled:
     """Few triangles seen once from the centre; raises `ArithmeticError` where rays do not meet the surface once."""
-    graph = _seen(field)
+    mesh = _seen(field)
     if field.rims:
-        require_once(field, graph.points[graph.rim < 0])
-    return graph
+        inside = np.setdiff1d(np.arange(len(mesh.points)), Edges(mesh.triangles, len(mesh.points)).rim)
+        require_once(field, mesh.points[inside])
+    return mesh
 
 
-def _seen(field: RayField) -> Graph:
+def _seen(field: RayField) -> Labelled:
     for level in LEVELS:
         if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
             require_once(field, icosphere(level)[0])
@@ -71,28 +66,31 @@ def _seen(field: RayField) -> Graph:
             if level == LEVELS[-1]:
                 raise
             continue
-        return _parted(field, looked_at(field, points, triangles, rim_numbers(field, points, triangles)))
+        return _parted(field, open_mesh(field, points, triangles, rim_numbers(field, points, triangles)))
     raise AssertionError
 
 
-def _parted(field: RayField, graph: Graph) -> Graph:
+def _parted(field: RayField, mesh: Labelled) -> Labelled:
     """The triangles with edges between opposite sides of a thin arm halved until none is left.
 
     The arm goes on between them: the ray between those to the ends meets it there, while its points next to the middle
     of the edge may be on any side.
     """
     for _ in range(PARTINGS):
-        inner, size = graph.edges.inner, len(graph.points)
-        opposite = inner[dots(graph.normals[inner[:, 0]], graph.normals[inner[:, 1]]) < 0]
+        halves, size = HalfEdges(mesh, np.zeros(1, dtype=np.int8)), len(mesh.points)
+        normals, corners, ends = field.gradients(mesh.points), halves.corners, halves.ends
+        opposite = np.flatnonzero(dots(normals[corners], normals[ends]) < 0)
+        opposite = opposite[halves.twins[opposite] > opposite]
         if not len(opposite):
             break
-        units, triangles, _ = split(unit_rows(graph.points), graph.triangles, opposite)
-        fresh = field.met(units[size:])
-        new = graph.joined(looked_at(field, fresh, triangles, np.full(len(fresh), -1)))
-        if not seen(new.points, triangles).all():
+        units = unit_rows(mesh.points)
+        middles = units[corners[opposite]] + units[ends[opposite]]
+        halves.split(opposite)
+        halves.points[size:] = field.met(unit_rows(middles))
+        if not seen(halves.points, halves.triangles).all():
             break
-        graph = new
-    return graph
+        mesh = halves.value
+    return mesh
 
 
 def rim_numbers(field: RayField, points: Floats, triangles: Integers) -> Integers:

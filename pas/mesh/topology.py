@@ -4,9 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
+
+
+def twins_of(triangles: Integers, size: int) -> Integers:
+    """The twins (3 T,) of half edges 3 t + k, from corner k of triangle t to the next, of triangles (T, 3) on so many
+    vertices: -1 on the boundary, -2 where an edge has more than two triangles, or two that are not turned alike."""
+    return compiled().twins(triangles, size)
+
+
+def fans_of(triangles: Integers, size: int) -> tuple[Integers, Integers]:
+    """The twins (3 T,) of half edges, and the number of fans (N,) that the triangles at each vertex are."""
+    twins = twins_of(triangles, size)
+    return twins, compiled().fans(triangles, size, twins)
+
 
 MOST = (1 << 62) - 1
 """The largest key of a place."""
@@ -46,8 +61,11 @@ def is_closed_manifold(triangles: Integers) -> bool:
 
 
 def is_manifold(triangles: Integers) -> bool:
-    """Whether every edge has one or two triangles and every vertex one fan of them."""
-    return len(triangles) > 0 and compiled().is_manifold(triangles, int(triangles.max()) + 1)
+    """Whether every edge has one triangle, or two that are turned alike, and every vertex one fan of them."""
+    if not len(triangles):
+        return False
+    twins, fans = fans_of(triangles, int(triangles.max()) + 1)
+    return bool(twins.min() >= -1 and fans.max() == 1)
 
 
 def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
@@ -58,7 +76,12 @@ def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Inte
     if not len(triangles):
         return np.empty(0, dtype=np.intp)
     size = int(triangles.max()) + 1 if among is None else len(among)
-    return compiled().pinched(triangles, size, among)
+    twins, fans = fans_of(triangles, size)
+    alone, kept = np.flatnonzero(twins < 0), np.ones(size, dtype=bool) if among is None else among
+    open_ = np.zeros(size, dtype=bool)
+    open_[triangles.ravel()[alone]] = open_[triangles[:, [1, 2, 0]].ravel()[alone]] = True
+    found = np.flatnonzero(open_ & kept)
+    return found if len(found) else np.flatnonzero((fans > 1) & kept)
 
 
 def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
@@ -89,4 +112,7 @@ def euler_characteristic(triangles: Integers) -> int:
 
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
-    return compiled().pieces(triangles, int(triangles.max(initial=-1)) + 1)
+    size = int(triangles.max(initial=-1)) + 1
+    ends = triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
+    return len(distinct(connected_components(graph, directed=False)[1].astype(np.intp)[triangles])) if size else 0

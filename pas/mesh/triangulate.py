@@ -1,7 +1,7 @@
 """From polynomials on cells to a triangle mesh within a tolerance.
 
 The cells are cut, where the surface passes, until its function rises all along one direction in nearly all parts, then
-contoured; the triangles of that are coarsened and graded by curvature (see `pas.mesh.graded`).
+contoured; the triangles of that are coarsened and graded by curvature (see `pas.mesh.remesher`).
 
 Looked at on the result, not proved: that it is a manifold without folds, within the tolerance, that ends on the walls
 and shows all curves on which it must end.
@@ -10,7 +10,7 @@ and shows all curves on which it must end.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -18,13 +18,15 @@ from scipy.spatial import cKDTree
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
+from pas.mesh.edges import Edges
 from pas.mesh.field import VISIBLE, CellField, Floats, Integers
-from pas.mesh.graded import coarsened, graded, remeshed
-from pas.mesh.graph import BadMeshError, Graph, looked_at
+from pas.mesh.grading import Settings
+from pas.mesh.labelled import Labelled
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.radial import Edges
+from pas.mesh.shading import unit_rows, uprightness
+from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
@@ -50,8 +52,9 @@ MORE = 0.4
 """Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
 be a little coarser than those of a star, which rays have to see all of."""
 
-FOLDS = 0.03
-"""Share of folded triangles, and of such without area, that coarsening and smoothing may have to mend."""
+FOLDED, FOLDS = 0.3, 0.03
+"""Cosine with the normals below which a triangle counts as folded; and the share of such triangles, and of those
+without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
@@ -60,10 +63,11 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None, aim
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
     than `most` triangles.
     """
-    why = ""
+    why, settings = "", Settings(aim=aim, more=MORE)
+    settings = settings if most is None else replace(settings, most=most)
     for first in field.beginnings:
         try:
-            return _from(field, first.graph, tolerance, most, aim)
+            return remeshed(field, first.mesh, tolerance, settings)
         except ArithmeticError as error:
             why = f"no good mesh was found: {error}{first.trouble or _grazed(field, error)}"
     if not why:
@@ -79,11 +83,11 @@ class FoldedError(MeshError):
 class Beginning:
     """The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
 
-    found: Graph | ArithmeticError
+    found: Labelled | ArithmeticError
     trouble: str
 
     @property
-    def graph(self) -> Graph:
+    def mesh(self) -> Labelled:
         """The mesh; raises `ArithmeticError` where it is no good."""
         if isinstance(self.found, ArithmeticError):
             raise self.found
@@ -153,16 +157,7 @@ def _finest(cells: Subdivision) -> bool:
     return cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
 
 
-def _from(field: CellField, graph: Graph, tolerance: float, most: int | None, aim: float) -> Mesh:
-    """The mesh that begins with a first one; raises `ArithmeticError` where that is no good."""
-
-    def coarse(tolerance: float) -> Graph:
-        return remeshed(field, coarsened(field, graph, tolerance), tolerance)
-
-    return graded(field, coarse, tolerance, aim, most, MORE)
-
-
-def _first(field: CellField, grid: Lattice) -> Graph:
+def _first(field: CellField, grid: Lattice) -> Labelled:
     negative = grid.values < 0
     ends, triangles = crossings(negative, grid.tetrahedra)
     a, b = ends.T
@@ -187,10 +182,12 @@ def _first(field: CellField, grid: Lattice) -> Graph:
         points[inner] = field.near(points[inner])
         if not field.within(points):
             continue
-        graph = looked_at(field, points, triangles, rim)
-        if graph.folded.mean() <= FOLDS and _shows_curves(field, graph):
-            return graph
-    raise ArithmeticError("triangles are folded, or where the surface ends is not seen")
+        upright = uprightness(points, triangles, unit_rows(field.gradients(points)))
+        if np.mean(~(upright >= FOLDED)) <= FOLDS and _shows_curves(field, points[~inner]):
+            return open_mesh(field, points, triangles, rim)
+    upright = uprightness(crossed, plain, unit_rows(field.gradients(crossed)))
+    place = crossed[plain[np.argmin(upright)]].mean(axis=0)
+    raise BadMeshError("triangles are folded, or where the surface ends is not seen", place)
 
 
 def _topology(triangles: Integers) -> tuple[int, int]:
@@ -215,9 +212,8 @@ def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integ
     return result
 
 
-def _shows_curves(field: CellField, graph: Graph) -> bool:
-    """Whether each curve on which the surface must end is near the mesh's boundary all along."""
-    ends = graph.points[graph.rim >= 0]
+def _shows_curves(field: CellField, ends: Floats) -> bool:
+    """Whether each curve on which the surface must end is near the mesh's boundary (K, 3) all along."""
     if not len(ends):
         return not field.curves
     tree = cKDTree(ends)

@@ -16,18 +16,16 @@ from itertools import combinations
 from math import gcd, lcm
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, minus, to_floats
 from pas.errors import GeometryError
 
 Indices = tuple[int, ...]
 Whole = tuple[int, int, int]
-
-LINEAR = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
-"""The exponents of x, y, z and 1."""
 
 
 @dataclass(frozen=True)
@@ -209,8 +207,8 @@ def _height(a: Whole, b: Whole, c: Whole, d: Whole) -> int:
 def _linear(way: Whole, point: Whole, denominator: int, sign: int) -> Polynomial:
     """What rises along a way, times a sign, from 0 at a point over a denominator; coprime integer coefficients."""
     x, y, z = way
-    values = denominator * x, denominator * y, denominator * z, -(x * point[0] + y * point[1] + z * point[2])
+    values = -dot(way, point), denominator * x, denominator * y, denominator * z
     divisor = sign * gcd(*values)
     if divisor == 0:
         raise GeometryError("three points of a face are on one line")
-    return Polynomial.from_raw(RING.from_dict({e: v // divisor for e, v in zip(LINEAR, values, strict=True) if v}))
+    return Polynomial.from_row((fmpq(v // divisor) for v in values), 1)

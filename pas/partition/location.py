@@ -8,27 +8,21 @@ many planes, the cell in which a point is deepest by barycentric coordinates is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import cross, dot, minus, to_floats
+from pas.kernels.library import compiled
 from pas.partition.complex import CellComplex, OuterFace
 from pas.partition.layout import Ray, primitive, reduced
 
 MOST_PLANES = 12
 """Of 2^planes combinations of signs a table is kept; with more planes the test of all cells is not slower either."""
 
-BLOCK = 1 << 14
-"""Points that are located at once."""
-
 Integers = NDArray[np.intp]
-Group = tuple[int, Integers, Floats]
-"""A piece, the numbers of points (M,) in it, and these points (3, M)."""
 
 
 class Location:
@@ -37,64 +31,31 @@ class Location:
     def __init__(self, partition: CellComplex) -> None:
         self.partition = partition
 
-    def groups(self, points: Floats, tolerance: float) -> Iterator[Group]:
-        """The points (3, N) by pieces, some thousand at a time; those outside the region are left out.
+    def pieces(self, points: Floats, tolerance: float) -> Integers:
+        """The piece of each of `points` (3, N), -1 outside.
 
         A point counts as outside that is further than `tolerance` (barycentric) outside every cell.
         """
-        for start in range(0, points.shape[1], BLOCK):
-            block = points[:, start : start + BLOCK]
-            for piece, rows, inside in self._grouped(block, tolerance):
-                yield piece, rows + start, inside
-
-    def pieces(self, points: Floats, tolerance: float) -> Integers:
-        """The piece of each of `points` (3, N), -1 outside."""
-        result = np.full(points.shape[1], -1, dtype=np.intp)
-        for piece, rows, _ in self.groups(points, tolerance):
-            result[rows] = piece
+        number = points.shape[1]
+        if not self.partition.cells:
+            return np.zeros(number, dtype=np.intp)
+        result = np.empty(number, dtype=np.intp)
+        compiled().call("pas_located", *self._tables, number, points, float(tolerance), result)
         return result
 
-    def _grouped(self, points: Floats, tolerance: float) -> Iterator[Group]:
-        if not self.partition.cells:
-            yield 0, np.arange(points.shape[1]), points
-            return
-        if self._planes is None:
-            yield from _split(self._deepest(points, tolerance), points)
-            return
-        for piece, rows, inside in _split(self._seen(points), points):
-            within = self._within(piece, inside, tolerance)
-            yield (piece, rows, inside) if within.all() else (piece, rows[within], inside.compress(within, axis=1))
-
-    def _seen(self, points: Floats) -> NDArray[np.integer]:
-        """The pieces in whose directions points lie."""
-        normals, table = self._planes or (np.empty((0, 3)), np.zeros(1, dtype=np.int16))
-        codes = np.zeros(points.shape[1], dtype=np.int16)
-        for bit, normal in enumerate(normals):
-            codes |= (_along(normal, points) >= 0).astype(np.int16) << bit
-        found = table[codes]
-        strange = np.flatnonzero(found < 0)  # signs that there are only by rounding, where planes meet
-        if len(strange):
-            found[strange] = self._deepest(points[:, strange], np.inf)
-        return found
-
-    def _within(self, piece: int, points: Floats, tolerance: float) -> NDArray[np.bool_]:
-        """Whether points in a piece's directions are in the region."""
-        walls = self._walls[piece]
-        if walls is None:
-            depth = self.partition.barycentric(points.T, self.partition.pieces[piece]).min(axis=1).max(axis=0)
-            return np.asarray(depth >= -tolerance)
-        within = _along(walls[0], points) <= 1 + tolerance
-        for wall in walls[1:]:
-            within &= _along(wall, points) <= 1 + tolerance
-        return np.asarray(within)
-
-    def _deepest(self, points: Floats, tolerance: float) -> NDArray[np.int16]:
-        """The pieces of the cells in which points are deepest."""
-        cells = self.partition.locate(points.T, tolerance)
-        return np.where(cells < 0, -1, self.partition.piece_of[cells]).astype(np.int16)
+    @cached_property
+    def _tables(self) -> tuple[Floats | Integers, ...]:
+        """What compiled code takes: how many cells and planes there are (-1 where planes do not tell), the cells' maps
+        and pieces, the planes with the table of pieces, and for each piece where its walls begin, and these."""
+        maps, piece_of = np.ascontiguousarray(self.partition.barycentric_maps), np.array(self.partition.piece_of)
+        normals, table = self._planes or (np.empty((0, 3)), np.empty(0, dtype=np.intp))
+        walls = [np.empty((0, 3)) if own is None else own for own in self._walls if self._planes]
+        starts = np.cumsum([0, *map(len, walls)])
+        sizes = np.array([len(maps), len(normals) if self._planes else -1])
+        return sizes, maps, piece_of, normals, table, starts, np.concatenate([np.empty((0, 3)), *walls])
 
     @cached_property
-    def _planes(self) -> tuple[Floats, NDArray[np.int16]] | None:
+    def _planes(self) -> tuple[Floats, Integers] | None:
         """Normals (p, 3) of the planes between pieces, and the piece for each combination of signs (2^p,).
 
         None without a centre, and for too many planes.
@@ -109,7 +70,7 @@ class Location:
         normals = list(found)
         if len(normals) > MOST_PLANES:
             return None
-        table = np.full(1 << len(normals), -1, dtype=np.int16)
+        table = np.full(1 << len(normals), -1, dtype=np.intp)
         for outer in self.partition.outer_faces:
             rays = tuple(primitive(self.partition.vertices[v]) for v in outer.vertices)
             for cone in _cut(rays, normals):
@@ -133,25 +94,6 @@ class Location:
             return None
         rows = (plane.row(1) for plane in sorted(planes, key=str))
         return np.array([to_floats((-x / constant, -y / constant, -z / constant)) for constant, x, y, z in rows])
-
-
-def _along(normal: Floats, points: Floats) -> Floats:
-    """Scalar products of one vector with points (3, N), with the same rounding on every machine."""
-    x, y, z = points
-    result: Floats = normal[0] * x
-    result += normal[1] * y
-    result += normal[2] * z
-    return result
-
-
-def _split(pieces: NDArray[np.integer], points: Floats) -> Iterator[Group]:
-    """Points by their pieces; those of piece -1 are left out."""
-    order = np.argsort(pieces, kind="stable")  # by radix, for short integers
-    ends = np.searchsorted(pieces[order], np.arange(int(pieces.max(initial=-1)) + 2))
-    ordered = points.take(order, axis=1)
-    for piece, (start, end) in enumerate(pairwise(ends.tolist())):
-        if end > start:
-            yield piece, order[start:end], ordered[:, start:end]
 
 
 def _cut(cone: tuple[Ray, ...], normals: list[Ray]) -> list[tuple[Ray, ...]]:

@@ -21,9 +21,9 @@ from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.limits import Report, limited
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.pipeline.ladder import FEWEST_UNKNOWNS, Ladder
 from pas.pipeline.repeated import KEPT, key_of
 from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.search import CHOSEN, CORNER, GIVEN, Remembered, Search
 from pas.pipeline.stages import OnStage, Stages
 from pas.surface.placed import PlacedContacts
 
@@ -98,18 +98,24 @@ def blend(
             "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
         )
     raised = degree is None and wished.energy is not None and wished.energy.on_surface
-    ladder = Ladder(wished, given, order, raised, stages)
-    own = isinstance(partition, Partition) or isinstance(placed.partition, SixTetrahedra)
-    fewest = 0 if own or not raised else FEWEST_UNKNOWNS
-    for _, regions in groupby(chain([placed], candidates), lambda place: place.partition.layout if fewest else place):
-        found = ladder.climb(regions, fewest)
+    search = Search(wished, given, order, raised, stages)
+    corner = isinstance(placed.partition, SixTetrahedra)
+    several = raised and not corner and not isinstance(partition, Partition)
+    ways = [CHOSEN] if several else [CORNER, GIVEN] if raised and not isinstance(partition, Partition) else [GIVEN]
+
+    def layout_of(place: PlacedContacts) -> Any:
+        return place.partition.layout if several else place
+
+    for _, regions in groupby(chain([placed], candidates), layout_of):
+        here = Remembered(regions)
+        found = next(filter(None, (search.on_layout(here, settings) for settings in ways)), None)
         if found is not None:
             if key is not None:
                 KEPT.keep(found, key)
             return found
-    if ladder.failure is None and given is not None:
-        raise _too_low(ladder.attempts[-1], _lowest(placed, given), order)
-    raise _given_up(ladder, order)
+    if search.failure is None and given is not None:
+        raise _too_low(search.attempts[-1], _lowest(placed, given), order)
+    raise _given_up(search, order)
 
 
 def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
@@ -157,9 +163,9 @@ def _ended(attempts: Sequence[Attempt]) -> str:
     return f"the search ended at degree {last} ({beyond})"
 
 
-def _given_up(ladder: Ladder, order: int) -> Exception:
-    attempts, failure = ladder.attempts, ladder.failure
-    ended = f"; {_ended(attempts)}" if ladder.degree is None else ""
+def _given_up(search: Search, order: int) -> Exception:
+    attempts, failure = search.attempts, search.failure
+    ended = f"; {_ended(attempts)}" if search.degree is None else ""
     tried = f"tried: {_tried(attempts)}"
     if failure is None:
         return NoSolutionError(

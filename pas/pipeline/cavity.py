@@ -26,6 +26,7 @@ from pas.contacts.rims import outlook
 from pas.errors import GeometryError
 from pas.fairing.basis import to_doubles
 from pas.fairing.energies.even_wall import EvenWall, Thickness
+from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
 from pas.layouts.discs import power_of_two
 from pas.layouts.nodes import ContactNode
@@ -33,8 +34,8 @@ from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.partition.regions import Region
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
+from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
 Way: TypeAlias = "tuple[int | None, Partition | Layout]"
@@ -106,11 +107,9 @@ class Cavity:
         choice = found.choice
         if self.evenness is None or choice is None:
             return found
-        energy = found.energy
-        if choice.by is None:
-            fairing, limits = found.space.fairing(self.outer.plate), found.limits
-            first = fairing.landscape(limits, to_doubles(choice.working)[0]).first
-            energy = energy if first is None else first.energy + fairing.energy_of(choice.working)
+        solver = FitSolver(found.space.prepared, self._wishes(None).settled(found.surface.placed))
+        seen = solver.iterate(to_doubles(choice.working)[0], choice.rows)
+        energy = found.energy if seen is None else solver.rounded(seen, choice.share).energy
         return replace(found, energy=energy, wishes=self._wishes(None), choice=replace(choice, energy=energy))
 
     def unevenness(self, inner: PiecewiseSurface) -> float:

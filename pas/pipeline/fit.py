@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pas.errors import NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
+from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
-from pas.piecewise import PiecewiseSurface
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.stages import Stages
 
@@ -25,35 +24,21 @@ def fit(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
     if space.dimension == 0:
         raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
     check_wishes(wishes, space.placed)
-    return choose(space, wishes.settled(space.placed), [], stages)
+    return choose(space, wishes.settled(space.placed), stages)
 
 
-def choose(
-    space: SolutionSpace,
-    wishes: Wishes,
-    attempts: Sequence[Attempt],
-    stages: Stages,
-    start: PiecewiseSurface | None = None,
-    patient: bool = True,
-) -> Blend:
-    """The same for wishes that are settled and known not to contradict by themselves.
-
-    `attempts` are those before this one; `start` is a surface of a lower degree to begin with.  Without patience it
-    raises `BeyondLimitsError` early where the surface will not be fair.
-    """
+def choose(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
+    """The member for wishes that are settled and known not to contradict by themselves."""
     began = time.perf_counter()
     if wishes.basis is not None:
         space = space.restricted(wishes.basis)
-    assert wishes.energy is not None
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
     with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
-        choice = space.fairing(wishes.energy).choose(wishes, start, patient)
-    certificate = choice.surface.certificate if wishes.prove else None
+        fitted = FitSolver(space.prepared, wishes).fitted()
+    certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
-    if choice.by is not None:
-        outcome += f", by {choice.by.kind}: none was seen from the centre and proved on the way to a fair one"
     attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)
-    result = Blend.of(space, choice, wishes, stages.seconds, (*attempts, attempt))
+    result = Blend.of(space, fitted, wishes, stages.seconds, (attempt,))
     if certificate is not None and not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)

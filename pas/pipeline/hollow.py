@@ -33,8 +33,8 @@ from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
-from pas.pipeline.ladder import excess
 from pas.pipeline.result import Blend
+from pas.pipeline.search import excess
 from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid

@@ -36,6 +36,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
+from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
 from pas.partition.boxes import KUHN_CELLS
@@ -227,10 +228,8 @@ def halves(quad: Sequence[Vector]) -> list[tuple[Vector, ...]]:
 
 def proved(claim: Positive, simplices: Sequence[Sequence[Vector]]) -> bool:
     """Whether a polynomial is proved to be positive where no other is, on simplices."""
-    value, others = claim
-    count = len(simplices)
-    inside = [([p.raw] * count, p.degree) for p in others]
-    return prove_inside(([value.raw] * count, value.degree), inside, simplices).status is Status.PROVED
+    value, *others = (alike(p.raw, simplices) for p in (claim[0], *claim[1]))
+    return prove_inside(simplices, value, others).status is Status.PROVED
 
 
 def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:

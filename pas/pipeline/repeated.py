@@ -207,7 +207,7 @@ class Repeated:
 
 def _usual(blend: Blend) -> bool:
     """Whether the energy that it was chosen by has no unit."""
-    return type(blend.plate) is CurvatureVariation and (blend.choice is None or blend.choice.by is None)
+    return type(blend.plate) is CurvatureVariation
 
 
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:

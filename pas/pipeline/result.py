@@ -16,10 +16,10 @@ from pas.blending.space import Member
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import ContactLike
 from pas.errors import GeometryError
-from pas.fairing.basis import Change
+from pas.fairing.basis import BasisChange
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.fairing import Choice
-from pas.fairing.refit import MOST_STEPS, refitted
+from pas.fairing.refit import refitted
+from pas.fairing.solver import FittedMember
 from pas.fairing.wishes import Sliders, Wishes, check_point_options
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     from pas.pipeline.hollow import HollowBlend
     from pas.pipeline.space import SolutionSpace
 
+
+MOST_STEPS = 1000
+"""Steps of a slider that may be asked for at once."""
 
 HOLLOW = "pas.pipeline.hollow:hollow"
 """Where the cavity of a blend is made, which is a blend itself."""
@@ -77,7 +80,7 @@ class Blend(Shape):
     wishes: Wishes
     find_space: Callable[[], SolutionSpace]
     basis: tuple[Member, ...] | None = None
-    choice: Choice | None = None
+    choice: FittedMember | None = None
     stored: Certificate | None = None
     found_dimension: int | None = None
     kind = "blend"
@@ -86,16 +89,15 @@ class Blend(Shape):
     def of(
         cls,
         space: SolutionSpace,
-        choice: Choice,
+        choice: FittedMember,
         wishes: Wishes,
         timings: dict[str, float],
         attempts: Sequence[Attempt],
     ) -> Blend:
         """The blend of a choice in a solution space."""
-        fairing = space.fairing(as_energy(wishes.energy))
         return cls(
             surface=choice.surface,
-            find_coefficients=partial(_entries, choice.working, fairing.basis.change),
+            find_coefficients=partial(_entries, choice.working, space.prepared.basis.change),
             energy=choice.energy,
             timings=timings,
             attempts=tuple(attempts),
@@ -182,8 +184,7 @@ class Blend(Shape):
         if steps is not None:
             whole(steps, "steps", 1, MOST_STEPS, "or None to settle")
         wishes = self.wishes.changed(**options)
-        fairing = self.space.fairing(as_energy(wishes.energy))
-        chosen = refitted(fairing, self.surface, self.choice, wishes, steps)
+        chosen = refitted(self.space.prepared, self.surface, self.choice, wishes, steps)
         return Blend.of(self.space, chosen, wishes, {}, self.attempts)
 
     def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
@@ -257,6 +258,6 @@ class Blend(Shape):
         return f"<Blend GC^{s.order}, degree {s.degree}{dimension}, {self.standing}>"
 
 
-def _entries(row: fmpq_mat, change: Change) -> list[fmpq]:
+def _entries(row: fmpq_mat, change: BasisChange) -> list[fmpq]:
     """The entries of a changed row, as a function that can be called later."""
     return list((row * change.matrix).entries())

@@ -12,14 +12,13 @@ from pas.algebra.rational import Exact, to_fraction
 from pas.blending.generators import Generator, generators
 from pas.blending.multipliers import Consistency, Multipliers, consistency
 from pas.blending.place import PartitionLike, place
-from pas.blending.regularity import is_regular
+from pas.blending.regularity import TrivialPart, is_regular, trivial_part
 from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_squares, optimum
 from pas.blending.solving import check_method, solve
 from pas.blending.space import Space
-from pas.blending.trivial import TrivialPart, trivial_part
 from pas.contacts.contact import ContactLike
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.fairing import Fairing
+from pas.fairing.prepared import PreparedSpace
 from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes, as_wishes, exact_points
 from pas.limits import Report, checkpoint, limited
 from pas.pipeline.fit import fit
@@ -81,15 +80,10 @@ class SolutionSpace(Space):
         """
         return [[to_fraction(v) for v in row] for row in as_energy(energy).products(self).tolist()]
 
-    def fairing(self, energy: Energy) -> Fairing:
-        """The prepared choice among the members for an energy; what does not depend on that is kept."""
-        if self._fairing is None:
-            self._fairing = Fairing(self.placed, self.degree, self.source, energy)
-        if self._fairing.energy != energy:
-            self._fairing = self._fairing.of(energy)
-        return self._fairing
-
-    _fairing: Fairing | None = None
+    @cached_property
+    def prepared(self) -> PreparedSpace:
+        """The members in floating point, with what the fit asks of them; made once."""
+        return PreparedSpace(self.placed, self.degree, self.source)
 
     @limited("choosing a surface", "a lower degree")
     def fit(

@@ -19,7 +19,7 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, CompiledTree, Field, Function, Integers, Tree
+from pas.solid.tree import Atom, Bools, CompiledTree, Function, Integers, ScalarField, Tree
 from pas.surface.geometry import derivative_batch
 
 SPLITS = 6
@@ -203,7 +203,7 @@ class TreeEvaluator:
         return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
 
     @cached_property
-    def _fields(self) -> dict[int, Field]:
+    def _fields(self) -> dict[int, ScalarField]:
         """The columns that are no polynomials."""
         functions = enumerate(c.function for c in self.columns[: self.used])
         return {i: f for i, f in functions if not isinstance(f, Polynomial)}

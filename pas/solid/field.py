@@ -144,7 +144,7 @@ class SolidField:
         return np.concatenate([self._turning(centers[part], np.full((1, 3), half)) for part in parts])
 
     def _turning(self, centers: Floats, halves: Floats) -> Floats:
-        """The same for few cubes, all functions of each together."""
+        """How much faces turn in few cubes (N,), all functions of each together."""
         yes, no = self.evaluator.taylor(centers, halves)
         below, above = self.evaluator.relevant(yes, no)
         both = below & above
@@ -196,7 +196,7 @@ class SolidField:
         return self.evaluator.walls[labels // 2]
 
     def without_lines(self) -> SolidField:
-        """The same, none of whose faces is said to have straight lines; itself if none has."""
+        """The boundary with none of its faces said to have straight lines; itself if none has."""
         if not self._lines.any():
             return self
         result = copy(self)
@@ -205,7 +205,7 @@ class SolidField:
 
     @cached_property
     def _lines(self) -> NDArray[np.bool_]:
-        """The same for each column of the tree."""
+        """Whether the functions of the tree's columns (M,) are planes, cylinders or cones."""
         return np.array([_has_lines(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:

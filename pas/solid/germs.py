@@ -29,7 +29,7 @@ class Ray:
 
 
 @dataclass(frozen=True)
-class Contact:
+class SheetContact:
     """How two sheets meet along a curve: the order, and the derivative of `other` along `base` that does not vanish."""
 
     order: int
@@ -80,12 +80,12 @@ class Sheets:
         return [not all(self.part.contains(d) for d in gradient(q)) for q in self.polynomials]
 
     @cached_property
-    def contacts(self) -> dict[tuple[int, int], Contact]:
+    def contacts(self) -> dict[tuple[int, int], SheetContact]:
         """How each two regular sheets meet."""
         numbers = [i for i, regular in enumerate(self.regular) if regular]
         return {(i, j): self._contact(i, j) for i, j in combinations(numbers, 2)}
 
-    def _contact(self, i: int, j: int) -> Contact:
+    def _contact(self, i: int, j: int) -> SheetContact:
         base, other = (i, j) if self.polynomials[i].degree <= self.polynomials[j].degree else (j, i)
         ground = self.polynomials[base]
         field = cross(gradient(ground), gradient(self.part.curve.form))
@@ -95,7 +95,7 @@ class Sheets:
             # the field is tangent to the ground, so multiples of that stay multiples
             derivative = Polynomial.from_raw(divmod(along(field, derivative).raw, ground.raw)[1])
             order += 1
-        return Contact(order, base, other, self.part.ideal.normal_form(derivative))
+        return SheetContact(order, base, other, self.part.ideal.normal_form(derivative))
 
     @cached_property
     def cuts(self) -> list[RealRoot]:

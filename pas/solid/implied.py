@@ -52,7 +52,7 @@ denominator of the rationals to which weights of members are rounded."""
 
 
 def needed(tree: Tree, box: Floats) -> tuple[Tree, Floats]:
-    """The same set, which is in a box (2, 3), without conditions that are implied, and a box (2, 3) that holds it.
+    """A set, which is in a box (2, 3), by its conditions that are not implied, and a box (2, 3) that holds it.
 
     What was left out is only known to be implied near the box.  Where all that is left is bounded, and its own box is
     in there, that is taken; else the given one, about which nothing else is near.
@@ -70,7 +70,7 @@ def needed(tree: Tree, box: Floats) -> tuple[Tree, Floats]:
 
 
 def without_implied(tree: Tree, box: Floats) -> Tree:
-    """The same set, which is in a box (2, 3), without conditions that two others of an intersection imply.
+    """A set, which is in a box (2, 3), without conditions that two others of an intersection imply.
 
     Itself where there are none, or none are found.
     """

@@ -21,7 +21,7 @@ from pas.algebra.roots import FIRST_BITS, RealRoot, bounds, rational_root
 from pas.algebra.zeros import RealZero, value_at
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.solid.functions import Pieces
-from pas.solid.tree import Atom, Bools, Field, Node, Tree, complement
+from pas.solid.tree import Atom, Bools, Node, ScalarField, Tree, complement
 
 Truth = Callable[[int], bool | None]
 """Whether the inequality of a leaf holds; None where that is not known."""
@@ -35,7 +35,7 @@ class Leaf:
     their `sign`.  It is -1 for other functions.
     """
 
-    function: Polynomial | Field
+    function: Polynomial | ScalarField
     number: int
     sign: int
     face: str
@@ -197,7 +197,7 @@ class AlongCurve:
             (high is None or start < high) and (low is None or low < end) for start, end in self._unknown[number]
         )
 
-    def _intervals(self, field: Field, curve: SpaceCurve) -> list[Interval]:
+    def _intervals(self, field: ScalarField, curve: SpaceCurve) -> list[Interval]:
         """Disjoint intervals of the form's values in boxes where a function is not decided."""
 
         def judge(boxes: Boxes, _: int) -> Fates:
@@ -214,7 +214,7 @@ class AlongCurve:
         return [(rational_root(low), rational_root(high)) for low, high in merged]
 
 
-def _may_change(field: Field, curve: SpaceCurve, boxes: Boxes) -> Bools:
+def _may_change(field: ScalarField, curve: SpaceCurve, boxes: Boxes) -> Bools:
     """Which boxes may meet the curve, without that a function says on which side they are."""
     reach = boxes.halves * (1 + OVERLAP)
     inside, outside = field.decided(boxes.centers, reach)

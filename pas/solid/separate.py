@@ -57,7 +57,7 @@ def cavities(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
 
 
 def pieces(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
-    """The same, and each part of a union with the union of the others."""
+    """The `cavities` in a box a little larger, and each part of a union with the union of the others."""
     yield from cavities(tree, box + SLACK * np.ptp(box, axis=0) * np.array([[-1.0], [1.0]]))
     if isinstance(tree, Node) and tree.union and len(tree.parts) <= MOST_PARTS:
         for part in tree.parts:

@@ -30,7 +30,7 @@ TOGETHER = 4096
 
 
 @runtime_checkable
-class Field(Protocol):
+class ScalarField(Protocol):
     """A function that is no polynomial, such as a distance or a piecewise polynomial, over `2^exponent`."""
 
     @property
@@ -46,14 +46,14 @@ class Field(Protocol):
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) at the centres of boxes, and how much their components change inside (N, 3)."""
 
-    def moved(self, map_: Affine) -> Field:
+    def moved(self, map_: Affine) -> ScalarField:
         """The function whose zero set is the image of this one's.
 
         Raises `ValueError` for maps that it cannot follow.
         """
 
 
-Function = Polynomial | Field
+Function = Polynomial | ScalarField
 
 
 def image(function: Function, map_: Affine) -> Function:
@@ -120,7 +120,7 @@ def is_contradiction(tree: Tree) -> bool:
 
 
 def mapped(tree: Tree, change: Callable[[Atom], Atom]) -> Tree:
-    """The same tree with its atoms changed."""
+    """The tree with each of its atoms changed."""
     if isinstance(tree, Atom):
         return change(tree)
     return Node(tuple(mapped(part, change) for part in tree.parts), tree.union)

@@ -32,7 +32,7 @@ CLOSED = 1e-9
 """How far apart the ends of a closed curve may be, over its extent."""
 
 
-class Curve:
+class TubeCurve:
     """A curve `t -> (x(t), y(t), z(t))` on an interval, with its nearest points.
 
     `formulas` are three strings in t (sympy expressions, numbers).
@@ -93,7 +93,7 @@ class Curve:
 class Tube(Distance):
     """The distance from a curve less a radius."""
 
-    def __init__(self, curve: Curve, radius: Any) -> None:
+    def __init__(self, curve: TubeCurve, radius: Any) -> None:
         self.curve, self.exact_radius = curve, rational(radius, "radius")
         if self.exact_radius <= 0:
             raise ValueError(f"radius must be positive, not {plain(self.exact_radius)}")
@@ -151,10 +151,10 @@ class Tube(Distance):
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Tube:
         """The tube of `to_record`."""
-        return cls(Curve(record["curve"], record["interval"]), record["radius"])
+        return cls(TubeCurve(record["curve"], record["interval"]), record["radius"])
 
 
-class End(Distance):
+class TubeEnd(Distance):
     """How far points of a tube are beyond its flat start (side 0) or end (1); negative along the tube."""
 
     def __init__(self, tube: Tube, side: int) -> None:
@@ -195,7 +195,7 @@ class End(Distance):
         return {"tube": self.tube.to_record(), "side": self.side}
 
     @classmethod
-    def from_record(cls, record: dict[str, Any]) -> End:
+    def from_record(cls, record: dict[str, Any]) -> TubeEnd:
         """The end of `to_record`."""
         return cls(Tube.from_record(record["tube"]), whole(record["side"], "side", 0, 1))
 
@@ -217,8 +217,8 @@ def tube(
     """
     if ends not in ("flat", "round"):
         raise ValueError(f"ends must be 'flat' or 'round', not {ends!r}")
-    shape = Tube(Curve(curve, interval), radius)
+    shape = Tube(TubeCurve(curve, interval), radius)
     parts = [Atom(shape, face)]
     if ends == "flat" and not shape.curve.is_closed:
-        parts += [Atom(End(shape, side), f"{face} {name}") for side, name in enumerate(("start", "end"))]
+        parts += [Atom(TubeEnd(shape, side), f"{face} {name}") for side, name in enumerate(("start", "end"))]
     return Solid(combined(False, *parts))

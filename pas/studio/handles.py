@@ -21,10 +21,12 @@ from pas.algebra.rational import to_float, to_floats
 from pas.blending.shaping import handles
 from pas.errors import InfeasibleError, InputError
 from pas.fairing.basis import to_doubles
+from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.functionals import b_coefficient
-from pas.fairing.guard import SLIMMEST, Rows
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.refit import compliance
+from pas.fairing.sampled import Inequalities
+from pas.fairing.solver import Conditions
 from pas.fairing.wishes import Handle, Wishes
 from pas.pipeline.result import Blend
 from pas.studio.controls import Control
@@ -84,7 +86,7 @@ def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[
 
     A place is where the ray from the centre through the domain point meets the surface.
     """
-    surface, fairing = blend.surface, blend.space.fairing(blend.plate)
+    surface, prepared = blend.surface, blend.space.prepared
     local, frame, degree = surface.local, surface.partition.frame, surface.degree
     domains = np.array([np.array(index) / degree @ local.points[list(local.cells[cell])] for cell, index in candidates])
     seen = np.linalg.norm(domains, axis=1) > NEAR
@@ -92,10 +94,10 @@ def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[
     distances[seen] = surface.intersect_rays(to_floats(frame.origin), domains[seen]) / to_float(frame.scale)
     met = np.isfinite(distances)
     places = np.where(met, distances, 1.0)[:, None] * domains
-    basis = fairing.basis
+    basis = prepared.basis
     columns = np.hstack([to_doubles(b_coefficient(surface.partition, handle, degree).column) for handle in candidates])
     rows, values = (basis.coefficients[0] @ columns).T, basis.values(0, places)
-    follows = compliance(fairing, surface, blend.choice, wishes)
+    follows = compliance(prepared, surface, blend.choice, wishes)
     own, there = (np.einsum("ij,jk,ik->i", a, follows, a) for a in (rows, values))
     both = np.einsum("ij,jk,ik->i", rows, follows, values)
     free = met & (own > FREE * own.max()) & (there > 0)
@@ -185,13 +187,14 @@ def _members(blend: Blend) -> dict[str, Any]:
     sizes = [float(whole / np.linalg.norm(member.dense(blend.surface.degree))) for member in found]
     wide = [WIDE * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
     wishes = blend.wishes.without(list(blend.wishes.hard()))
-    fairing = blend.space.fairing(blend.plate)
-    rows = fairing.guard.initial(SLIMMEST) if wishes.guard else Rows.none(blend.dimension)
-    equations = MemberProgramme(fairing, wishes).equations()
+    prepared = blend.space.prepared
+    slim = Conditions(prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+    rows = slim.first if wishes.guard else Inequalities.none(blend.dimension)
+    equations = MemberProgramme(prepared, wishes).equations
     among = {"A_ub": -rows.rows, "b_ub": -rows.at_least, "A_eq": equations[:, :-1], "b_eq": equations[:, -1]}
     ends = [
         [_least(column, among, -_rounded(end)), -_least(-column, among, -_rounded(end))]
-        for column, end in zip(to_doubles(fairing.basis.transform).T, wide, strict=True)
+        for column, end in zip(to_doubles(prepared.basis.transform).T, wide, strict=True)
     ]
     return {"names": [short(str(member)) for member in found], "ends": ends}
 

@@ -24,16 +24,19 @@ from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
-from pas.partition.location import BLOCK
 from pas.surface.crossings import Crossings, crossings, first_crossings
 from pas.surface.geometry import derivative_batch
 from pas.surface.rays import RayTarget
+
+BLOCK = 1 << 14
+"""Points that are worked on at once, so that what is needed of them stays in the caches."""
 
 BARYCENTRIC = 1e-12
 """How far outside all cells, in barycentric coordinates, a point counts as inside: what rounding makes of it."""
 
 SPACINGS = 8
-"""The same, in spacings of doubles at the region's furthest point from the user's origin, over the region's size."""
+"""How far outside the region a point counts as inside, in spacings of doubles at the region's furthest point from the
+user's origin, over the region's size."""
 
 
 class Piecewise(Protocol):

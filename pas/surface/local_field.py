@@ -51,8 +51,8 @@ class LocalField(LocalSurface):
         sides = [(wall, {*face.vertices}) for wall, face in zip(self._wall_of.tolist(), outer, strict=True)]
         pairs = {(min(i, j), max(i, j)) for (i, a), (j, b) in combinations(sides, 2) if i != j and len(a & b) == 2}
         self.edges: list[tuple[int, int]] = sorted(pairs)
-        self.rims = [Wall(self, planes[[i]]) for i in range(self.walls)]
-        self.rims += [Wall(self, planes[list(pair)]) for pair in self.edges]
+        self.rims = [WallCurve(self, planes[[i]]) for i in range(self.walls)]
+        self.rims += [WallCurve(self, planes[list(pair)]) for pair in self.edges]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
 
@@ -113,7 +113,7 @@ class LocalField(LocalSurface):
         return result
 
     def _between(self, ends: Floats, walls: Integers) -> int:
-        """The same of one edge (2, 3), and the walls that are in question, or none."""
+        """The wall that one edge (2, 3) is in, of those in question or, without any, of all."""
         if not len(walls):
             return int(self.nearest_walls(ends.mean(axis=0)[None])[0])
         curve = self.on_rims(np.tile(ends.mean(axis=0), (len(walls), 1)), walls)
@@ -164,7 +164,7 @@ class LocalField(LocalSurface):
 
 
 @dataclass(frozen=True, eq=False)
-class Wall:
+class WallCurve:
     """Where a surface ends on a plane, or on the line of two planes (unit normals and offsets, (k, 4))."""
 
     field: LocalField

@@ -9,9 +9,9 @@ import numpy as np
 
 from pas.errors import GeometryError, MeshError
 from pas.mesh.field import Floats, Integers
-from pas.mesh.graded import followed
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.sheet import followed
 from pas.mesh.star import require_once, rim_numbers, star
 from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace

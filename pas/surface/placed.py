@@ -19,8 +19,7 @@ from pas.contacts.contact import Contact
 from pas.contacts.joins import Join, joins
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
-from pas.surface.opening_rim import OpeningRim
-from pas.surface.rings import Ring, rings_of
+from pas.surface.boundary_loops import BoundaryLoop, boundary_loops
 
 
 class PlacedContacts:
@@ -50,10 +49,10 @@ class PlacedContacts:
         return joins(self.local, self.local_contacts)
 
     @cached_property
-    def rings(self) -> list[Ring | OpeningRim]:
+    def loops(self) -> list[BoundaryLoop]:
         """The curves on which surfaces end, in local coordinates; raises `ArithmeticError` where one is no graph over
         the angle about its middle."""
-        return rings_of(self.joins)
+        return boundary_loops(self.joins)
 
     @cached_property
     def carriers(self) -> tuple[tuple[int, ...], ...]:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
 from pas.mesh.field import Integers
-from pas.mesh.graph import Graph
+from pas.mesh.labelled import Labelled
 from pas.mesh.rows import dots
 from pas.mesh.star import first
+from pas.surface.boundary_loops import Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
 from pas.surface.local_surface import INSIDE, LocalSurface
-from pas.surface.rings import Rings
 
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
@@ -54,13 +54,13 @@ class RadialField(LocalSurface):
         self._piece = np.array([face.piece for face in outer], dtype=np.intp)
         super().__init__(surface, (self._weights, self._piece))
         self._profiles = profile_batch(self.evaluator.columns, self.degree)
-        self.rims = surface.placed.rings
-        self._rings = Rings(self.rims)
+        self.rims = surface.placed.loops
+        self._loops = Loops(self.rims)
         middles = np.array([ring.middle for ring in self.rims]).reshape(-1, 3)
         self._skeleton = middles, dots(middles, middles)
 
     @cached_property
-    def first(self) -> Graph | None:
+    def first(self) -> Labelled | None:
         """Few triangles, with which meshes begin, None where rays show that it is no graph."""
         try:
             return first(self)
@@ -105,7 +105,7 @@ class RadialField(LocalSurface):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
-        return self._rings.at(points, rim)
+        return self._loops.at(points, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
         """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""

@@ -129,7 +129,7 @@ class RayTarget:
 
     @cached_property
     def maps(self) -> Floats:
-        """The same as doubles (4, 4, C): of each coordinate the factors of x, y, z and then the constant."""
+        """The barycentric coordinates as doubles (4, 4, C): of each the factors of x, y, z and then the constant."""
         rounded = np.array(to_floats(self.barycentric.entries())).reshape(-1, 4, 4)
         return np.ascontiguousarray(rounded[:, :, [1, 2, 3, 0]].transpose(1, 2, 0))
 

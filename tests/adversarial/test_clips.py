@@ -14,8 +14,8 @@ import pas
 from pas import Polynomial, Status
 from pas.algebra.rational import to_floats
 from pas.blending.place import place
+from pas.certify.free_curves import RegionCurve
 from pas.certify.proofs import contact_verdict, enclosed_verdict
-from pas.certify.space_curve import Curve
 from pas.pipeline.bodies import body
 
 BOX = pas.SingleCell((-1, -1, -1), (1, 1, 1))
@@ -138,7 +138,7 @@ def test_a_cell_that_touches_a_clip_plane_from_outside(surface, status):
 
 
 def test_a_parallelogram_proves_a_point_of_a_curve():
-    curve = Curve(Polynomial("x + y^2"), Polynomial("y + z*x"), BOX)
+    curve = RegionCurve(Polynomial("x + y^2"), Polynomial("y + z*x"), BOX)
     at = np.array([0.0, 0.0, 0.3])
     enclosure = curve.enclosure(at, 2.0**-20)
     assert all(BOX.locate(np.array([to_floats(c) for c in enclosure.corners])) >= 0)

@@ -10,7 +10,7 @@ distance.  Tension keeps balloons away, which have no variation of curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -44,11 +44,6 @@ class CurvatureVariation(Energy):
     def __post_init__(self) -> None:
         for name in ("tension", "gauge"):
             object.__setattr__(self, name, amount(getattr(self, name), name))
-
-    @property
-    def outset(self) -> CurvatureVariation:
-        """The same with the usual tension."""
-        return replace(self, tension=TENSION)
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
         """What is squared and integrated over the surface, (N, 6)."""

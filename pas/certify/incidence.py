@@ -1,0 +1,178 @@
+"""How the patches of a surface meet a contact on its clip faces, decided by powers of the face's plane.
+
+With t the plane, a patch is `sum g_i t^i` and a surface `sum f_i t^i`, with polynomials on the plane
+as coefficients.  The patch meets the surface with GC^k along V(f, t), that is, it is a member of
+`<f, t^(k+1)>`, iff the power series `alpha = sum alpha_i t^i` with `g = alpha f` has polynomials as
+coefficients up to t^k: a division for each order, `alpha_i f_0 = g_i - sum_(j<i) alpha_j f_(i-j)`.
+
+Where the curve V(f_0) has several components only those in the face matter.  Let `f_0 = p q`, where
+q has no zero on the face.  Then q is a unit at each point of the face, and membership there (in the
+localised ideal) means that p alone divides: `alpha_i = n_i / q^(i+1)` with polynomials n_i,
+
+    n_i p = q^i g_i - sum_(j<i) n_j f_(i-j) q^(i-j-1).
+
+Where an irreducible factor of p changes its sign on the face, a polynomial that it does not divide
+vanishes at finitely many points of its real curve at most (Bochnak, Coste and Roy 1998, theorem
+4.5.1), so that there the test is necessary as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flint import fmpq, fmpq_mpoly
+
+from pas.algebra.monomials import Exponents
+from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.bernstein.search import Limits
+from pas.bernstein.signs import SignResult, alike, positive_on
+from pas.contacts.joins import ClipPlane, Join
+from pas.partition.complex import OuterFace
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Status
+
+
+@dataclass(frozen=True)
+class Division:
+    """How far the division goes: `order` is the largest j with GC^j, up to the one asked for.
+
+    `alpha` is n_0, the value of alpha on the face times q (None where not even n_0 exists), and
+    `obstacle` the polynomial that p does not divide, None where there is none.  Both are polynomials
+    on the plane, constant in the variable that is a function of the other two there.
+    """
+
+    order: int
+    alpha: fmpq_mpoly | None
+    obstacle: fmpq_mpoly | None
+
+
+def powers(polynomial: fmpq_mpoly, plane: Polynomial, count: int) -> list[fmpq_mpoly]:
+    """The coefficients of t^0 .. t^(count - 1) of a polynomial, t being the plane.
+
+    One variable with a coefficient in the plane is replaced by t and the other two.
+    """
+    terms = plane.raw.to_dict()
+    slope = [terms.get((i == 0, i == 1, i == 2), fmpq(0)) for i in range(3)]
+    chosen = max(i for i in range(3) if slope[i] != 0)
+    t = GENERATORS[chosen]
+    images = list(GENERATORS)
+    images[chosen] = (t - (plane.raw - slope[chosen] * t)) * (1 / slope[chosen])
+    parts: list[dict[Exponents, fmpq]] = [{} for _ in range(count)]
+    for exponents, coefficient in polynomial.compose(*images, ctx=RING).to_dict().items():
+        power = int(exponents[chosen])
+        if power < count:
+            parts[power][tuple(0 if i == chosen else int(e) for i, e in enumerate(exponents))] = coefficient
+    return [RING.from_dict(part) for part in parts]
+
+
+def divide(g: Sequence[fmpq_mpoly], f: Sequence[fmpq_mpoly], p: fmpq_mpoly, q: fmpq_mpoly) -> Division:
+    """Divide the series g by f, of as many coefficients, where `f[0] = p q` and q is a unit."""
+    numerators: list[fmpq_mpoly] = []
+    for i, coefficient in enumerate(g):
+        known = (n * f[i - j] * q ** (i - j - 1) for j, n in enumerate(numerators))
+        target = q**i * coefficient - sum(known, RING.constant(0))
+        quotient, remainder = divmod(target, p)
+        if not remainder.is_zero():
+            return Division(i - 1, numerators[0] if numerators else None, target)
+        numerators.append(quotient)
+    return Division(len(g) - 1, numerators[0], None)
+
+
+@dataclass(frozen=True)
+class Incidence:
+    """How a patch meets a contact on its clip faces in one plane.
+
+    `factors` are those irreducible factors of the contact's surface on the plane, of multiplicity 1,
+    that are not proved to have no zero on the faces; found only where the division by all fails.
+    """
+
+    faces: tuple[OuterFace, ...]
+    division: Division
+    factors: tuple[fmpq_mpoly, ...] = ()
+
+
+def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> list[Incidence]:
+    """How each patch behind clip faces meets a contact, as far as GC^`order`."""
+    return [
+        _incidence(surface.patches[piece], join, plane, piece, order)
+        for plane in join.planes
+        for piece in dict.fromkeys(face.piece for face in plane.faces)
+    ]
+
+
+def alpha_signs(
+    surface: PiecewisePolynomial,
+    join: Join,
+    *,
+    on_curve: bool,
+    limits: Limits | None = None,
+    beside: Sequence[Join] = (),
+) -> SignResult:
+    """Branch and bound for alpha > 0 on the clip faces (or on the curve), where `patch = alpha f_i`.
+
+    Contacts `beside` it whose curves lie in the same faces have their surfaces divided out of alpha:
+    what is left is positive where the patch is negative inside one of the curves alone.  Raises
+    `ValueError` where the patch does not vanish on the contact's curve.
+    """
+    faces, values = [], []
+    for met in incidences(surface, join, 0):
+        if met.division.alpha is None:
+            raise ValueError("alpha is defined where the contact is met only")
+        alpha = _without(met.division.alpha, [other for other in beside if other is not join], met.faces[0])
+        faces += [join.partition.corners(face.vertices) for face in met.faces]
+        values += [alpha] * len(met.faces)
+    zeros = [alike(join.contact.surface.raw, faces)] if on_curve else []
+    return positive_on(faces, (values, surface.degree), zeros, limits=limits)
+
+
+def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq_mpoly:
+    """What remains of alpha on a clip face without the factors that are other contacts' surfaces there."""
+    for other in others:
+        if any(plane.plane == face.plane for plane in other.planes):
+            quotient, remainder = divmod(alpha, powers(other.contact.surface.raw, face.plane, 1)[0])
+            alpha = quotient if remainder.is_zero() else alpha
+    return alpha
+
+
+def unmet(join: Join, met: Incidence) -> SignResult | None:
+    """A refutation with points of the curve on the faces where the obstacle is not zero, if one is found."""
+    obstacle = RING.constant(0) if met.division.obstacle is None else met.division.obstacle
+    for factor in met.factors:
+        # equal to the obstacle on the curve, and of its size there, however small that is
+        remainder = divmod(obstacle, factor)[1]
+        for sign in (1, -1) if not remainder.is_zero() else ():
+            result = on_faces(remainder * sign, join, met.faces, factor)
+            if result.status is Status.REFUTED:
+                return result
+    return None
+
+
+def on_faces(value: fmpq_mpoly, join: Join, faces: Sequence[OuterFace], zero: fmpq_mpoly | None = None) -> SignResult:
+    """Branch and bound for `value > 0` on some outer faces, or only where `zero` vanishes."""
+    exact = [join.partition.corners(face.vertices) for face in faces]
+    return positive_on(exact, alike(value, exact), [] if zero is None else [alike(zero, exact)])
+
+
+def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, order: int) -> Incidence:
+    faces = tuple(face for face in plane.faces if face.piece == piece)
+    f, g = (powers(p.raw, plane.plane, order + 1) for p in (join.contact.surface, patch))
+    division = divide(g, f, f[0], RING.constant(1))
+    if division.obstacle is None:
+        return Incidence(faces, division)
+    unit, factors = RING.constant(1), []
+    for factor, times in f[0].factor()[1]:
+        sign = _constant_sign(factor, join, faces)
+        if sign:
+            unit *= (factor * sign) ** times
+        elif times == 1:
+            factors.append(factor)
+    return Incidence(faces, divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))
+
+
+def _constant_sign(polynomial: fmpq_mpoly, join: Join, faces: Sequence[OuterFace]) -> int:
+    """1 or -1 where a polynomial is proved to have that sign on all of some faces, else 0."""
+    for sign in (1, -1):
+        if on_faces(polynomial * sign, join, faces).status is Status.PROVED:
+            return sign
+    return 0

@@ -1,0 +1,258 @@
+"""A surface and meshes of it in coordinates in which both are known exactly, for proofs.
+
+The origin is a point of doubles, so that differences from it are rounded once; polynomials, cells and their B-forms are
+worked out exactly there before they are rounded.  What depends on the surface alone is worked out once for all meshes.
+"""
+
+from __future__ import annotations
+
+from functools import cache, cached_property, lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from pas.algebra.affine import Frame
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import exact_vector, to_float, to_floats
+from pas.algebra.scaling import Scaled, scaled
+from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
+from pas.bernstein.search import Searched
+from pas.bernstein.simplices import Simplices, at_vertices
+from pas.certify.critical_points import isolated
+from pas.certify.proofs import face_verdict
+from pas.certify.triangle_forms import TriangleForms
+from pas.mesh.field import Integers
+from pas.mesh.rows import cross, dots
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Point
+
+ON_WALL = 1e-12
+"""In local units: how far points of the boundary may be off a wall, by rounding."""
+
+OUTSIDE = 1e-11
+"""In local units, or barycentric coordinates: how far points of the region may be outside, by rounding."""
+
+ROUNDINGS = 64
+"""Of a triangle's unit normal, over its longest edge squared and its area; and of points that are moved."""
+
+SCALED = 1e-9
+"""Relative error of sizes of B-coefficients that are known but for a factor."""
+
+LARGER = 2.0
+"""By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
+
+BLOCK = 2048
+"""Triangles whose places in all cells are held at once."""
+
+BESIDE = 1e-9
+"""In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
+
+
+class FramedSurface:
+    """A surface's patches and cells, the `cells` being a partition in local coordinates."""
+
+    def __init__(self, function: PiecewisePolynomial) -> None:
+        self.function, frame = function, function.partition.frame
+        self.origin = np.array(to_floats(frame.origin))
+        self.frame = Frame(exact_vector(self.origin.tolist()), frame.scale)
+        same = self.frame.origin == frame.origin
+        self.cells = function.local if same else function.partition.in_frame(self.frame)
+        patches = function.scaled
+        if not same:
+            patches = Scaled.of(self.frame.localise(p) for p in function.polynomials)
+        self.patches: tuple[Polynomial, ...] = patches.polynomials
+        self.degree, self.scale = max(function.degree, 1), to_float(frame.scale)
+
+    @cached_property
+    def reach(self) -> float:
+        """The largest size of a coordinate in the region and as far beyond as surfaces are followed."""
+        return float(np.abs(self.corners).max()) + self.beyond
+
+    @cached_property
+    def makers(self) -> list[TriangleForms]:
+        """What makes the forms of each patch on triangles in the enlarged region."""
+        return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
+
+    def point(self, place: Floats) -> Point:
+        """The user's coordinates of a place (3,)."""
+        x, y, z = self.frame.global_points(place).tolist()
+        return x, y, z
+
+    def jets(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of the region."""
+        jets = self.function.evaluator.scaled_derivatives(self.frame.global_points(points), (0, 1))
+        return jets[:, 0], jets[:, 1:].T * self.scale
+
+    @cached_property
+    def corners(self) -> Floats:
+        """The corners of the cells (C, 4, 3)."""
+        return self.cells.points[np.array(self.cells.cells)]
+
+    @cached_property
+    def center(self) -> Floats | None:
+        """The centre of the region (3,), from which all of it is seen; None where it has none."""
+        return None if self.cells.center is None else np.array(to_floats(self.cells.center))
+
+    @cached_property
+    def cell_forms(self) -> tuple[Floats, float]:
+        """The B-coefficients (C, m) of each cell's polynomial on it.
+
+        Also by how much each may be off over the largest of its tetrahedron, but for a factor that is the same for all
+        of these and errs by less than `SCALED`: it is found from an exact value at a corner.
+        """
+        cells = [self.cells.corners(cell) for cell in self.cells.cells]
+        patches = [self.patches[piece] for piece in self.cells.piece_of.tolist()]
+        if self.cells is self.function.local:
+            forms, error = self.function.cell_forms[0].copy(), self.function.cell_forms[1]
+        else:
+            forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
+        ends = at_vertices(forms, 4)
+        largest = np.abs(ends).argmax(axis=1).tolist()
+        known: dict[tuple[int, int], float] = {}  # by the numbers of the objects, of which many are the same
+        for row, (patch, cell, corner) in enumerate(zip(patches, cells, largest, strict=True)):
+            value = ends[row, corner]
+            if abs(value) * SCALED > 2 * error:
+                key = id(patch), id(cell[corner])
+                if key not in known:
+                    known[key] = float(patch.at(cell[corner]))
+                forms[row] *= known[key] / value
+            else:
+                exact = b_form(on_simplex(patch.raw, cell), self.degree, 3)
+                forms[row] = [to_float(c) for c in exact]
+        return forms, error
+
+    @cached_property
+    def planes(self) -> Floats:
+        """The planes (P, 4) of the outer faces by their numbers, unit normals outwards and offsets."""
+        faces = (self.cells.outer_faces[i] for i in np.unique(self.cells.wall_of, return_index=True)[1])
+        rows = np.array([scaled(face.plane).dense(1) for face in faces]).reshape(-1, 4)
+        return np.roll(rows * [-1, 1, 1, 1], -1, axis=1) / np.sqrt(dots(rows[:, 1:], rows[:, 1:]))[:, None]
+
+    @cached_property
+    def convex(self) -> bool:
+        """Whether the region is all that is behind its outer faces' planes: none of its vertices is beyond one."""
+        heights = self.planes[:, :3] @ self.corners.reshape(-1, 3).T - self.planes[:, 3:]
+        return not self.cells.open and bool((heights <= ON_WALL).all())
+
+    @cached_property
+    def room(self) -> float:
+        """The radius of a ball around the centre that no plane of an outer face cuts."""
+        assert self.center is not None
+        return float((self.planes[:, 3] - self.planes[:, :3] @ self.center).min())
+
+    @property
+    def beyond(self) -> float:
+        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`."""
+        return 0.0 if self.center is None else (LARGER - 1) * self.room
+
+    def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
+        """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
+        one of these, in order."""
+        heights = self.planes[:, :3] @ points.T - self.planes[:, 3:]
+        near = [np.flatnonzero(np.abs(height) <= ON_WALL) for height in heights]
+        if self.convex:
+            return heights.max(axis=0) <= OUTSIDE, near
+        inside = np.zeros(len(points), dtype=bool)
+        for cell in range(len(self.corners)):
+            inside |= self.cells.barycentric(points, [cell])[0].min(axis=0) >= -OUTSIDE
+        for number, rows in enumerate(near):
+            walls = zip(self.cells.outer_faces, self.cells.wall_of, strict=True)
+            cells = [face.cell for face, n in walls if n == number]
+            near[number] = rows[self.cells.barycentric(points[rows], cells).min(axis=1).max(axis=0) >= -BESIDE]
+        return inside, near
+
+    def touched(self, corners: Floats, larger: float = 1.0) -> list[Integers]:
+        """Of each piece, of the region or of one so many times as large, which triangles (T, 3, 3) may have a point in
+        it."""
+        if len(self.patches) == 1:
+            return [np.arange(len(corners))]
+        if larger != 1:
+            assert self.center is not None
+            corners = self.center + (corners - self.center) / larger
+        found: list[list[Integers]] = [[] for _ in self.patches]
+        for start in range(0, len(corners), BLOCK):
+            block = corners[start : start + BLOCK]
+            outside = [self.cells.barycentric(block[:, i]) < -BESIDE for i in range(3)]
+            apart = np.logical_and.reduce(outside).any(axis=1)
+            for piece, cells in enumerate(self.cells.pieces):
+                found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
+        return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
+
+    @cached_property
+    def isolated(self) -> list[Searched[Simplices]]:
+        """Where the function may have critical points in each of the strata, its forms over the largest coefficient."""
+        return [isolated(forms / self.size, corners, self.cell_forms[1]) for forms, corners in self.strata]
+
+    @cached_property
+    def size(self) -> float:
+        """The largest of the cells' B-coefficients."""
+        return float(np.abs(self.cell_forms[0]).max())
+
+    @cached_property
+    def meets_smoothly(self) -> bool:
+        """Whether the pieces are proved to meet with continuous gradients."""
+        if len(self.patches) == 1:
+            return True
+        faces = range(len(self.cells.interior_faces))
+        return not faces or (self.function.order > 0 and all(face_verdict(self.function, i).proved for i in faces))
+
+    @cached_property
+    def strata(self) -> list[tuple[Floats, Floats]]:
+        """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
+        result = [(self.cell_forms[0], self.corners)]
+        walls = zip(self.cells.wall_of.tolist(), self.cells.outer_faces, strict=True)
+        for cells, at in _strata(self.cells.cells, tuple((wall, face.cell, face.vertices) for wall, face in walls)):
+            ons = np.array([_on_corners(self.degree, tuple(corners)) for corners in at.tolist()])
+            result.append((self.cell_forms[0][cells[:, None], ons], self.corners[cells[:, None], at]))
+        return result
+
+
+Parts = tuple[tuple[int, ...], ...]
+
+
+@lru_cache(maxsize=64)
+def _strata(cells: Parts, faces: tuple[tuple[int, int, tuple[int, ...]], ...]) -> list[tuple[Integers, Integers]]:
+    """The outer faces, the edges between walls and their ends, of tetrahedra and of faces with their walls, cells and
+    vertices: of each kind of which there are some, in which cells (N,) they are, and which corners (N, k) of these."""
+    parts: list[set[tuple[int, tuple[int, ...]]]] = [{(cell, vertices) for _, cell, vertices in faces}, set(), set()]
+    for (wall, cell, vertices), (other, _, others) in combinations(faces, 2):
+        common = tuple(sorted(set(vertices) & set(others)))
+        if len(common) == 2 and wall != other:
+            parts[1].add((cell, common))
+    ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
+    parts[2] = {(cell, (v,)) for v, cell in ends.items()}
+    found = []
+    for part in filter(None, parts):
+        at = [[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in sorted(part)]
+        found.append((np.array([cell for cell, _ in sorted(part)]), np.array(at)))
+    return found
+
+
+@cache
+def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
+    """Which B-coefficients of a tetrahedron are those on the simplex that some of its corners span."""
+    others = [k for k in range(4) if k not in corners]
+    return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
+
+
+class FramedMesh:
+    """A mesh beside a surface: its points (N, 3) in local coordinates, triangles (T, 3), their corners (T, 3, 3) and
+    unit normals (T, 3), and by how much these may be turned (T,)."""
+
+    def __init__(self, local: FramedSurface, points: Floats, triangles: Integers) -> None:
+        self.local, self.triangles = local, triangles
+        self.points = (points - local.origin) / local.scale
+        self.corners = np.take(self.points, triangles, axis=0)
+        self.normals, self.loose = unit_normals(self.corners)
+
+
+def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
+    """Unit normals (T, 3) of triangles, and by how much each may be turned, by rounding or by putting corners that are
+    off a wall by rounding onto it."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    first, second, third = b - a, c - b, a - c
+    across = cross(first, -third)
+    area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
+    longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
+    return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area

@@ -1,0 +1,60 @@
+"""The constants of the fit, with a reason for each: see `pas.fairing.solver`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """The constants of the fit; shares of Phi, of margins, and of the mean of the programme's diagonal."""
+
+    lattices: tuple[int, ...] = (32, 64)
+    """Subdivisions of the outer faces on whose rays members are asked; a finer one where a member is not proved."""
+
+    margins: tuple[float, ...] = (1.0, 0.1)
+    """Shares of the usual margins, in turn: members with a tenth of them exist in lower degrees."""
+
+    clean: float = 0.5
+    """The share of the margins that is to be reached on all rays: the other half keeps points between those that were
+    asked for from being asked for in turn, round after round."""
+
+    rounds: int = 16
+    """Programmes until a first member is clean; successes took 1 to 6."""
+
+    steps: int = 40
+    """Steps that are taken at the most, from a first member and from where rays are added."""
+
+    trials: int = 16
+    """Programmes for one step, half of which may add constraints."""
+
+    damping: float = 1e-4
+    least: float = 1e-9
+    """The first damping and the least; a way does not end where the damping is more than the first, and hides what
+    there is to gain."""
+
+    slower: float = 4.0
+    faster: float = 0.1
+    """What the damping grows by where Phi does not fall, and shrinks to where it falls as foreseen."""
+
+    enough: float = 3e-4
+    """A step that lowers Phi by a smaller share is the last one."""
+
+    met: float = 1e-3
+    """What an inequality may lack, as a share of its margin, where a member is said to meet it; solvers leave 1e-9."""
+
+    closer: int = 3
+    """Times that rays are added where curvature is beyond the limits between those that there are."""
+
+    hopeless: float = 1.0
+    """Where more than this share of the energy is beyond the limits no more rays are added: none of forty corners
+    became fair from there; those that did had 0.05 at most."""
+
+    loss: float = 0.0
+    """The share of Phi that a step may lose to constraints that it adds (single steps of sliders only: they ask for a
+    margin that the member itself has not, so that it would stay where it is, after all trials)."""
+
+
+SETTINGS = FitSettings()
+LIVE = FitSettings(lattices=(16,), margins=(0.1,), enough=0.0, loss=0.01)
+"""For single steps of sliders."""

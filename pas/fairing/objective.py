@@ -1,0 +1,234 @@
+"""An energy of the surface over all members of a space, with what is beyond the limits of fairness, and its slopes.
+
+The rays are laid for one member and stay: so the energy of any other member that they see is a true
+function of its coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_float, to_floats
+from pas.fairing.energy import Energy, terms_of
+from pas.fairing.evaluation import AREA, Evaluation, RaySamples
+from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
+from pas.fairing.prepared import PreparedSpace
+from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
+from pas.surface.directions import Directions
+from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
+from pas.surface.geometry import Geometry, jets
+
+LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
+"""Rays, at the least."""
+
+SETTLED, LIVE = (3, 6), (2, 3)
+"""How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
+
+CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 7, 300
+"""Rays for a closer look, how often triangles on the contact curves are quartered for them, and how many of them are
+followed from then on, at the most."""
+
+HIDDEN, CLOSE, TIE = 0.3, 1.0, 1e-6
+"""Units beyond a soft limit that make a closer look worth while, those below one for rays to be followed, and those by
+which rays differ that are not each other's mirror images: of such, all are followed or none."""
+
+CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
+"""Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
+
+
+@dataclass(frozen=True)
+class ObjectiveValue:
+    """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
+
+    `residuals` (N, R) are the energy's at each point; `views` are what each term of what is beyond limits looks at, and
+    `excesses` what it finds there.
+    """
+
+    view: Evaluation
+    residuals: Floats
+    views: tuple[Evaluation, ...]
+    excesses: tuple[tuple[Excess, ...], ...]
+
+    @cached_property
+    def energy(self) -> float:
+        """The integral of the squared residuals."""
+        return float(self.view.areas @ (self.residuals * self.residuals).sum(axis=1))
+
+    @cached_property
+    def beyond(self) -> float:
+        """The sum of the squares of what is beyond limits."""
+        return sum(float(e.values @ e.values) for found in self.excesses for e in found)
+
+    @property
+    def objective(self) -> float:
+        """Both together."""
+        return self.energy + self.beyond
+
+
+class Beyond(Protocol):
+    """What is beyond one of the limits."""
+
+    def values(self, view: Evaluation) -> Iterator[Excess]:
+        """Residuals where it is."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """What is beyond limits, along rays of its own or along those of the surface."""
+
+    sight: RaySamples
+    beyond: Beyond
+
+
+class SurfaceObjective:
+    """The energy over the members that rays see which were laid for one of them, `start`."""
+
+    def __init__(
+        self,
+        space: PreparedSpace,
+        energy: Energy,
+        limits: FairnessLimits,
+        start: Floats,
+        live: bool = False,
+    ) -> None:
+        basis, placed = space.basis, space.placed
+        self.energy, self.basis, self.placed, self.limits = energy, basis, placed, limits
+        self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
+        columns = [start @ coefficients for coefficients in basis.coefficients]
+        number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
+        directions = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
+        self.slope = abs(float(space.guard.mean_alpha @ start))
+        neighbours = [neighbour(join, scale) for join in placed.joins]
+        radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
+        self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
+        self.sight = RaySamples(basis, directions, self.center, self.slope)
+        self.curvature = CurvatureExcess.of(neighbours, limits)
+        self.terms = [
+            Term(self.sight, self.curvature),
+            Term(self.sight, BulgeExcess(directions, neighbours, limits, self.center)),
+        ]
+        self.first = self._first(start, columns, neighbours)
+
+    def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> ObjectiveValue | None:
+        """The start as it is seen; None where it cannot be seen along all rays."""
+        view = self.sight.view(start, self.sight.rays.distances)
+        if view is None:
+            return None
+        sections = SectionExcess(self.basis, self.placed, columns, neighbours, self.limits)
+        across = RaySamples(self.basis, sections.rays, self.center, self.slope)
+        seen = across.view(start, sections.rays.distances)
+        if seen is None:
+            return None
+        sections.settle_signs(seen)
+        self.terms.append(Term(across, sections))
+        self._check(view)
+        return self._look(view, [view, view, seen])
+
+    def of(self, energy: Energy, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
+        """The same rays for another energy, and what is seen of a member there."""
+        if energy == self.energy:
+            return self, look
+        other = copy(self)
+        other.energy = energy
+        return other, replace(look, residuals=other._residuals(look.view))
+
+    def look(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
+        """Another member, found from one near by; None where it cannot be seen along all rays."""
+        view = self.sight.view(member, near.view.distances)
+        if view is None:
+            return None
+        views = []
+        for term, before in zip(self.terms, near.views, strict=True):
+            seen = view if term.sight is self.sight else term.sight.view(member, before.distances)
+            if seen is None:
+                return None
+            views.append(seen)
+        return self._look(view, views)
+
+    def _look(self, view: Evaluation, views: Sequence[Evaluation]) -> ObjectiveValue:
+        found = tuple(tuple(term.beyond.values(seen)) for term, seen in zip(self.terms, views, strict=True))
+        return ObjectiveValue(view, self._residuals(view), tuple(views), found)
+
+    def _residuals(self, view: Evaluation) -> Floats:
+        return np.asarray(self.energy.residuals(view.points, self.sizes))
+
+    def linearised(self, look: ObjectiveValue) -> tuple[Floats, Floats]:
+        """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
+        derivatives J by the member."""
+        view, r = look.view, look.residuals
+        root = np.sqrt(view.areas)[:, None]
+        slopes = np.empty((*r.shape, AREA + 1))
+        slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(view.points, self.sizes)
+        slopes[:, :, AREA] = root * r / 2
+        change = self.sight.change(view)
+        normal, gradient = change.normal_equations(root * r, slopes)
+        for term, seen, found in zip(self.terms, look.views, look.excesses, strict=True):
+            for excess in found:
+                at = change.some(excess.chosen) if seen is view else term.sight.change(seen, excess.chosen)
+                more = at.normal_equations(excess.values[:, None], excess.slopes[:, None])
+                normal, gradient = normal + more[0], gradient + more[1]
+        return normal, gradient
+
+    def closer(self, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
+        """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
+        member = look.view.member
+        columns = [member @ coefficients for coefficients in self.basis.coefficients]
+        rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
+        local = rays.directions * rays.distances[:, None]
+        found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
+        principal = Geometry(found).principal / self.basis.scale
+        shape = np.stack([principal[:, 0], np.zeros(len(principal)), principal[:, 1]], axis=1)
+        over = np.max([values for values, _, _ in self.curvature.over(shape)], axis=0)
+        least = max(-CLOSE, float(np.sort(over)[-MOST_CLOSE]) + TIE if len(over) > MOST_CLOSE else -CLOSE)
+        hidden = np.flatnonzero(over > least)
+        if not len(hidden) or over.max() <= HIDDEN:
+            return None
+        share = len(rays.directions) / len(self.sight.rays.directions)  # each counts like a ray of the first ones
+        sight = RaySamples(self.basis, rays.some(hidden, share), self.center, self.slope)
+        seen = sight.view(member, sight.rays.distances)
+        if seen is None:
+            return None
+        other = copy(self)
+        other.terms = [*self.terms, Term(sight, self.curvature)]
+        more = (*look.excesses, tuple(self.curvature.values(seen)))
+        return other, replace(look, views=(*look.views, seen), excesses=more)
+
+    def _check(self, view: Evaluation) -> None:
+        """That residuals and slopes have their shapes, are finite and agree, at some points."""
+        points = view.points[:: max(1, len(view.points) // CHECKED)]
+        for _, energy in terms_of(self.energy):
+            if energy.on_surface:
+                check_residuals(energy, points, self.sizes)
+
+
+def check_residuals(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:
+    """Raise `ValueError` for residuals or slopes that have not their shapes, are not finite or do not agree."""
+    kind, r = energy.kind, np.asarray(energy.residuals(points, sizes))
+    if r.ndim != 2 or len(r) != len(points) or not np.isfinite(r).all():
+        wrong = f"shape {r.shape}" if r.ndim != 2 or len(r) != len(points) else "values that are not finite"
+        raise ValueError(
+            f"the residuals of the energy {kind!r} must be finite, of shape (N, R) for N points: {wrong} "
+            f"for {len(points)}"
+        )
+    slopes = np.asarray(energy.slopes(points, sizes))
+    if slopes.shape != (*r.shape, AREA) or not np.isfinite(slopes).all():
+        wrong = f"shape {slopes.shape}" if slopes.shape != (*r.shape, AREA) else "values that are not finite"
+        raise ValueError(f"the slopes of the energy {kind!r} must be finite, of shape {(*r.shape, AREA)}: {wrong}")
+    found = differences(lambda moved: energy.residuals(moved, sizes), points)
+    off = np.abs(slopes - found) > WRONG * (np.abs(found).max(axis=(0, 2), initial=0.0)[:, None] + np.abs(found))
+    share = off.mean(axis=0)
+    if share.max(initial=0.0) > SHARE:
+        number, column = np.unravel_index(share.argmax(), share.shape)
+        at = int(off[:, number, column].argmax())
+        raise ValueError(
+            f"the slopes of the energy {kind!r} disagree with its residuals: that of residual {number} by "
+            f"quantity {column} ({NAMES[column]}) is {float(slopes[at, number, column]):.6g} at a point where "
+            f"differences give {float(found[at, number, column]):.6g}; leave slopes away to have differences"
+        )

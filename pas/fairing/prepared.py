@@ -1,0 +1,77 @@
+"""A solution space prepared for the fit: its working basis, sampled constraints and rays, which no energy changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property, lru_cache
+
+import numpy as np
+from flint import fmpq_mat
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.products import Products
+from pas.fairing.basis import WorkingBasis
+from pas.fairing.energy import Energy
+from pas.fairing.rays import RayLattice
+from pas.fairing.sampled import SampledConstraints
+from pas.piecewise import PiecewiseSurface
+from pas.surface.placed import PlacedContacts
+
+
+class PreparedSpace:
+    """The members of one solution space in floating point, and the way back to exact surfaces.
+
+    `source` holds the members' patches (m, C(n+3, 3)) in local coordinates, exact.
+    """
+
+    def __init__(self, placed: PlacedContacts, degree: int, source: Products) -> None:
+        self.placed, self.partition, self.degree = placed, placed.partition, degree
+        if not placed.partition.cells:
+            raise ValueError(
+                "a choice by shape needs a region: give the cell a box, as in pas.SingleCell(lower, upper)"
+            )
+        self.basis = WorkingBasis.of(placed.partition, source, degree)
+
+    @cached_property
+    def guard(self) -> SampledConstraints:
+        """The sampled constraints of this space; raises `ValueError` where a clip is on no side of the region."""
+        for number, join in enumerate(self.placed.joins, start=1):
+            if not join.confined:
+                what = (
+                    f"the clip of contact {number} passes through the region"
+                    if join.faces
+                    else f"no side of the region lies in the clip plane of contact {number}"
+                )
+                raise ValueError(
+                    f"{what}, so the surface can be neither guarded nor proved there: fit with prove=False, "
+                    "guard=False and another normalisation than pas.MeanAlpha(), or give the region such a side"
+                )
+        return SampledConstraints(self.basis, self.placed)
+
+    @cached_property
+    def rays(self) -> Callable[[int], RayLattice]:
+        """The rays to the lattice of so many subdivisions on the outer faces; made once."""
+        return lru_cache(maxsize=4)(lambda subdivisions: RayLattice(self.guard, subdivisions))
+
+    @cached_property
+    def coefficient_gram(self) -> Floats:
+        """The squared Euclidean length of the polynomials' coefficients (user's coordinates, all
+        pieces) as a quadratic form in the working basis, (m, m)."""
+        total = np.zeros((self.basis.size, self.basis.size))
+        for patch in self.basis.patches:
+            members = [self.partition.frame.globalise(Polynomial.from_row(row, self.degree)) for row in patch.tolist()]
+            dense = np.array([member.dense(self.degree) for member in members])
+            total += dense @ dense.T
+        return total
+
+    def form(self, energy: Energy) -> Floats:
+        """The matrix H (m, m) of the part of an energy that is a quadratic form, in the user's units: `1/2 q^T H q`."""
+        hessian, m = np.asarray(energy.hessian(self.basis)), self.basis.size
+        if hessian.shape != (m, m) or not np.isfinite(hessian).all():
+            raise ValueError(f"the energy {energy.kind!r} must give a finite matrix of shape {m, m}")
+        return hessian
+
+    def surface(self, working: fmpq_mat) -> PiecewiseSurface:
+        """The exact surface with given working coefficients (1, m)."""
+        return PiecewiseSurface.in_place(self.placed, self.basis.combine(working), self.degree)

@@ -1,0 +1,245 @@
+"""Guard rows: inequalities at points that ask, with a margin, for what the proofs ask everywhere.
+
+`f > 0` on the outer walls, `alpha > 0` on the clip faces, and for the one sheet `grad f . u > 0` near the
+surface.  The first two are linear in the member wherever they are asked; the third is asked at points
+of the surface, which is not known beforehand: see `pas.fairing.solver`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import astuple, dataclass
+from functools import cached_property, lru_cache
+from math import ceil, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.rational import to_float
+from pas.contacts.joins import Join
+from pas.fairing.basis import WorkingBasis
+from pas.surface.placed import PlacedContacts
+
+EDGE_LATTICE = 8
+"""Subdivisions of an edge of the walls and clip faces for the inequalities to begin with."""
+
+CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
+"""Points of an opening's curve that the cone through it is looked at beside, and where, in multiples of them."""
+
+PLATE_SHARES = 0.4, 0.7
+"""Where plates are looked at inside their curves, besides the middle, in shares of the way to the curve."""
+
+FEW_FACES, WIDE_ANGLE, LEAST_PARTS = 12, pi / 3, 4
+"""Up to so many outer faces, as six tetrahedra have, and above with edges seen under this angle, an edge is cut into
+as many parts as are asked for; into no fewer than these in any case."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How clearly the inequalities shall hold.
+
+    `sheet`: `grad f . (x - O) >= sheet * r * |x - O| / R` where `|f| <= band * r`, and `wall`: `f >= wall * r`, with
+    r the smallest distance of a contact's tangent planes from the centre O (a pipe's radius), R the
+    radius of the region and f of unit mean gradient on the contact curves; `alpha >= alpha` with mean 1.
+    `depth`: `f <= -depth * r` at O, so that the surface keeps away from the centre.
+    """
+
+    sheet: float = 0.1
+    wall: float = 0.03
+    alpha: float = 0.05
+    band: float = 0.005
+    depth: float = 0.1
+
+    def times(self, share: float) -> Margins:
+        """A share of each."""
+        return Margins(*(share * value for value in astuple(self)))
+
+
+@dataclass(frozen=True)
+class Inequalities:
+    """Inequalities `rows @ q >= at_least` on the working coefficients, (N, m) and (N,)."""
+
+    rows: Floats
+    at_least: Floats
+
+    def __add__(self, other: Inequalities) -> Inequalities:
+        return Inequalities(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def missed(self, unknowns: Floats, share: float) -> Inequalities:
+        """Those of which a member does not reach a share of the right-hand side."""
+        chosen = self.rows @ unknowns < share * self.at_least
+        return Inequalities(self.rows[chosen], self.at_least[chosen])
+
+    @classmethod
+    def none(cls, unknowns: int) -> Inequalities:
+        """No rows at all."""
+        return cls(np.empty((0, unknowns)), np.empty(0))
+
+
+class AlphaOnFace:
+    """`alpha` of every member on one clip face, where `g = alpha f`, as linear functionals.
+
+    `scale` multiplies alpha so that it refers to the contact scaled to unit mean gradient.
+    """
+
+    def __init__(self, basis: WorkingBasis, join: Join, face: int, scale: float) -> None:
+        outer = join.faces[face]
+        self.corners = join.partition.points[list(outer.vertices)]
+        self.degree = basis.degree - join.contact.surface.degree
+        nodes = lattice_weights(2 * basis.degree, 3) @ self.corners
+        values = join.contact.surface(nodes)[:, None] * self._monomials(nodes)
+        self.coefficients = scale * np.linalg.lstsq(values, basis.values(outer.piece, nodes), rcond=None)[0]
+
+    def rows(self, points: Floats) -> Floats:
+        """Values of alpha of the members at points (N, 3) of the face: (N, m)."""
+        return self._monomials(points) @ self.coefficients
+
+    def _monomials(self, points: Floats) -> Floats:
+        edges = (self.corners[1:] - self.corners[0]).T
+        b = np.linalg.lstsq(edges, (points - self.corners[0]).T, rcond=None)[0].T - 1 / 3
+        indices = [(i, j) for i in range(self.degree + 1) for j in range(self.degree + 1 - i)]
+        return np.stack([b[:, 0] ** i * b[:, 1] ** j for i, j in indices], axis=1)
+
+
+class AlphaOnCone:
+    """`alpha` of every member along the cone through which a region is open, as rows at points of it.
+
+    At the curve, where `g = f = 0`, the derivatives along rays have the same quotient: that of the clip's power is 0.
+    Inside it, on a plate, g is the power times a polynomial: where that is negative the surface does not dip into the
+    plate.
+    """
+
+    def __init__(self, basis: WorkingBasis, join: Join, scale: float, order: int) -> None:
+        self.basis, self.scale, self.power = basis, scale, order + 1
+        self.surface, self.clip = join.contact.surface, join.contact.clip
+        self.ends = join.curve()[::CONE_EVERY]
+        self.pieces = self._pieces(join, self.ends)
+        middle = self.ends.mean(axis=0)
+        self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in PLATE_SHARES)])
+        self.inner_pieces = self._pieces(join, self.inner)
+
+    def _pieces(self, join: Join, points: Floats) -> NDArray[np.intp]:
+        return np.asarray(join.partition.piece_of[join.partition.locate(points, tolerance=np.inf)])
+
+    def depths(self) -> Floats:
+        """How deep inside the members points of a plate are, over the clip's power there and in the middle: (N, m)."""
+        if self.surface.degree > 1:
+            return np.empty((0, self.basis.size))
+        clip = self.clip(self.inner)
+        shares = (clip / clip[0]) ** self.power
+        found = np.empty((len(self.inner), self.basis.size))
+        for piece in np.unique(self.inner_pieces).tolist():
+            here = self.inner_pieces == piece
+            found[here] = -self.basis.values(piece, self.inner[here]) / shares[here, None]
+        return found
+
+    def rows(self) -> Floats:
+        """Values of alpha of the members at points inside, on and beyond the curve: (N, m)."""
+        found = [np.empty((0, self.basis.size))]
+        for piece in np.unique(self.pieces).tolist():
+            ends = self.ends[self.pieces == piece]
+            slopes = (self.surface.gradient(ends) * ends).sum(axis=1)
+            found.append(self.basis.radial(piece, ends) / slopes[:, None])
+            for share in CONE_SHARES:
+                found.append(self.basis.values(piece, share * ends) / self.surface(share * ends)[:, None])
+        return self.scale * np.concatenate(found)
+
+
+class SampledConstraints:
+    """The guard rows of one solution space: points are local, values in the user's units."""
+
+    def __init__(self, basis: WorkingBasis, placed: PlacedContacts) -> None:
+        scale = to_float(placed.partition.frame.scale)
+        self.basis, self.placed = basis, placed
+        self.alphas: list[AlphaOnFace] = []
+        self.cones: list[AlphaOnCone] = []
+        measured: list[Floats] = []
+        reaches = []
+        for join in placed.joins:
+            curves = join.measured_curves()
+            points, weights = (np.concatenate(parts) for parts in zip(*curves, strict=True))
+            gradient = join.contact.surface.gradient(points)
+            sizes = _lengths(gradient)
+            mean = float(sizes @ weights / weights.sum())
+            if join.opening:
+                self.cones.append(AlphaOnCone(basis, join, mean / scale, placed.order))
+            for face, (on_face, parts) in enumerate(curves if join.faces else ()):
+                alpha = AlphaOnFace(basis, join, face, mean / scale)
+                self.alphas.append(alpha)
+                measured.append(np.append(parts @ alpha.rows(on_face), parts.sum()))
+            reaches.append(float((np.abs((gradient * points).sum(axis=1)) / sizes).min()))
+        total = np.sum(measured, axis=0)
+        self.mean_alpha: Floats = total[:-1] / total[-1]
+        """The mean of alpha over all contact curves, as a row (m,)."""
+        self.local_reach = max(min(reaches), 1e-3)
+        self.reach = self.local_reach * scale
+        self.radius = float(_lengths(placed.local.points).max())
+
+    def initial(self, margins: Margins) -> Inequalities:
+        """Rows on lattices of the walls and clip faces and at the centre."""
+        return self.edges(EDGE_LATTICE, margins) + self._depth(margins)
+
+    @cached_property
+    def edges(self) -> Callable[[int, Margins], Inequalities]:
+        """Rows on lattices of so many subdivisions of the walls and the clip faces; the last ones are kept."""
+        return lru_cache(maxsize=8)(self._edges)
+
+    def _edges(self, subdivisions: int, margins: Margins) -> Inequalities:
+        rows, at_least = [np.empty((0, self.basis.size))], [np.empty(0)]
+        for wall in self.placed.walls:
+            points = self._lattice(self.placed.local.points[list(wall.vertices)], subdivisions)
+            rows.append(self.basis.values(wall.piece, points))
+            at_least.append(np.full(len(points), margins.wall * self.reach))
+        for alpha in self.alphas:
+            points = self._lattice(alpha.corners, subdivisions)
+            rows.append(alpha.rows(points))
+            at_least.append(np.full(len(points), margins.alpha))
+        for cone in self.cones:
+            rows.append(cone.rows())
+            at_least.append(np.full(len(rows[-1]), margins.alpha))
+            rows.append(cone.depths())
+            at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
+        return Inequalities(np.concatenate(rows), np.concatenate(at_least))
+
+    def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
+        """The points (N, 3) of a lattice on an outer face."""
+        return lattice_weights(self.parts(corners, subdivisions), 3) @ corners
+
+    def parts(self, corners: Floats, subdivisions: int) -> int:
+        """Into how many parts the edges of an outer face are cut where so many are asked for.
+
+        Where there are many faces, and small ones, into as many as leave its points as near to each other, seen from
+        the centre, as on the few large ones.
+        """
+        local = self.placed.local
+        if local.center is None or len(local.outer_faces) <= FEW_FACES:
+            return subdivisions
+        units = corners / _lengths(corners)[:, None]
+        angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
+        return min(subdivisions, max(LEAST_PARTS, ceil(round(subdivisions * angle / WIDE_ANGLE, 6))))
+
+    def _depth(self, margins: Margins) -> Inequalities:
+        """The row at the centre, if there is one; all pieces have the same value there."""
+        if self.placed.partition.center is None:
+            return Inequalities.none(self.basis.size)
+        return Inequalities(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
+
+    def sheet(self, piece: int, points: Floats, margin: float) -> Inequalities:
+        """Rows of the sheet condition at points (N, 3) of a piece."""
+        return Inequalities(self.basis.radial(piece, points), margin * self.reach * _lengths(points) / self.radius)
+
+
+@lru_cache(maxsize=64)
+def lattice_weights(subdivisions: int, vertices: int) -> Floats:
+    """Barycentric coordinates of the uniform lattice on a simplex (read-only)."""
+    weights = np.array(homogeneous_exponents(subdivisions, vertices)) / subdivisions
+    weights.flags.writeable = False
+    return weights
+
+
+def _lengths(vectors: Floats) -> Floats:
+    return np.sqrt((vectors * vectors).sum(axis=-1))

@@ -1,0 +1,326 @@
+"""The fit of one member: a semi-infinite programme, solved by Gauss-Newton steps with constraint generation.
+
+    minimise    Phi(q) = |r(q)|^2 + 40 |(c(q) - l)+|^2 + 1/2 q'Hq
+    subject to  a q = 1,  E q = e,  P q >= p                       normalisation, exact equations, points
+                W q >= t w                                         walls, clip faces, centre, on lattices
+                d/ds f(s u) >= t m |s u|  where f(s u) = -b, 0, b  one sheet, along all rays u from the centre
+
+r are the residuals of the energy along rays, c the measures of fairness and l their limits, H the quadratic form of
+the energy.  The condition of one sheet is linear in q at each point, but its points move with the surface: so it is
+asked where the last member failed it, and the programme is solved again (constraint generation; Hettich and Kortanek
+1993).  Each step minimises the linearised residuals with a damping (Levenberg 1944, Marquardt 1963), which follows the
+gain ratio (Nielsen 1999).
+
+Each step follows from the member before it by an optimum that is unique and by comparisons in which no rounding can
+decide: no order of points, no witness of a proof, no choice among the worst.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from flint import fmpq_mat
+
+from pas.algebra.monomials import Floats, monomial_values
+from pas.errors import InfeasibleError
+from pas.fairing.fit_settings import SETTINGS, FitSettings
+from pas.fairing.objective import ObjectiveValue, SurfaceObjective
+from pas.fairing.prepared import PreparedSpace
+from pas.fairing.programme import MemberProgramme
+from pas.fairing.sampled import Inequalities, Margins
+from pas.fairing.wishes import UnitCoefficients, Wishes
+from pas.limits import checkpoint
+from pas.piecewise import PiecewiseSurface
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What members are asked along the rays to one lattice, at a share of the usual margins."""
+
+    space: PreparedSpace
+    subdivisions: int
+    share: float
+    clean: float
+
+    @property
+    def margins(self) -> Margins:
+        """How clearly all is asked."""
+        return Margins().times(self.share)
+
+    @property
+    def first(self) -> Inequalities:
+        """The inequalities to begin with: of walls, clip faces and the centre."""
+        return self.space.guard.initial(self.margins)
+
+    def missed(self, member: Floats) -> Inequalities:
+        """The inequalities that a member with a mean alpha of 1 misses by too much."""
+        guard, margins = self.space.guard, self.margins
+        rays = self.space.rays(self.subdivisions)
+        crossings = rays.crossings(member, margins.band * guard.reach)
+        sheet = rays.rows(crossings.below(self.clean * margins.sheet), margins.sheet)
+        return guard.edges(self.subdivisions, margins).missed(member, self.clean) + sheet
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """A member as it is seen along rays, the inequalities under which it was found, and the damping to go on with.
+
+    Where the energy is a quadratic form there is nothing to see, and so no `objective` and no `value`.
+    """
+
+    member: Floats
+    rows: Inequalities
+    damping: float
+    objective: SurfaceObjective | None = None
+    value: ObjectiveValue | None = None
+
+    def seen(self, member: Floats) -> ObjectiveValue | None:
+        """Another member near by as the rays see it; None where they do not."""
+        if self.objective is None or self.value is None:
+            return None
+        return self.objective.look(member, self.value)
+
+
+@dataclass(frozen=True)
+class FittedMember:
+    """A member: its exact surface, its working coefficients (1, m), its energy, the inequalities whose optimum it is,
+    at a share of the usual margins, and what is kept for the next step of a slider."""
+
+    surface: PiecewiseSurface
+    working: fmpq_mat
+    energy: float
+    rows: Inequalities
+    share: float
+    iterate: Iterate | None = None
+
+
+class _ContradictionError(Exception):
+    """No member satisfies some inequalities and the user's constraints."""
+
+    def __init__(self, rows: Inequalities) -> None:
+        super().__init__("the constraints contradict one another")
+        self.rows = rows
+
+
+class FitSolver:
+    """The programme of one space under the user's constraints.
+
+    Raises `ValueError` for constraints that an energy of the surface cannot serve.
+    """
+
+    def __init__(self, space: PreparedSpace, wishes: Wishes, settings: FitSettings = SETTINGS) -> None:
+        self.space, self.wishes, self.settings = space, wishes, settings
+        self.programme = MemberProgramme(space, wishes)
+        self.energy = self.programme.energy
+        if self.energy.on_surface:
+            check_on_surface(wishes)
+
+    # --- the whole way
+
+    def fitted(self) -> FittedMember:
+        """The best member that is found, proved where that is wished for.
+
+        Raises `InfeasibleError` where the constraints contradict or no member is proved, naming an irreducible set of
+        conflicting points where the conflict involves the user's, and `NotSolvedError` where the solvers failed.
+        """
+        if not self.wishes.guard:
+            nothing = Inequalities.none(self.space.basis.size)
+            member = self.programme.optimum(nothing)
+            if member is None:
+                raise self.programme.conflict(nothing)
+            return self.rounded(Iterate(member, nothing, 0.0), 0.0)
+        failed: Inequalities | None = None
+        for share in self.settings.margins:
+            try:
+                found = self.best(share)
+            except _ContradictionError as error:
+                failed = error.rows
+                continue
+            if found is not None:
+                return found
+        if failed is not None:
+            raise self.programme.conflict(failed)
+        raise InfeasibleError(f"no member of degree {self.space.degree} that was found passed the proofs")
+
+    def best(self, share: float) -> FittedMember | None:
+        """The best member with a share of the usual margins, proved where that is wished for; None where none is.
+
+        Where the end of the way is not proved, it goes on from the last member that is, on a finer lattice of rays.
+        """
+        best: FittedMember | None = None
+        start: Iterate | None = None
+        for subdivisions in self.settings.lattices:
+            conditions = Conditions(self.space, subdivisions, share, self.settings.clean)
+            if start is None:
+                start = self.started(conditions)
+            if start is None:
+                continue
+            way = [replace(start, damping=self.settings.damping)]
+            way += self.descent(way[0], conditions)
+            way += self.closer(way[-1], conditions)
+            found, start = self.furthest(way, share)
+            if found is not None and (best is None or found.energy <= best.energy):
+                best = found
+            if start is way[-1]:
+                break
+        return best
+
+    def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
+        """The last member that is proved, by longer and longer steps back: where one is not proved its neighbours
+        mostly are not."""
+        back = 0
+        while True:
+            found = self.proved(way[-1 - back], share)
+            if found is not None:
+                return found, way[-1 - back]
+            if back == len(way) - 1:
+                return None, None
+            back = min(2 * back + 1, len(way) - 1)
+
+    def started(self, conditions: Conditions) -> Iterate | None:
+        """The member of the least quadratic form that is clean, by constraint generation; None where none is found or
+        it is not seen along all rays.  Raises `_ContradictionError` where there is none."""
+        rows = conditions.first
+        for _ in range(self.settings.rounds):
+            checkpoint(f"choosing a member of degree {self.space.degree}")
+            member = self.programme.optimum(rows)
+            if member is None:
+                raise _ContradictionError(rows)
+            missed = conditions.missed(self.programme.normalised(member))
+            if not len(missed):
+                return self.iterate(member, rows)
+            rows += missed
+        return None
+
+    def iterate(self, member: Floats, rows: Inequalities, live: bool = False) -> Iterate | None:
+        """A member as rays that are laid for it see it; None where they do not see all of it."""
+        if not self.energy.on_surface:
+            return Iterate(member, rows, self.settings.damping)
+        limits = self.wishes.limits_at(self.space.placed)
+        objective = SurfaceObjective(self.space, self.energy, limits, member, live)
+        if objective.first is None:
+            return None
+        return Iterate(member, rows, self.settings.damping, objective, objective.first)
+
+    def closer(self, at: Iterate, conditions: Conditions) -> Iterator[Iterate]:
+        """The way on, with rays where curvature is beyond the limits between those that there are."""
+        for _ in range(self.settings.closer):
+            if at.objective is None or at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
+                return
+            finer = at.objective.closer(at.value)
+            if finer is None:
+                return
+            way = [replace(at, objective=finer[0], value=finer[1], damping=self.settings.damping)]
+            way += self.descent(way[0], conditions)
+            at = way[-1]
+            yield from way
+
+    # --- steps
+
+    def descent(self, at: Iterate, conditions: Conditions, steps: int | None = None) -> Iterator[Iterate]:
+        """Clean members of less and less Phi, until one is as good as settled."""
+        if not self.programme.quadratic:
+            return
+        for _ in range(self.settings.steps if steps is None else steps):
+            checkpoint("making the surface fair")
+            new = self.step(at, conditions)
+            if new is None:
+                return
+            yield new
+            lowered = self.phi(new.member, new.value) <= (1 - self.settings.enough) * self.phi(at.member, at.value)
+            free = new.damping <= min(at.damping, self.settings.damping)
+            if free and not lowered and self.programme.holds(at.member):
+                return
+            at = new
+
+    def step(self, at: Iterate, conditions: Conditions) -> Iterate | None:
+        """A clean member of less Phi; None where there is none, or none that is worth a step.
+
+        Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.
+        """
+        s, now = self.settings, self.phi(at.member, at.value)
+        most = now if self.programme.holds(at.member) else np.inf
+        met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
+        normal, slope = self.linearised(at)
+        unit = np.trace(normal) / len(normal) * np.eye(len(normal))
+        rows, damping, cuts = at.rows, at.damping, 0
+        for _ in range(s.trials):
+            matrix = normal + damping * unit
+            new = self.programme.step(matrix, slope - matrix @ at.member, rows)
+            if new is None:
+                return None
+            step = new - at.member
+            expected = -float(2 * slope @ step + step @ normal @ step)
+            if met and damping <= s.damping and expected < s.enough * now:
+                return None
+            value = at.seen(new)
+            if (value is None and at.value is not None) or not self.phi(new, value) < most:
+                damping *= s.slower
+                continue
+            missed = conditions.missed(new)
+            if not len(missed):
+                gain = (now - self.phi(new, value)) / expected if expected > 0 else 0.0
+                damping = damping * min(s.slower, max(s.faster, 1 - (2 * gain - 1) ** 3))
+                return Iterate(new, rows, max(damping, s.least), at.objective, value)
+            rows, cuts = rows + missed, cuts + 1
+            most = max(most, (1 + s.loss) * now)
+            if cuts > 2:
+                damping *= s.slower
+            if cuts == s.trials // 2:
+                return None
+        return None
+
+    def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
+        """What is minimised."""
+        seen = 0.0 if value is None else value.objective
+        return seen + float(member @ self.programme.quadratic_part @ member) / 2
+
+    def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
+        """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
+        half = self.programme.quadratic_part / 2
+        if at.objective is None or at.value is None:
+            return half, half @ at.member
+        normal, slope = at.objective.linearised(at.value)
+        return normal + half, slope + half @ at.member
+
+    # --- back to exact numbers
+
+    def rounded(self, at: Iterate, share: float) -> FittedMember:
+        """The member in rational numbers; raises `InfeasibleError` where a user's point is missed by rounding."""
+        working = self.programme.rounded(at.member)
+        energy = self.programme.quadratic_energy(working) + (0.0 if at.value is None else at.value.energy)
+        return FittedMember(self.space.surface(working), working, energy, at.rows, share)
+
+    def proved(self, at: Iterate, share: float) -> FittedMember | None:
+        """The member in rational numbers if it is proved or need not be; without a centre no sheet can be proved, and
+        the certificate says so."""
+        found = self.rounded(at, share)
+        wished = self.wishes.prove and self.space.partition.center is not None
+        return None if wished and not found.surface.certificate.proved else found
+
+
+def check_on_surface(wishes: Wishes) -> None:
+    """Raise `ValueError` for wishes that an energy of the surface cannot serve."""
+    if not wishes.guard:
+        raise ValueError(
+            "an energy of the surface needs guard=True: without guard rows there may be no sheet to look at; "
+            "take a quadratic form, such as pas.ThinPlate()"
+        )
+    if isinstance(wishes.normalize, UnitCoefficients):
+        raise ValueError(
+            "normalize=pas.UnitCoefficients() needs an energy that is a quadratic form, such as pas.ThinPlate()"
+        )
+
+
+def coordinates(space: PreparedSpace, surface: PiecewiseSurface) -> Floats:
+    """The working coefficients (m,) of the member nearest to a surface of no higher degree, normalised."""
+    left, right = [], []
+    for piece, points, weights in space.basis.quadrature(2 * space.degree):
+        root = np.sqrt(weights)
+        column = surface.scaled.polynomials[piece].dense(surface.degree)
+        left.append(space.basis.values(piece, points) * root[:, None])
+        right.append(column @ monomial_values(points, surface.degree) * root)
+    member = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
+    return np.asarray(member / float(space.guard.mean_alpha @ member))

@@ -1,0 +1,238 @@
+"""Edges of a mesh made as long as the curvature of its surface lets them be.
+
+Edges are collapsed, split and flipped, and vertices moved to the middle of their triangles.  On ruled faces an edge is
+as long as its own sag allows, so that triangles along straight lines are long ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.limits import checkpoint
+from pas.mesh.field import Integers
+from pas.mesh.ground import Ground
+from pas.mesh.halfedges import TURNED, HalfEdges, following
+from pas.mesh.labelled import Labelled
+from pas.mesh.refine import LARGEST
+from pas.mesh.rows import dots
+
+NOWHERE = np.empty(0, dtype=np.intp)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How meshes are made; lengths are over the reach of the surface, or over what edges should be."""
+
+    aim: float = 0.72
+    """Share of the tolerance at which edges are as long as the curvature lets them be: few must be halved then."""
+
+    coarse: float = 8e-3
+    """The tolerance for the triangles that are then cut, over the reach; `more` is added to the number of parts."""
+
+    more: float = 0.0
+    longest: float = 0.3
+    grade: float = 0.5
+    """Of edges, over the reach; and by how much their length may grow from one end to the other, over it."""
+
+    bent: float = 1.2
+    """Edges over the smaller radius of curvature, of faces and of curves."""
+
+    long: float = 1.35
+    short: float = 0.7
+    longer: float = 1.3
+    """Edges that are split, that are collapsed, and that are the longest that a collapse makes."""
+
+    folded: float = 0.3
+    """Cosine with the normals at its corners below which a triangle counts as folded."""
+
+    good: float = 0.5
+    """Sine of the angle below which a triangle away from curves is mended."""
+
+    most: int = LARGEST
+    """Triangles at most."""
+
+
+class Grading:
+    """What grades meshes of a ground, for a tolerance."""
+
+    THINNINGS, SPLITTINGS, UNTANGLINGS, CALM = 40, 24, 8, 3
+    """Passes of collapses, of splits, and about folded triangles at most: each ends when little changes.  And
+    smoothings without splits at the end of these."""
+
+    def __init__(self, ground: Ground, tolerance: float, settings: Settings) -> None:
+        self.ground, self.tolerance, self.settings = ground, tolerance, settings
+        self.ruled = bool(ground.faces.any())
+        self.fine = settings.aim * tolerance
+
+    def begun(self, first: Labelled) -> HalfEdges:
+        """The half edges of a first mesh, with what is known of the surface at its vertices."""
+        mesh = HalfEdges(first, self.ground.faces)
+        self._look(mesh, np.arange(len(mesh.vertex_of)))
+        return mesh
+
+    @property
+    def parts(self) -> int:
+        """Into how many parts edges may be cut, so that the triangles before that are coarse."""
+        return max(1, int(np.sqrt(self.settings.coarse * self.ground.reach / self.tolerance) + self.settings.more))
+
+    def graded(self, mesh: HalfEdges, parts: int, thin: bool = True) -> None:
+        """Give the edges the lengths for a tolerance of `parts` squared times the one aimed at."""
+        tolerance = self.fine * parts**2
+        if thin:
+            self._thin(mesh, tolerance)
+        if self.ruled:
+            self._grow_curves(mesh, tolerance)
+        self._grow(mesh, tolerance)
+        if self.ruled:
+            self._straighten(mesh, tolerance)
+
+    def _sizes(self, mesh: HalfEdges, tolerance: float) -> None:
+        if not self.ground.knows_bends:
+            mesh.bend()
+        s = self.settings
+        mesh.size(tolerance, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
+
+    def _thin(self, mesh: HalfEdges, tolerance: float) -> None:
+        """Collapse edges that are shorter than they may be, smoothing now and then, until few vertices go."""
+        for step in range(self.THINNINGS):
+            checkpoint(f"coarsening the first triangles ({len(mesh.labels)})")
+            self._sizes(mesh, tolerance)
+            few = self._collapse(mesh) <= 0.02 * len(mesh.points)
+            if few or step % 6 == 5:
+                self._relax(mesh)
+            if few:
+                return
+
+    def _collapse(self, mesh: HalfEdges, only_fresh: bool = False) -> int:
+        """Collapse edges that are too short, the shortest for what they should be first."""
+        ratios, corners, ends = mesh.ratios, mesh.corners, mesh.ends
+        chosen = (ratios < self.settings.short) & (mesh.twins < np.arange(len(corners)))
+        if only_fresh:
+            chosen &= mesh.fresh[corners] | mesh.fresh[ends]
+            mesh.fresh[:] = False
+        rows = np.flatnonzero(chosen)
+        order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
+        order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
+        rows = rows[np.argsort(order, kind="stable")]
+        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0)
+
+    def _grow(self, mesh: HalfEdges, tolerance: float) -> None:
+        """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
+        smoothed = 0
+        for _ in range(self.SPLITTINGS):
+            checkpoint(f"making the first triangles ({len(mesh.labels)})")
+            self._sizes(mesh, tolerance)
+            long, size = self._longest(mesh), len(mesh.points)
+            if len(long):
+                self._split(mesh, long, careful=True)
+            if len(mesh.points) == size:
+                smoothed += 1
+                if smoothed > self.CALM:
+                    return
+            self._relax(mesh)
+
+    def _grow_curves(self, mesh: HalfEdges, tolerance: float) -> None:
+        """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
+        for _ in range(self.SPLITTINGS):
+            self._sizes(mesh, tolerance)
+            long = self._long_curves(mesh)
+            if not len(long):
+                return
+            self._split(mesh, long)
+            mesh.flip(self.fine)
+
+    @staticmethod
+    def _long_curves(mesh: HalfEdges) -> Integers:
+        """The half edges on curves that are too long, the longest first."""
+        ratios, halves = mesh.ratios, np.arange(len(mesh.corners))
+        rows = np.flatnonzero(mesh.on_curves & (ratios > 1.0) & ((mesh.twins < 0) | (mesh.twins > halves)))
+        return rows[np.argsort(-ratios[rows], kind="stable")]
+
+    def _longest(self, mesh: HalfEdges) -> Integers:
+        """The half edges that are the longest of a triangle, and too long, the longest first."""
+        ratios, count = mesh.ratios, len(mesh.labels)
+        rows = 3 * np.arange(count) + ratios.reshape(-1, 3).argmax(axis=1)
+        rows = rows[ratios[rows] > self.settings.long]
+        rows = rows[np.argsort(-ratios[rows], kind="stable")]
+        edge = np.maximum(rows, mesh.twins[rows])
+        first = np.unique(edge, return_index=True)[1]
+        return rows[np.sort(first)]
+
+    def _split(self, mesh: HalfEdges, halves: Integers, careful: bool = False) -> None:
+        """Split half edges, the new vertices on the surface.
+
+        If `careful`, not those whose middles are nearer to another side of it, as around a thin arm, so that the normal
+        there is turned away from one at an end.
+        """
+        size, twins = len(mesh.points), mesh.twins[halves]
+        own = mesh.labels[halves // 3]
+        other = np.where(twins < 0, -1, mesh.labels[twins // 3])
+        labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
+        labels[other == own, 1] = labels[other < 0, 1] = -1
+        middles = mesh.middles(NOWHERE, halves)[1]
+        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), mesh.lengths(halves))
+        if careful:
+            normals = self.ground.looked(places, own)[0]
+            ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
+            good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
+            halves, places = halves[good], places[good]
+        mesh.split(halves)
+        mesh.points[size:] = places
+        self._look(mesh, np.flatnonzero(mesh.vertex_of >= size))
+
+    def _look(self, mesh: HalfEdges, wedges: Integers) -> None:
+        normals, bends = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+        mesh.normals[wedges] = normals
+        mesh.bends[wedges] = 0.0 if bends is None else bends
+
+    def _relax(self, mesh: HalfEdges, turned: float = TURNED, about: NDArray[np.bool_] | None = None) -> None:
+        """Flip edges and smooth once, all vertices or those `about` (V,)."""
+        mesh.flip(self.fine)
+        to = mesh.targets
+        if about is not None:
+            to[~about] = mesh.points[~about]
+        mesh.settle(*self.ground.drawn(mesh, to), turned)
+
+    def _straighten(self, mesh: HalfEdges, tolerance: float) -> None:
+        """Leave out vertices on the lines of ruled faces."""
+        self._sizes(mesh, tolerance)
+        mesh.fresh[:] = True
+        only_fresh = False
+        while True:
+            checkpoint(f"coarsening the mesh ({len(mesh.labels)} triangles)")
+            size = len(mesh.points)
+            gone = self._collapse(mesh, only_fresh)
+            mesh.flip(self.fine)
+            only_fresh = True
+            if gone < 0.005 * size:
+                return
+
+    def untangle(self, mesh: HalfEdges, folded: float = 0.2) -> bool:
+        """Collapse edges of folded triangles and smooth about them, as far as that goes; whether there were some."""
+        for number in range(self.UNTANGLINGS):
+            bad = np.flatnonzero(mesh.cosines < folded)
+            if not len(bad):
+                return number > 0
+            marked = np.zeros(len(mesh.points), dtype=bool)
+            marked[mesh.triangles[bad]] = True
+            rows = np.flatnonzero(
+                (marked[mesh.corners] | marked[mesh.ends]) & (mesh.twins < np.arange(len(mesh.corners)))
+            )
+            rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
+            mesh.plain = True
+            mesh.collapse(rows, 0.0, 0.35, 1e9)
+            self._relax_about(mesh, np.flatnonzero(mesh.cosines < folded))
+            mesh.plain = False
+            mesh.flip(self.fine)
+        return True
+
+    def _relax_about(self, mesh: HalfEdges, rows: Integers) -> None:
+        """Smooth vertices of triangles in given rows, and those next to them."""
+        if len(rows):
+            about = np.zeros(len(mesh.points), dtype=bool)
+            about[mesh.triangles[rows]] = True
+            about[mesh.triangles[about[mesh.triangles].any(axis=1)]] = True
+            self._relax(mesh, -2.0, about)

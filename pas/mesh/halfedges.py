@@ -1,0 +1,330 @@
+"""A mesh whose triangles carry labels, as half edges that are split, flipped and collapsed, and whose vertices move.
+
+Open meshes of one surface have one label and boundary curves; closed ones of a solid have a label for each face, and
+curves between labels.  Compiled code changes the arrays, which are numpy's (see `pas/kernels/halfedge.h`); what must be
+measured on the surface is asked for in between (see `pas.mesh.remesher`).
+
+Half edge 3 t + k leads from corner k of triangle t to the next.  Guaranteed: splits, flips and collapses keep the
+topology, labels and curves.  Not guaranteed: that triangles do not cross one another.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.kernels.library import address_of, compiled
+from pas.mesh.field import Floats, Integers
+from pas.mesh.labelled import Labelled
+from pas.mesh.rows import norms
+from pas.mesh.topology import numbered, twins_of
+
+TURNED = 0.5
+"""Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
+
+PASSES = 12
+"""Flips at most, over the number of triangles."""
+
+FLAT = (0.025, 0.025, 0.1)
+"""The least height over the longest side of long triangles: see `pas.mesh.quality`."""
+
+
+class Kind(IntEnum):
+    """Where a vertex is: inside a face, on a curve, or in a corner, where it stays."""
+
+    INSIDE = 0
+    CURVE = 1
+    CORNER = 2
+
+
+def following(halves: Integers) -> Integers:
+    """The next half edges in the triangles of some (K,)."""
+    return np.asarray(np.where(halves % 3 == 2, halves - 2, halves + 1))
+
+
+class _Array:
+    """One of the arrays: so many columns for each vertex, triangle, half edge or wedge that there is."""
+
+    def __init__(self, kind: type, of: str, columns: int = 1, times: int = 1) -> None:
+        self.kind, self.of, self.columns, self.times, self.name = kind, of, columns, times, ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, mesh: HalfEdges, owner: type) -> NDArray[Any]:
+        return mesh.arrays[self.name][: mesh.count(self.of) * self.times]
+
+
+class HalfEdges:
+    """The mesh; `faces` are the kinds of its labels, 0 for bent ones, 1 for ruled ones and 2 for planes."""
+
+    points = _Array(np.float64, "vertices", 3)
+    sizes = _Array(np.float64, "vertices")
+    normals = _Array(np.float64, "wedges", 3)
+    bends = _Array(np.float64, "wedges")
+    corners = _Array(np.intp, "triangles", times=3)
+    twins = _Array(np.intp, "triangles", times=3)
+    wedge_of = _Array(np.intp, "triangles", times=3)
+    labels = _Array(np.intp, "triangles")
+    vertex_of = _Array(np.intp, "wedges")
+    face_of = _Array(np.intp, "wedges")
+    outgoing = _Array(np.intp, "vertices")
+    marks = _Array(np.intp, "vertices")
+    kinds = _Array(np.int8, "vertices")
+    fresh = _Array(np.bool_, "vertices")
+
+    def __init__(self, first: Labelled, faces: NDArray[np.int8]) -> None:
+        triangles, labels = first.triangles, first.labels
+        if triangles.min(initial=0) < 0 or triangles.max(initial=0) >= len(first.points):
+            raise ValueError("triangles must be numbers of points")
+        self.faces = np.ascontiguousarray(faces, dtype=np.int8)
+        self._struct = _Struct()
+        self.arrays: dict[str, NDArray[Any]] = {}
+        twins = twins_of(triangles, len(first.points))
+        if twins.min(initial=0) < -1:
+            raise ArithmeticError("some edge does not have one or two triangles")
+        span = int(labels.max(initial=0)) + 1
+        pairs, wedge_of = numbered((triangles * span + labels[:, None]).ravel())
+        self._struct.vertices, self._struct.triangles = len(first.points), len(triangles)
+        self._struct.wedges = len(pairs)
+        self.reserve(0, 0, 0)
+        self.points[:], self.corners[:], self.labels[:] = first.points, triangles.ravel(), labels
+        self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
+        rims = np.zeros(len(twins), dtype=np.intp) if first.rims is None else first.rims.ravel()
+        self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
+        self.marks[:], self.fresh[:], self.normals[:] = 0, True, 0.0
+        self.outgoing[:] = -1
+        self.outgoing[self.corners] = np.arange(len(twins))
+        open_ = np.flatnonzero(twins < 0)
+        self.outgoing[self.corners[open_]] = open_
+        self._classify(first.topology.pinned)
+
+    def _classify(self, pinned: Integers) -> None:
+        """Vertices are corners where three labels meet, curves end or cross, or boundary curves meet, or if pinned."""
+        size, rows = len(self.points), np.flatnonzero(self.on_curves)
+        ends = np.concatenate([self.corners[rows], self.ends[rows]])
+        degree = np.bincount(ends, np.repeat(np.where(self.twins[rows] < 0, 1.0, 0.5), 2), minlength=size)
+        before, after = np.full((2, size), -1)
+        rim = rows[self.twins[rows] < 0]
+        after[self.corners[rim]] = self.twins[rim]
+        before[self.ends[rim]] = self.twins[rim]
+        corner = (degree != 2) | (np.bincount(self.vertex_of, minlength=size) > 2) | (before != after)
+        corner[pinned] = True
+        self.kinds[:] = np.where(degree == 0, Kind.INSIDE, np.where(corner, Kind.CORNER, Kind.CURVE))
+
+    def count(self, of: str) -> int:
+        """How many vertices, triangles or wedges there are."""
+        return int(getattr(self._struct, of))
+
+    def reserve(self, vertices: int, triangles: int, wedges: int) -> None:
+        """Have room for so many more of each."""
+        more = {"vertices": vertices, "triangles": triangles, "wedges": wedges}
+        for name, array in _ARRAYS.items():
+            needed = (self.count(array.of) + more[array.of]) * array.times
+            old = self.arrays.get(name)
+            if old is None or len(old) < needed:
+                room = needed if old is None else needed + needed // 2
+                new: NDArray[Any] = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
+                if old is not None:
+                    new[: len(old)] = old
+                self.arrays[name] = new
+                setattr(self._struct, name, address_of(new))
+        self._struct.faces = address_of(self.faces)
+
+    def _call(self, name: str, *arguments: NDArray[Any] | float) -> None:
+        compiled().call(name, ctypes.addressof(self._struct), *arguments)
+
+    @property
+    def triangles(self) -> Integers:
+        """The triangles as vertex numbers (T, 3)."""
+        return self.corners.reshape(-1, 3)
+
+    @property
+    def ends(self) -> Integers:
+        """Where half edges end (3 T,)."""
+        return self.triangles[:, [1, 2, 0]].ravel()
+
+    @property
+    def on_curves(self) -> NDArray[np.bool_]:
+        """Which half edges (3 T,) are on the boundary or between two labels."""
+        own = np.repeat(self.labels, 3)
+        return np.asarray((self.twins < 0) | (own != self.labels[self.twins // 3]))
+
+    @property
+    def boundary(self) -> tuple[Integers, Integers]:
+        """The half edges (B,) without a twin, and the numbers of their curves (B,)."""
+        rows = np.flatnonzero(self.twins < 0)
+        return rows, -1 - self.twins[rows]
+
+    @property
+    def rim_of(self) -> Integers:
+        """The number of a boundary curve that a vertex is on (V,), -1 inside."""
+        result, (rows, curves) = np.full(len(self.points), -1), self.boundary
+        result[self.corners[rows]] = result[self.ends[rows]] = curves
+        return result
+
+    @property
+    def label_of(self) -> Integers:
+        """The label of a vertex (V,), one of those about it."""
+        result = np.empty(len(self.points), dtype=np.intp)
+        result[self.vertex_of] = self.face_of
+        return result
+
+    def labels_about(self, vertices: Integers) -> Integers:
+        """The labels about vertices (K, k), ascending, then -1."""
+        times = np.bincount(self.vertex_of, minlength=len(self.points))[vertices]
+        width = max(int(times.max(initial=1)), 2)
+        result = np.empty((len(vertices), width), dtype=np.intp)
+        self._call("pas_mesh_labels_about", len(vertices), vertices, width, result)
+        return result
+
+    @property
+    def cosines(self) -> Floats:
+        """The cosines (T,) between triangles and the normals at their corners."""
+        result = np.empty(len(self.labels))
+        self._call("pas_mesh_cosines", result)
+        return result
+
+    @property
+    def sines(self) -> Floats:
+        """The sines (T,) of triangles' smallest angles."""
+        result = np.empty(len(self.labels))
+        self._call("pas_mesh_sines", result)
+        return result
+
+    def lengths(self, halves: Integers) -> Floats:
+        """The lengths (K,) of half edges."""
+        return norms(self.points[self.corners[following(halves)]] - self.points[self.corners[halves]])
+
+    @property
+    def ratios(self) -> Floats:
+        """The lengths (3 T,) of half edges over what they should be."""
+        result = np.empty(len(self.corners))
+        self._call("pas_mesh_ratios", result)
+        return result
+
+    def bend(self) -> None:
+        """Find the curvatures of wedges from the turn of normals along edges."""
+        self._call("pas_mesh_bends")
+
+    def size(self, tolerance: float, fine: float, longest: float, bent: float, grade: float) -> None:
+        """Find how long edges should be for a tolerance, a `fine` one on ruled faces, and other limits."""
+        self._call("pas_mesh_sizes", tolerance, fine, longest, bent, grade)
+
+    def size_plainly(self) -> None:
+        """Take the mean lengths of edges at vertices for what these should be, on all faces."""
+        self._call("pas_mesh_mean_sizes")
+
+    @property
+    def plain(self) -> bool:
+        """Whether ruled faces are for now as others."""
+        return bool(self._struct.plain)
+
+    @plain.setter
+    def plain(self, value: bool) -> None:
+        self._struct.plain = value
+
+    def split(self, halves: Integers) -> None:
+        """Split half edges (K,) in this order, each edge given once; the new vertices are the last."""
+        ends = np.stack([self.corners[halves], self.ends[halves]], axis=1)
+        self.reserve(len(halves), 2 * len(halves), 2 * len(halves))
+        self._call("pas_mesh_split", len(halves), halves, ends)
+
+    def flip(self, limit: float = np.inf, only_fresh: bool = False) -> None:
+        """Flip edges, of all or at fresh vertices, towards Delaunay's criterion, on ruled faces towards the face."""
+        self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
+
+    def collapse(self, halves: Integers, longer: float, kept: float, off: float, held: float = 0.8) -> int:
+        """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
+
+        See `Limits` in `pas/kernels/edits.c`.
+        """
+        done = np.empty(1, dtype=np.intp)
+        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *FLAT]), done)
+        if done[0]:
+            self._call("pas_mesh_pack")
+        return int(done[0])
+
+    @property
+    def targets(self) -> Floats:
+        """Where vertices (V, 3) should go to make triangles better, in tangent planes and along curves."""
+        result = np.empty((len(self.points), 3))
+        self._call("pas_mesh_targets", result)
+        return result
+
+    def settle(self, points: Floats, normals: Floats, bends: Floats | None, turned: float = TURNED) -> None:
+        """Take new points and what is known of wedges, but for those of triangles that are turned away then."""
+        given = np.empty(0) if bends is None else bends
+        self._call("pas_mesh_settle", points, normals, given, int(bends is not None), float(turned))
+
+    def middles(self, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
+        """The centres (K, 3) of triangles and the middles (H, 3) of half edges."""
+        centres, middles = np.empty((len(rows), 3)), np.empty((len(halves), 3))
+        self._call("pas_mesh_middles", len(rows), rows, centres, len(halves), halves, middles)
+        return centres, middles
+
+    def better(self, aim: float, vertices: Integers) -> tuple[Integers, Floats]:
+        """Some of the vertices given that are fresh, and places (K, 3) where triangles are less slender."""
+        chosen, places = np.empty(len(vertices), dtype=np.intp), np.empty((len(vertices), 3))
+        number = np.empty(1, dtype=np.intp)
+        self._call("pas_mesh_better", aim, len(vertices), vertices, chosen, places, number)
+        return chosen[: number[0]], places[: number[0]]
+
+    def stars(self, vertices: Integers) -> tuple[Integers, Integers]:
+        """The rows of triangles (K,) about vertices, and which of the vertices each is about (K,)."""
+        room, number = 8 * len(vertices), np.empty(1, dtype=np.intp)
+        while True:
+            rows, owners = np.empty((2, room), dtype=np.intp)
+            self._call("pas_mesh_stars", len(vertices), vertices, room, rows, owners, number)
+            if number[0] <= room:
+                return rows[: number[0]], owners[: number[0]]
+            room = int(number[0])
+
+    def move(self, vertices: Integers, places: Floats, normals: Floats, good: NDArray[np.bool_], aim: float) -> int:
+        """Put vertices inside faces, if they are good, at places, where triangles get less slender; how many."""
+        moved = np.empty(1, dtype=np.intp)
+        self._call("pas_mesh_move", len(vertices), vertices, places, normals, good, aim, TURNED, moved)
+        return int(moved[0])
+
+    def cut(self, parts: int) -> HalfEdges:
+        """A mesh with each edge of faces that are not ruled cut into so many parts, the new points near the surface."""
+        base, counts = np.empty(len(self.corners), dtype=np.intp), np.empty(2, dtype=np.intp)
+        self._call("pas_mesh_cut_counts", parts, base, counts)
+        points, labels = np.empty((counts[0], 3)), np.empty(counts[1], dtype=np.intp)
+        triangles, codes = np.empty((2, counts[1], 3), dtype=np.intp)
+        self._call("pas_mesh_cut", parts, base, points, triangles, codes, labels)
+        pinned = np.flatnonzero(self.kinds == Kind.CORNER)
+        rims = None if codes.max(initial=-1) == codes.min(initial=-1) == -1 else -1 - codes
+        return HalfEdges(Labelled.of(points, triangles, labels, pinned, rims), self.faces)
+
+    @property
+    def value(self) -> Labelled:
+        """The mesh as it is now, with the normals at its vertices."""
+        rows, curves = self.boundary
+        rims = np.full(len(self.corners), -1)
+        rims[rows] = curves
+        pinned = np.flatnonzero(self.kinds == Kind.CORNER)
+        given = self.points.copy(), self.triangles.copy(), self.labels.copy(), pinned
+        mesh = Labelled.of(*given, rims.reshape(-1, 3) if len(rows) else None)
+        span = int(self.labels.max(initial=0)) + 1
+        order = np.argsort(self.vertex_of * span + self.face_of, kind="stable")  # that of the rows of `pairs`
+        return Labelled(mesh.points, mesh.topology, self.normals[order])
+
+
+_ARRAYS = {name: array for name, array in vars(HalfEdges).items() if isinstance(array, _Array)}
+
+
+class _Struct(ctypes.Structure):
+    """What `pas/kernels/halfedge.h` has of a mesh; the same names in the same order."""
+
+    _fields_ = [
+        *((name, ctypes.c_ssize_t) for name in ("vertices", "triangles", "wedges", "stamp")),
+        ("fine", ctypes.c_double),
+        ("coarse", ctypes.c_double),
+        ("plain", ctypes.c_ssize_t),
+        *((name, ctypes.c_void_p) for name in (*_ARRAYS, "faces")),
+    ]

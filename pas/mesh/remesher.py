@@ -1,0 +1,200 @@
+"""From few triangles with the topology of a surface to triangles within a tolerance, graded by curvature.
+
+One driver for open meshes of a surface and closed ones of a solid.  Edges are made as long as the curvature lets them
+be at q^2 times the tolerance (see `pas.mesh.grading`).  Each edge is then cut into q parts, the new vertices are
+projected onto the faces, and what is measured to be too far is halved.  Ruled faces are not cut.  At last slender
+triangles are mended.
+
+The topology stays.  That no triangle is folded, and how far edges and triangles are from the surface at all points that
+are looked at, is measured on the result.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.limits import checkpoint
+from pas.mesh.field import Floats, Integers
+from pas.mesh.grading import Grading
+from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.labelled import Labelled
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a mesh did not come out, and a point (3,) near which; how far it was from the surface with so many triangles.
+
+    It is `crowded` where there would be too many."""
+
+    why: str
+    place: Floats
+    reached: float = np.inf
+    triangles: int = 0
+    crowded: bool = False
+
+
+@dataclass(frozen=True)
+class Remeshed:
+    """A mesh, and the largest distance from the surface that was measured."""
+
+    mesh: Labelled
+    deviation: float
+
+
+class Remesher(Grading):
+    """What makes a mesh of a ground, within a tolerance."""
+
+    REFINEMENTS, ROUNDS = 40, 8
+    """Passes of halvings and of mending at most: each ends when little changes."""
+
+    def refined(self, mesh: HalfEdges) -> Remeshed | Failure:
+        """The mesh within the tolerance of a graded one, made for `parts`."""
+        fits = int(np.sqrt(self.settings.most / len(mesh.labels)))
+        inside, along = self.measured(mesh)
+        parts = self._fewest_parts(mesh, inside, along)
+        if fits < parts:
+            return self._too_many(mesh, inside, along, max(fits, 1))
+        if parts < self.parts:
+            self.graded(mesh, parts, thin=False)
+        while True:
+            cut = mesh.cut(parts) if parts > 1 else mesh
+            cut.points[:], cut.normals[:] = self.ground.projected(cut)
+            if parts == 1 or cut.cosines.min() >= self.settings.folded:
+                break
+            parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold
+            self.graded(mesh, parts, thin=False)
+        return self.within(cut)
+
+    def _fewest_parts(self, mesh: HalfEdges, inside: Floats, along: Floats) -> int:
+        """Into how many parts to cut edges, so that few triangles come out after the rest is halved."""
+        bent = self.ground.faces[mesh.labels] == 0
+        off = np.maximum(inside, along.reshape(-1, 3).max(axis=1))[bent] / self.tolerance
+        least = self.parts if self.ground.knows_bends else 1  # else edges may be shorter than they need be
+        squares = np.arange(least, 2 * self.parts + 1)[:, None] ** 2  # by which distances fall and numbers grow
+        costs = np.where(off <= squares, squares, 2 * np.maximum(off, squares)).sum(axis=1)
+        return int(np.argmin(costs)) + least
+
+    def _too_many(self, mesh: HalfEdges, inside: Floats, along: Floats, parts: int) -> Failure:
+        """That there would be too many triangles, and what is reached with as many as there may be."""
+        reached = float(max(inside.max(), along.max())) / parts**2
+        return Failure("too many triangles", mesh.points[0], reached, len(mesh.labels) * parts**2, True)
+
+    def measured(self, mesh: HalfEdges, before: tuple[Integers, Floats, Floats] | None = None) -> tuple[Floats, Floats]:
+        """Distances of triangles' insides (T,) and half edges (3 T,); those of triangles `before` are known."""
+        stale, count = np.ones(len(mesh.labels), dtype=bool), 0
+        inside, along = np.empty(len(mesh.labels)), np.empty(len(mesh.corners))
+        if before is not None:
+            old, known_inside, known_along = before
+            count = len(old)
+            stale[:count] = (mesh.triangles[:count] != old).any(axis=1)
+            inside[:count], along[: 3 * count] = known_inside, known_along
+        rows = np.flatnonzero(stale)
+        halves = (3 * rows[:, None] + np.arange(3)).ravel()
+        twins = mesh.twins[halves]
+        known = (twins >= 0) & ~stale[twins // 3]
+        along[halves[known]] = along[twins[known]]
+        halves = halves[~known & (twins < halves)]
+        inside[rows], found = self.ground.measured(mesh, rows, halves)
+        along[halves] = found
+        twins = mesh.twins[halves]
+        along[twins[twins >= 0]] = found[twins >= 0]
+        return inside, along
+
+    def within(self, mesh: HalfEdges, mend: bool = True) -> Remeshed | Failure:
+        """The mesh with edges halved until all that is measured is within the tolerance."""
+        before, worst, last = None, np.inf, np.inf
+        for step in range(self.REFINEMENTS):
+            checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
+            if not self.ground.knows_bends and self.untangle(mesh):
+                before = None
+            inside, along = self.measured(mesh, before)
+            worst = float(max(inside.max(), along.max()))
+            if worst <= self.tolerance:
+                return self._finished(mesh, worst, mend)
+            if step % 4 == 0:
+                if step > 8 and not worst < 0.9 * last:
+                    break
+                last = worst
+            halves = self._far(mesh, inside, along)
+            if len(mesh.labels) + 2 * len(halves) > self.settings.most:
+                return Failure("too many triangles", mesh.points[0], worst, len(mesh.labels), True)
+            before = self._halved(mesh, halves, step, inside, along)
+        far = int(np.argmax(np.maximum(inside, along.reshape(-1, 3).max(axis=1))))
+        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels))
+
+    def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
+        """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
+        far = along > self.tolerance
+        rows = np.flatnonzero((inside > self.tolerance) & ~far.reshape(-1, 3).any(axis=1))
+        sides = 3 * rows[:, None] + np.arange(3)
+        far[3 * rows + mesh.lengths(sides.ravel()).reshape(-1, 3).argmax(axis=1)] = True
+        halves = np.flatnonzero(far)
+        twins = mesh.twins[halves]
+        halves = halves[(twins < 0) | (twins > halves) | ~far[twins]]
+        return halves[np.argsort(-mesh.lengths(halves), kind="stable")]
+
+    def _halved(
+        self, mesh: HalfEdges, halves: Integers, step: int, inside: Floats, along: Floats
+    ) -> tuple[Integers, Floats, Floats]:
+        """Halve edges, and flip others beside them at first; what is known of the triangles before."""
+        old, size = mesh.triangles.copy(), len(mesh.points)
+        mesh.fresh[:] = False
+        self._split(mesh, halves)
+        if step < 2 or (self.ruled and step < 12):  # a flip may leave an edge that is too far again
+            mesh.fresh[mesh.triangles[(mesh.triangles >= size).any(axis=1)]] = True
+            mesh.flip(self.tolerance, only_fresh=True)
+        return old, inside, along
+
+    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> Remeshed | Failure:
+        if mend:
+            worst = max(worst, self.mended(mesh))
+        cosines = mesh.cosines
+        least = 0.2 if not self.ground.knows_bends else self.settings.folded
+        if not cosines.min() >= least:
+            return Failure("some triangles are folded", self._middle(mesh, int(np.argmin(cosines))))
+        return Remeshed(mesh.value, worst)
+
+    @staticmethod
+    def _middle(mesh: HalfEdges, row: int) -> Floats:
+        return np.asarray(mesh.points[mesh.triangles[row]].mean(axis=0))
+
+    def mended(self, mesh: HalfEdges) -> float:
+        """Move vertices of slender triangles inside faces to better places; how far what changed is at most."""
+        mesh.fresh[:], worst, good = True, 0.0, self.settings.good
+        free, bent = self._free(mesh), self.ground.faces[mesh.labels] == 0
+        for _ in range(self.ROUNDS):
+            sines = mesh.sines
+            rows = np.flatnonzero((sines < good) & bent)
+            corners = mesh.triangles[rows[np.argsort(sines[rows], kind="stable")]].ravel()
+            vertices, places = mesh.better(good, corners[free[corners]])
+            if not len(vertices):
+                break
+            checkpoint(f"mending slender triangles ({len(rows)})")
+            labels, far = mesh.label_of[vertices], np.full(len(vertices), np.inf)
+            places = self.ground.placed(places, labels[:, None], np.full(len(labels), -1), far)
+            off = self._off(mesh, vertices, places)
+            near = off <= self.tolerance
+            worst = max(worst, float(off[near].max(initial=0.0)))
+            if not mesh.move(vertices, places, self.ground.looked(places, labels)[0], near, good):
+                break
+        return worst
+
+    @staticmethod
+    def _free(mesh: HalfEdges) -> NDArray[np.bool_]:
+        """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
+        result, edge = mesh.kinds == Kind.INSIDE, mesh.rim_of >= 0
+        result[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = False
+        return result
+
+    def _off(self, mesh: HalfEdges, vertices: Integers, places: Floats) -> Floats:
+        """How far the triangles about vertices (K,) would be from the surface with these at places (K, 3)."""
+        rows, owners = mesh.stars(vertices)
+        triangles = mesh.triangles[rows]
+        own = (triangles == vertices[owners][:, None])[..., None]
+        corners = np.where(own, places[owners][:, None], mesh.points[triangles])
+        result = np.zeros(len(vertices))
+        np.maximum.at(result, owners, self.ground.farthest(corners, mesh.labels[rows]))
+        return result

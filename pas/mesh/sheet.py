@@ -1,0 +1,152 @@
+"""One surface as the ground of an open mesh: its boundary curves are those of the field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pas.mesh.edges import Edges
+from pas.mesh.field import Floats, Integers, SheetField
+from pas.mesh.grading import Settings
+from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.labelled import Labelled
+from pas.mesh.mesh import Mesh
+from pas.mesh.refine import too_many
+from pas.mesh.remesher import Failure, Remeshed, Remesher
+from pas.mesh.shading import unit_rows
+
+
+def open_mesh(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
+    """The mesh of points (N, 3), on curves of the field of given numbers (N,) or -1, and triangles (T, 3)."""
+    edges, rims = Edges(triangles, len(points)), np.full(triangles.size, -1)
+    if len(edges.rim):
+        fixed, ends = field.fixed, rim[edges.rim]
+        curves = np.where(fixed[ends[:, 0]], ends[:, 1], ends[:, 0])
+        both = np.flatnonzero(fixed[curves])
+        if len(both):
+            curves[both] = field.between(points[edges.rim[both]], ends[both])
+        rims[np.flatnonzero(edges.twins < 0)] = curves
+    labels = np.zeros(len(triangles), dtype=np.intp)
+    return Labelled.of(points, triangles, labels, rims=rims.reshape(-1, 3) if len(edges.rim) else None)
+
+
+class BadMeshError(ArithmeticError):
+    """Why triangles are no good mesh, and near which point (3,), in the coordinates of the field."""
+
+    def __init__(self, why: str, place: Floats) -> None:
+        super().__init__(why)
+        self.place = place
+
+
+def remeshed(
+    field: SheetField,
+    first: Labelled,
+    tolerance: float,
+    settings: Settings,
+    accept: Callable[[Floats], None] | None = None,
+) -> Mesh:
+    """The mesh in the user's coordinates within a tolerance, measured, from a first one.
+
+    With `accept` the first mesh has few triangles, none of which is left out; it may raise an error where the vertices
+    (K, 3) inside the coarse mesh that is made of it are not good enough to go on.
+    Raises `BadMeshError` where triangles are folded, or the tolerance is not reached, `MeshError` where there would be
+    too many triangles.
+    """
+    remesher = Remesher(SurfaceGround(field), tolerance, settings)
+    mesh = remesher.begun(first)
+    remesher.graded(mesh, remesher.parts, thin=accept is None)
+    remesher.untangle(mesh, settings.folded)
+    if not (mesh.cosines >= settings.folded).all():
+        raise BadMeshError(
+            "some triangles are folded", mesh.points[mesh.triangles[np.argmin(mesh.cosines)]].mean(axis=0)
+        )
+    if accept is not None:
+        accept(mesh.points[mesh.kinds == Kind.INSIDE])
+    return _given(field, remesher.refined(mesh), tolerance, settings)
+
+
+def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
+    """The mesh of points (N, 3) near the surface, or on curves of numbers (N,), moved onto it; see `remeshed`."""
+    on = np.flatnonzero(rim >= 0)
+    points = points.copy()
+    points[on] = field.on_rims(points[on], rim[on])
+    remesher = Remesher(SurfaceGround(field), tolerance, Settings())
+    mesh = HalfEdges(open_mesh(field, points, triangles, rim), remesher.ground.faces)
+    mesh.points[:] = remesher.ground.drawn(mesh, mesh.points)[0]
+    mesh.points[:], mesh.normals[:] = remesher.ground.projected(mesh)
+    if not (mesh.cosines >= remesher.settings.folded).all():
+        raise ArithmeticError("some triangles are folded")
+    return _given(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
+
+
+def _given(field: SheetField, found: Remeshed | Failure, tolerance: float, settings: Settings) -> Mesh:
+    """What was found in the user's coordinates."""
+    if isinstance(found, Failure):
+        if found.crowded:
+            raise too_many(field, found.triangles, settings.most, tolerance, found.reached)
+        raise BadMeshError(found.why, found.place)
+    mesh = found.mesh
+    if not field.within(mesh.points):
+        raise ArithmeticError("the mesh leaves the region")
+    assert mesh.normals is not None
+    world, deviation = field.world(mesh.points), found.deviation * field.scale
+    return Mesh.smooth(world, mesh.triangles, mesh.normals, deviation=deviation)
+
+
+class SurfaceGround:
+    """A field as a ground; see `pas.mesh.ground.Ground`."""
+
+    knows_bends = True
+
+    def __init__(self, field: SheetField) -> None:
+        self.field, self.reach, self.faces = field, field.reach, np.zeros(1, dtype=np.int8)
+
+    def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
+        """Places for vertices drawn towards the surface, and normals and curvatures there."""
+        to, on = to.copy(), np.flatnonzero(mesh.kinds == Kind.CURVE)
+        if len(on):
+            to[on] = self.field.on_rims(to[on], mesh.rim_of[on])
+        points, gradients, bends = self.field.drawn(to, mesh.kinds != Kind.INSIDE)
+        return points, unit_rows(gradients)[mesh.vertex_of], bends[mesh.vertex_of]
+
+    def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
+        """Points on the surface or its boundary curves (K, 3)."""
+        points, on = points.copy(), rims >= 0
+        if on.any():
+            points[on] = self.field.on_rims(points[on], rims[on])
+        near = self.field.drawn(points[~on], np.zeros((~on).sum(), dtype=bool))[0]
+        points[~on] = self.field.closed(near)[0]
+        return points
+
+    def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
+        """All vertices on the surface or its boundary curves, and the normals there."""
+        points, gradients = mesh.points.copy(), np.empty_like(mesh.points)
+        inside, on = np.flatnonzero(mesh.kinds == Kind.INSIDE), np.flatnonzero(mesh.kinds == Kind.CURVE)
+        points[inside], gradients[inside] = self.field.closed(points[inside])
+        if len(on):
+            points[on] = self.field.on_rims(points[on], mesh.rim_of[on])
+        rest = np.flatnonzero(mesh.kinds != Kind.INSIDE)
+        gradients[rest] = self.field.gradients(points[rest])
+        return points, unit_rows(gradients)[mesh.vertex_of]
+
+    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
+        """Unit normals and curvatures at points of the surface."""
+        gradients, bends = self.field.bending(points)
+        return unit_rows(gradients), bends
+
+    def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
+        """Distances of triangles' centres and edges' middles, those of the boundary from its curves."""
+        centres, middles = mesh.middles(rows, halves)
+        found = self.field.distances(np.concatenate([centres, middles]))
+        inside, along = found[: len(rows)], found[len(rows) :]
+        on = np.flatnonzero(mesh.twins[halves] < 0)
+        if len(on):
+            along[on] = self.field.rim_distances(middles[on], -1 - mesh.twins[halves[on]])
+        return inside, along
+
+    def farthest(self, corners: Floats, labels: Integers) -> Floats:
+        """The largest distance of triangles' centres and the middles of their sides."""
+        middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
+        found = self.field.distances(np.concatenate([corners.mean(axis=1), middles]))
+        return np.maximum(found[: len(corners)], found[len(corners) :].reshape(-1, 3).max(axis=1))

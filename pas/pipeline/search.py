@@ -1,0 +1,187 @@
+"""The search: layouts one after the other, on each the degrees in turn, until a surface is proved and fair.
+
+On a layout the degree rises from the first with a regular surface.  The first degree that is proved and fair is taken.
+Once one is proved, a few more are tried for fairness, and the fairest is kept; one that is too stiff to be fair does
+not count as that.  Where none is proved in so many degrees, the next layout is tried.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
+from pas.blending.solving import solve
+from pas.errors import InfeasibleError, NotProvedError
+from pas.fairing.wishes import Wishes
+from pas.pipeline.fit import choose
+from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.space import SolutionSpace
+from pas.pipeline.stages import Stages
+from pas.surface.placed import PlacedContacts
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """How far a search goes."""
+
+    degrees: int
+    """Degrees with regular surfaces that are tried on a layout before it is given up."""
+
+    above: int
+    """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
+
+    fewest: int
+    """Spaces of smaller dimension are not tried: there is always a larger one, and none of these was fair."""
+
+    per_order: int = 2
+    """The degrees up to so many times the order are tried in any case: products of the contacts' surfaces meet them
+    with any order from one low degree on, and of use are others.  Perpendicular pipes have a proved surface of degree
+    2k - 2 where the order k is 5, 6 or 7, and at degree 6 such a product."""
+
+    few: int = 15
+    stiff: int = 4
+    """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
+    pipes and more: few of them have a fair surface, and the next degree is tried however large."""
+
+    most: int = 160
+    """Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+
+    narrow: float = 0.25
+    further: float = 4.0
+    """What is beyond limits by less than the first, in units of the measures, is settled once more under limits that
+    lie so many times as far inside: the limits are soft on the way, and give a little."""
+
+    def is_stiff(self, space: SolutionSpace) -> bool:
+        """Whether a space has few unknowns for its pieces."""
+        return space.dimension < max(self.few, self.stiff * len(space.partition.pieces))
+
+
+GIVEN = SearchSettings(degrees=4, above=2, fewest=1)
+"""On one partition; corners of order up to 4 needed at most three degrees."""
+
+CORNER = replace(GIVEN, above=1, fewest=12)
+"""On six tetrahedra that the program chose, before all."""
+
+CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
+"""On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
+shape fairer that another degree did not."""
+
+
+class Remembered:
+    """What an iterator has, to be gone through as often as one likes, each thing fetched when it is first needed."""
+
+    def __init__(self, source: Iterable[PlacedContacts]) -> None:
+        self._known: list[PlacedContacts] = []
+        self._source = iter(source)
+
+    def __iter__(self) -> Iterator[PlacedContacts]:
+        yield from self._known
+        for place in self._source:
+            self._known.append(place)
+            yield place
+
+
+@dataclass
+class Search:
+    """What was tried.
+
+    `degree` is the only one to try, or None; `order` that of contact; `raised` says whether degrees are tried for
+    fairness too.
+    """
+
+    wishes: Wishes
+    degree: int | None
+    order: int
+    raised: bool
+    stages: Stages
+    attempts: list[Attempt] = field(default_factory=list)
+    failure: InfeasibleError | NotProvedError | None = None
+
+    def on_layout(self, regions: Iterable[PlacedContacts], settings: SearchSettings) -> Blend | None:
+        """The fairest blend that was found on one layout, of which `regions` are regions; None where none was.
+
+        Each degree is tried on one region after the other, and where a surface was found on that one from then on.
+        """
+        best: Blend | None = None
+        tried, highest, counts = 0, HIGHEST_DEGREE, False
+        for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
+            if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
+                break
+            tried += 1
+            for number, placed in enumerate(regions):
+                space = self._space(placed, degree, settings)
+                if space is None:  # which spaces are of use does not hang on the region
+                    tried -= not number
+                    break
+                if counts and space.dimension > settings.most:
+                    self._note(space, f"not tried: more than {settings.most} unknowns")
+                    return self._with_attempts(best)
+                found = self._fitted(space, settings)
+                if found is None:
+                    continue
+                if not self.raised:
+                    return self._with_attempts(found)
+                best = found if best is None or excess(found) < excess(best) else best
+                highest = min(highest, degree + settings.above)
+                counts |= not settings.is_stiff(space)
+                regions = [placed]
+                break
+            if best is not None and not excess(best):
+                break
+        return self._with_attempts(best)
+
+    def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> SolutionSpace | None:
+        """The solution space, where it has regular members and unknowns enough; else that is noted."""
+        with self.stages.stage("solve", f" (degree {degree})"):
+            space = SolutionSpace.of(solve(placed, degree))
+            small = 0 < space.dimension < settings.fewest
+            if not small and space.regular:
+                return space
+        if space.dimension == 0:
+            self._note(space, "no solution")
+        else:
+            reason = f"not tried: fewer than {settings.fewest} unknowns"
+            self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
+        return None
+
+    def _fitted(self, space: SolutionSpace, settings: SearchSettings) -> Blend | None:
+        """The blend of a space, measured where that is of use; None where none is proved."""
+        began = time.perf_counter()
+        try:
+            found = choose(space, self.wishes, self.stages)
+        except (InfeasibleError, NotProvedError) as error:
+            self._note(space, str(error), time.perf_counter() - began)
+            self.failure = error
+            return None
+        outcome = found.attempts[-1].outcome
+        if self.raised:
+            with self.stages.stage("measure", f" (degree {space.degree})"):
+                narrow = 0 < excess(found) < settings.narrow and space.dimension >= settings.few
+            found = self._pressed(space, found, settings.further) if narrow else found
+            beyond = found.surface.fairness().beyond(found.limits)
+            outcome += f", not fair: {', '.join(beyond)}" if beyond else ", fair"
+        self.attempts.append(replace(found.attempts[-1], outcome=outcome))
+        return found
+
+    def _pressed(self, space: SolutionSpace, found: Blend, further: float) -> Blend:
+        """The surface settled once more under limits further inside, where that makes it fairer."""
+        inner = found.surface.fairness().inside(found.limits, further)
+        try:
+            moved = choose(space, self.wishes.changed(limits=inner), self.stages)
+        except (InfeasibleError, NotProvedError):
+            return found
+        moved = replace(moved, wishes=found.wishes)
+        return moved if excess(moved) < excess(found) else found
+
+    def _with_attempts(self, found: Blend | None) -> Blend | None:
+        return found and replace(found, attempts=tuple(self.attempts))
+
+    def _note(self, space: SolutionSpace, outcome: str, seconds: float = 0.0) -> None:
+        self.attempts.append(Attempt(space.degree, space.dimension, outcome, seconds, space.partition.title))
+
+
+def excess(found: Blend) -> float:
+    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
+    return found.surface.fairness().excess(found.limits)

@@ -1,0 +1,241 @@
+"""Boundary loops: the closed curves on which a surface ends, each a graph over the angle about its middle.
+
+One lies in the plane of a clip, or it is that through which a region is open, where the surface cuts the nappe of a
+cone with its apex in 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from pas.algebra.evaluation import PolynomialBatch, evaluate
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.contacts.cones import first_met, nappe_rays
+from pas.contacts.joins import Join
+from pas.kernels.library import compiled
+from pas.mesh.field import Integers
+from pas.mesh.rows import dots
+
+STEPS = 40
+"""Of Newton's method along rays towards a loop, none by more than a factor of two."""
+
+SETTLED = 1e-9
+"""Change of the share of a ray that ends that: the next is about its square."""
+
+OFF = 1e-9
+"""Over a curve's size: how far points may be from the curve that is a graph over the angle."""
+
+AROUND = 64
+"""Rays on which the middle is found."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConeLoop:
+    """The curve on `surface` along the nappe with the axes (3, 3) of `pas.contacts.cones.nappe`, of the cone `clip`.
+
+    In the plane of a plate or in none, it is a graph over the angle about the axis.
+    """
+
+    surface: Polynomial
+    clip: Polynomial
+    axes: Floats
+    fixed: ClassVar[bool] = False
+    opening: ClassVar[bool] = True
+
+    @cached_property
+    def normal(self) -> Floats:
+        """The unit vector (3,) along the axis, outwards."""
+        return np.asarray(self.axes[0] / np.sqrt(self.axes[0] @ self.axes[0]))
+
+    @cached_property
+    def middle(self) -> Floats:
+        """The point (3,) of the axis in the middle of the curve's height."""
+        return np.asarray(float((self.round(AROUND) @ self.normal).mean()) * self.normal)
+
+    def round(self, number: int) -> Floats:
+        """So many points (N, 3) in turn; raises `ArithmeticError` where rays do not meet the surface."""
+        rays = nappe_rays(self.axes, number)
+        met = first_met(self.surface, rays)
+        if not np.isfinite(met).all():
+            raise ArithmeticError("the cone around an opening leaves its surface")
+        return np.asarray(rays * met[:, None])
+
+    def at(self, points: Floats) -> Floats:
+        """Where the rays of the nappe at the angles of points (N, 3) meet the surface, found from there."""
+        across = np.linalg.solve(self.axes.T, points.T)[1:]
+        across = across / np.maximum(np.sqrt((across * across).sum(axis=0)), 1e-300)
+        rays = self.axes[0] + across.T @ self.axes[1:]
+        share = dots(points, rays) / dots(rays, rays)
+        rows = np.arange(len(rays))
+        for _ in range(STEPS):
+            here = rays[rows] * share[rows, None]
+            slope = dots(self.surface.gradient(here), rays[rows])
+            with np.errstate(all="ignore"):
+                step = share[rows] - self.surface(here) / slope
+            step = np.where(slope > 0, np.clip(step, share[rows] / 2, share[rows] * 2), share[rows] * 2)
+            moving = ~(np.abs(step - share[rows]) < SETTLED * step)
+            share[rows] = step
+            rows = rows[moving]
+            if not len(rows):
+                break
+        return np.asarray(rays * share[:, None])
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points from those of the curve at the same angles."""
+        away = self.at(points) - points
+        return np.asarray(np.sqrt(dots(away, away)))
+
+    def off(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from the surface and the cone, to first order."""
+        total = np.zeros(len(points))
+        for p in (self.surface, self.clip):
+            slope = p.gradient(points)
+            total += np.abs(p(points)) / np.maximum(np.sqrt(dots(slope, slope)), 1e-300)
+        return total
+
+    def inside(self, units: Floats) -> np.ndarray:
+        """Which rays (N, 3) from 0 pass through the curve."""
+        return np.asarray((self.clip(units) <= 0) & (units @ self.normal > 0))
+
+
+@dataclass(frozen=True)
+class PlaneLoop:
+    """A closed curve around `middle` (3,), in the plane through it with the unit `normal` (3,) pointing outwards.
+
+    `columns` (C(n+3, 3), 4) are the coefficients of its function and of the derivatives; `size` its largest radius.
+    """
+
+    middle: Floats
+    normal: Floats
+    columns: Floats
+    size: float
+    fixed: ClassVar[bool] = False
+    opening: ClassVar[bool] = False
+
+    @cached_property
+    def _alone(self) -> Loops:
+        return Loops([self])
+
+    def at(self, points: Floats) -> Floats:
+        """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
+        return self._alone.at(points, np.zeros(len(points), dtype=np.intp))
+
+    def round(self, number: int) -> Floats:
+        """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
+        first = np.eye(3)[np.abs(self.normal).argmin()]
+        first = first - (first @ self.normal) * self.normal
+        first *= self.size / np.sqrt(first @ first)
+        second = np.cross(self.normal, first)
+        angles = 2 * np.pi * np.arange(number)[:, None] / number
+        return self.at(self.middle + np.cos(angles) * first + np.sin(angles) * second)
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (N,) of points in the plane from the curve, to first order."""
+        jets = self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
+        slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-300))
+
+    def off(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
+        return self.distances(points) + np.abs((points - self.middle) @ self.normal)
+
+    def inside(self, units: Floats) -> np.ndarray:
+        """Which rays (N, 3) from 0 pass through the curve."""
+        offset = float(self.middle @ self.normal)
+        along = units @ self.normal
+        with np.errstate(all="ignore"):
+            way = units * (offset / along)[:, None] - self.middle
+        near = (along > 0) & ((way * way).sum(axis=1) < (1.01 * self.size) ** 2)
+        edge = self.at(self.middle + np.where(near[:, None], way, self.size * _across(self.normal)))
+        return np.asarray(near & ((way * way).sum(axis=1) <= ((edge - self.middle) ** 2).sum(axis=1)))
+
+
+BoundaryLoop = PlaneLoop | ConeLoop
+
+
+class Loops:
+    """Several loops, for points each of which belongs to one of them."""
+
+    def __init__(self, curves: Sequence[BoundaryLoop]) -> None:
+        self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, ConeLoop)}
+        loops = [curve for curve in curves if isinstance(curve, PlaneLoop)]
+        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves]) - 1
+        self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
+        self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
+        self._batch = PolynomialBatch.of([[*loop.columns.T] for loop in loops], 4)
+
+    def jets(self, points: Floats, numbers: Integers) -> Floats:
+        """Values and gradients (N, 4) of the functions of curves of given numbers (N,) at points (N, 3)."""
+        return self._batch(points, numbers)
+
+    def at(self, points: Floats, numbers: Integers) -> Floats:
+        """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
+        if self._openings:
+            result = np.empty_like(points)
+            flat = ~np.isin(numbers, list(self._openings))
+            result[flat] = self._on_plane_loops(points[flat], self._place[numbers[flat]])
+            for number, curve in self._openings.items():
+                result[numbers == number] = curve.at(points[numbers == number])
+            return result
+        return self._on_plane_loops(points, numbers)
+
+    def _on_plane_loops(self, points: Floats, numbers: Integers) -> Floats:
+        """Where rays from the middles of loops, of given numbers (N,) among these, through points (N, 3) meet them."""
+        result = np.empty((len(points), 3))
+        given = (len(self._middles), *self._batch.arrays, self._middles, self._normals, len(points), points, numbers)
+        compiled().call("pas_on_rings", *given, STEPS, SETTLED, result)
+        return result
+
+
+def _across(normal: Floats) -> Floats:
+    first = np.eye(3)[np.abs(normal).argmin()]
+    first = first - (first @ normal) * normal
+    return np.asarray(first / np.sqrt(first @ first))
+
+
+def boundary_loops(joins: Sequence[Join]) -> list[BoundaryLoop]:
+    """The curves on which surfaces with contacts in place end; raises `ArithmeticError` where one is no graph over the
+    angle."""
+    found: list[BoundaryLoop] = []
+    for join in joins:
+        if join.opening:
+            found.append(ConeLoop(join.contact.surface, join.contact.clip, join.nappe))
+            continue
+        if not join.faces:
+            continue
+        columns = _columns(join.contact.surface)
+        curves = [points for points, _ in join.measured_curves()]
+        for plane in join.planes:
+            curve = np.concatenate([c for c, face in zip(curves, join.faces, strict=True) if face in plane.faces])
+            if len(curve):
+                found.append(_plane_loop(curve, plane.plane, columns))
+    return found
+
+
+def _columns(function: Polynomial) -> Floats:
+    """The coefficients of a function and its derivatives."""
+    return np.stack([p.dense(function.degree) for p in (function, *map(function.diff, range(3)))], axis=1)
+
+
+def _plane_loop(curve: Floats, plane: Polynomial, columns: Floats) -> PlaneLoop:
+    normal = plane.dense(1)[1:4]
+    offset = -plane.dense(1)[0] / np.sqrt(normal @ normal)
+    normal = normal / np.sqrt(normal @ normal)
+    middle = (curve.min(axis=0) + curve.max(axis=0)) / 2
+    middle = middle + (offset - middle @ normal) * normal
+    size = float(np.sqrt(((curve - middle) ** 2).sum(axis=1).max()))
+    loop = PlaneLoop(middle, normal, columns, size)
+    with np.errstate(all="ignore"):
+        ends = loop.at(np.concatenate([curve, loop.round(64)]))
+        off = evaluate(ends, columns)
+        lost = np.abs(off[:, 0]) > OFF * size * np.sqrt((off[:, 1:] ** 2).sum(axis=1))
+        apart = np.sqrt(((ends[: len(curve)] - curve) ** 2).sum(axis=1)) > OFF * size
+    if not np.isfinite(ends).all() or lost.any() or apart.any() or evaluate(middle[None], columns)[0, 0] >= 0:
+        raise ArithmeticError("a contact curve is not one graph over the angle about its middle")
+    return loop
