@@ -53,7 +53,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeat", type=int, default=5)
     repeat = parser.parse_args().repeat
-    pas.keep_blends(0)  # each is found anew
     corner(*CASES["equal k=1"])  # imports
     print(f"{'':<12}" + "".join(f"{stage:>14}" for stage in STAGES))
     for name, case in CASES.items():

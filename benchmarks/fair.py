@@ -89,7 +89,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeat", type=int, default=3)
     repeat = parser.parse_args().repeat
-    pas.keep_blends(0)  # each is found anew
     pas.blend(corner(("1/3", "1/3")), 1)  # imports
     print(f"{'':<14}{'degree':>7}{'seconds':>9}{'measure':>9}" + "".join(f"{part:>12}" for part in PARTS))
     for name, (radii, order) in CASES.items():

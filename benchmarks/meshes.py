@@ -91,7 +91,7 @@ class Grid:
 
     def _of_one_piece(self, points: np.ndarray) -> np.ndarray:
         pieces = np.zeros(len(points), dtype=np.intp)
-        return self.surface.evaluator.local_derivatives(points, pieces, (0,))[:, 0]
+        return self.surface.evaluator.batch(0)(points, pieces)[:, 0]
 
     def values(self, number: int) -> pyvista.ImageData:
         """With so many points on the longest side."""

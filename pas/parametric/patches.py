@@ -37,6 +37,7 @@ from pas.parametric.domain import DomainLike
 from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -100,6 +101,11 @@ class RationalPatch(Shape):
     ) -> Mesh:
         """The patch's mesh; see `ParametricSurface.mesh`."""
         return self.surface().mesh(tolerance, quality=quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The patch's mesh by settings, over a part of its domain, too."""
+        mesh: Mesh = self.surface().meshed(settings)
+        return mesh
 
     @property
     def degrees(self) -> tuple[int, int]:
