@@ -239,19 +239,6 @@ COMMANDS = (
         "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
         "Without a file it shows a gallery of starting points.  A file that changes is read again.",
     ),
-    Command(
-        "bench",
-        commands.run_bench,
-        "measure speed, beside other programs where these are installed",
-        (
-            value("--suite", "NAME", "this suite; may be repeated", action="append", default=[]),
-            flag("--quick", "each once, to see that it runs; not kept"),
-            value("--history", "FILE", "where runs are kept, instead of the user's folder for state"),
-            value("--readme", "FILE", "write the results as a page (Markdown), too"),
-        ),
-        "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
-        "Suites: algebra, fit, eval, mesh, blend, node, parametric, solid; all of them take some minutes.",
-    ),
 )
 
 
