@@ -23,7 +23,7 @@ from pas.surface.directions import Directions
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
-from pas.surface.sections import AROUND, circle, planes, runs
+from pas.surface.directions import AROUND, circle, planes, runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
