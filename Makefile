@@ -4,7 +4,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench wheels clean
+.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench reference wheels clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
@@ -15,7 +15,8 @@ help:
 	@echo "make mutants   break each rule of the proofs and see a test fail"
 	@echo "make lint      style and types"
 	@echo "make examples  all examples with their pictures"
-	@echo "make bench     benchmarks"
+	@echo "make bench     benchmarks beside other programs; a page of them in out/"
+	@echo "make reference sixty cases beside the values that were kept"
 	@echo "make wheels    wheels for Linux, macOS and Windows, in dist/"
 
 setup: $(VENV)/.ready opengl
@@ -76,11 +77,12 @@ examples: setup
 	for script in examples/gallery/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup
-	$(BIN)/python benchmarks/corner.py
-	$(BIN)/python benchmarks/solutions.py
-	$(BIN)/python benchmarks/parametric.py
-	$(BIN)/python benchmarks/generatrix.py
-	$(BIN)/python benchmarks/solids.py
+	mkdir -p out
+	$(BIN)/python -m pytest benchmarks --benchmark-json=out/benchmarks.json
+	$(BIN)/python benchmarks/page.py out/benchmarks.json > out/benchmarks.md
+
+reference: setup
+	$(BIN)/python benchmarks/reference.py --against benchmarks/reference.json
 
 wheels: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check ziglang

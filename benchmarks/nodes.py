@@ -92,7 +92,6 @@ def main() -> None:
     parser.add_argument("--against", action="store_true")
     parser.add_argument("--seed", type=int, default=2026)
     options = parser.parse_args()
-    pas.keep_blends(0)  # each is found anew
     pas.blend(draw(random.Random(0), 2, 0.6), 1)  # imports
     for order in options.orders:
         for number in options.pipes:

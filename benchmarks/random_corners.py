@@ -41,7 +41,6 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=2026)
     options = parser.parse_args()
-    pas.keep_blends(0)  # each is found anew
     pas.blend(draw(random.Random(0)), 1)  # imports
     for order in options.orders:
         generator = random.Random(options.seed)

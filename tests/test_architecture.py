@@ -23,7 +23,7 @@ ROOMS = [
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
-    *("studio", "bench", "cli"),
+    *("studio", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
 

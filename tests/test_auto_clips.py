@@ -205,10 +205,11 @@ def test_an_open_end_is_no_half_made_contact():
         pas.Sphere(X, 1, "auto")
 
 
-def test_ends_are_placed_before_a_blend_is_looked_for_among_those_kept(blends_are_kept):
+def test_ends_are_placed_before_a_blend_is_looked_for_among_those_kept():
     pipes = [pas.Pipe((1, 0, 0), 1, "auto"), pas.Pipe((-1, 2, 0), 1, "auto")]
-    first = pas.blend(pipes, 1, degree="lowest")
-    again = pas.blend(pipes[::-1], 1, degree="lowest")
+    with pas.Session():
+        first = pas.blend(pipes, 1, degree="lowest")
+        again = pas.blend(pipes[::-1], 1, degree="lowest")
     assert first.certificate.proved
     assert again.certificate.proved
     assert [c.clip for c in again.surface.contacts] == [c.clip for c in first.surface.contacts][::-1]

@@ -249,7 +249,7 @@ def test_points_belong_to_the_cell_in_which_they_are_deepest():
     field, local = LocalField(surface), surface.local
     points = np.random.default_rng(8).uniform(-1.5, 1.5, (500, 3))
     assert field.pieces(points).tolist() == local.piece_of[local.locate(points, tolerance=np.inf)].tolist()
-    jets = surface.evaluator.local_derivatives(points, field.pieces(points), (0, 1))
+    jets = surface.evaluator.batch(0, 1)(points, field.pieces(points))
     assert np.array_equal(field.jets(points), jets)
     rims = np.arange(len(points)) % len(field.rims)
     for rim, point in zip(rims.tolist(), field.on_rims(points, rims), strict=True):

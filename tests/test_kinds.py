@@ -190,7 +190,7 @@ def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     html = shape._repr_html_()
     assert "<table>" in html
     assert "data:image/png;base64," in html
-    monkeypatch.setattr("pas.render.offscreen.LIBRARIES", {"libnothing.so.9": "libnothing9"})
+    monkeypatch.setattr("pas.render.plotting.LIBRARIES", {"libnothing.so.9": "libnothing9"})
     assert "no picture: pictures need OpenGL" in shape._repr_html_()
 
 
@@ -202,7 +202,7 @@ JOINED = {
 
 @pytest.mark.parametrize("name", [*KINDS, *JOINED])
 def test_notebooks_show_each_verdict_once(name, monkeypatch):
-    monkeypatch.setattr("pas.render.notebook._picture", lambda _: "")
+    monkeypatch.setattr("pas.render.window._picture", lambda _: "")
     shape = JOINED[name]() if name in JOINED else sample(name)
     text, _, table = shape._repr_html_().partition("<table>")
     assert "verdicts proved" not in text and "joints" not in text

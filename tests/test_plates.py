@@ -13,7 +13,6 @@ from pas.blending.place import ended, place
 from pas.certify.openings import cofactor
 from pas.contacts.cones import apex
 from pas.independent.checker import check_independently
-from pas.pipeline import repeated
 
 X, Z = (1, 0, 0), (0, 0, 1)
 UPRIGHT = [pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)]
@@ -286,11 +285,11 @@ def test_clips_that_are_placed():
     assert leaning.clip.degree == 1
 
 
-def test_the_same_node_elsewhere(monkeypatch):
+def test_the_same_node_elsewhere():
     """Found among those that are kept: turned, moved and three times as large."""
-    monkeypatch.setattr(repeated.KEPT, "most", 4)
-    pas.blend(UPRIGHT, 1)
-    again = pas.blend([pas.Plate((0, 1, 0), 6, point=(1, 2, 3)), pas.Pipe((0, 1, 0), 3, 6, (1, 2, 3))], 1)
+    with pas.Session(4):
+        pas.blend(UPRIGHT, 1)
+        again = pas.blend([pas.Plate((0, 1, 0), 6, point=(1, 2, 3)), pas.Pipe((0, 1, 0), 3, 6, (1, 2, 3))], 1)
     assert set(again.timings) == {"repeated"} and again.certificate.proved
     assert again.surface.certify().proved
 

@@ -141,10 +141,10 @@ TIES = 0.05
 
 @cache
 def plain(kind: Callable[[Fraction], Made]) -> Made:
-    pas.keep_blends(0)
     return kind(Fraction(1))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 @pytest.mark.parametrize("factor", FACTORS)

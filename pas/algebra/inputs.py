@@ -17,6 +17,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -175,6 +176,14 @@ def check_tolerance(tolerance: Any, size: float | None = None) -> float:
             f"would be finer than its vertices are placed; it is {value:.3g}"
         )
     return value
+
+
+def points_of(points: ArrayLike) -> NDArray[np.float64]:
+    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
+    array = np.asarray(points, dtype=float)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+    return array
 
 
 def check_text(text: str) -> str:

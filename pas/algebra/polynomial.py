@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import formula_repr, latex
 from pas.algebra.evaluation import evaluate
 from pas.algebra.expressions import read_polynomial
-from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, natural, shown
+from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, natural, points_of, shown
 from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
 from pas.registry import loaded
@@ -144,10 +144,7 @@ class Polynomial:
 
     @staticmethod
     def _evaluate(points: ArrayLike, columns: Floats) -> Floats:
-        array = np.asarray(points, dtype=float)
-        if array.ndim == 0 or array.shape[-1] != 3:
-            raise ValueError(f"points must have shape (..., 3), not {array.shape}")
-        return evaluate(array, columns)
+        return evaluate(points_of(points), columns)
 
     def surface(self, lower: VectorLike, upper: VectorLike) -> Any:
         """Its zeros in the box from `lower` to `upper` (three exact numbers each): a `pas.PiecewiseSurface`.

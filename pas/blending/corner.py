@@ -15,8 +15,8 @@ from math import sqrt
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.rational import Vector, cross, dot, plain, rational, to_float
-from pas.contacts.circular import Circular
 from pas.contacts.contact import Contact
+from pas.contacts.endless import Circular
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.partition.six_tetrahedra import SixTetrahedra

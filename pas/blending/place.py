@@ -16,8 +16,8 @@ from pas.algebra.inputs import check_order
 from pas.algebra.rational import plain
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.certify.contact_proofs import check_join, clip_sided
-from pas.contacts.circular import Circular
 from pas.contacts.contact import Contact, as_contact
+from pas.contacts.endless import Circular
 from pas.contacts.joins import Join, joins
 from pas.errors import GeometryError, meant
 from pas.layouts.clips import room_farther_out, with_clips

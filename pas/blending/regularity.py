@@ -1,9 +1,9 @@
 """Which members of a space are of use at its contacts, and what of it is trivial: a user who gets only that is told so.
 
-A member g that meets a contact (f, h) is `alpha f + beta h^(k+1)`.  Where alpha vanishes on all of
-the curve V(f, h), g is singular along it and continues nothing.  Such members are *singular*.  Of little use are also *products*, multiples of such as `f1 f2` or
-`f1 h2^2` and their sums, which exist whatever the contacts are (single cells only), *global* members, whose pieces are
-all the same polynomial (several pieces only), and members with a common factor.
+A member g that meets a contact (f, h) is `alpha f + beta h^(k+1)`.  Where alpha vanishes on all of the curve V(f, h),
+g is singular along it and continues nothing.  Such members are *singular*.  Of little use are also *products*,
+multiples of such as `f1 f2` or `f1 h2^2` and their sums, which exist whatever the contacts are (single cells only),
+*global* members, whose pieces are all the same polynomial (several pieces only), and members with a common factor.
 """
 
 from __future__ import annotations

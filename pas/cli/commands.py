@@ -1,11 +1,10 @@
-"""What the commands do with project files, whatever kind of shape they hold, and `pas solve` and `pas bench`."""
+"""What the commands do with project files, whatever kind of shape they hold, and `pas solve`."""
 
 from __future__ import annotations
 
 import argparse
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from pas.cli.common import DONE, FAILED, CommandResult, problem_file, project_file, settings_of
@@ -144,22 +143,6 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     mesh = settings_of(MeshSettings, options)
     path = write_as(shape, options.output, mesh, unit=options.unit or "millimeter", sew=options.sew)
     return CommandResult(str(path), {"written": [str(path)]})
-
-
-def run_bench(options: argparse.Namespace) -> CommandResult:
-    """Measure, compare with the last run, keep it, and write a page where that is asked for."""
-    from pas.bench.run import default_history, run
-    from pas.exchange.files import check_place, replacing
-
-    page = None if options.readme is None else Path(options.readme)
-    if page is not None:
-        check_place(page)
-    history = default_history() if options.history is None else Path(options.history)
-    report = run(options.suite, options.quick, history)
-    if page is not None:
-        with replacing(page) as path:
-            path.write_text(report.page() + "\n", encoding="utf-8")
-    return CommandResult(str(report), report.record())
 
 
 def size_of(mesh: Any) -> str:

@@ -127,7 +127,8 @@ COMMANDS = (
         "  [[pipes]]            # three of them, perpendicular, through one point\n"
         '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
-        "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
+        "[points] (inside, outside, through, near), [normalize], prove, guard, basis,\n"
+        "[mesh] (quality, max_triangles), [picture] (style, view, combs).",
     ),
     Command(
         "parametric",
@@ -238,19 +239,6 @@ COMMANDS = (
         ),
         "Listens on this machine alone, prints the address of the page and opens it; Ctrl-C ends it.\n"
         "Without a file it shows a gallery of starting points.  A file that changes is read again.",
-    ),
-    Command(
-        "bench",
-        commands.run_bench,
-        "measure speed, beside other programs where these are installed",
-        (
-            value("--suite", "NAME", "this suite; may be repeated", action="append", default=[]),
-            flag("--quick", "each once, to see that it runs; not kept"),
-            value("--history", "FILE", "where runs are kept, instead of the user's folder for state"),
-            value("--readme", "FILE", "write the results as a page (Markdown), too"),
-        ),
-        "Medians of processor seconds.  Runs are kept, and compared with the last one on the same machine.\n"
-        "Suites: algebra, fit, eval, mesh, blend, node, parametric, solid; all of them take some minutes.",
     ),
 )
 

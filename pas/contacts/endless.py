@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, Literal, Self
 
 from flint import fmpq
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Exact, VectorLike, rational
-from pas.contacts.axial import Axial, listed
+from pas.algebra.rational import Exact, VectorLike, dot, rational, to_float
+from pas.contacts.axial import Axial, listed, positive
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 
 AUTO: Literal["auto"] = "auto"
@@ -67,3 +69,36 @@ def _is_auto(clip: Any) -> bool:
     if isinstance(clip, str) and clip.strip().isalpha() and clip != AUTO:
         raise ValueError(f'clip must be an exact number or "auto", not {shown(clip)}')
     return isinstance(clip, str) and clip == AUTO
+
+
+class Circular(Endless):
+    """Where `|w|^2 - u^2 |axis|^2 - (radius + slope (u - clip))^2` is zero, `w = x - point`, `u = w . axis / |axis|^2`.
+
+    It ends where u is `clip`, the blend on the side of `point`.  To be inherited by frozen dataclasses.
+    """
+
+    radius: fmpq
+    slope: fmpq = fmpq(0)
+
+    def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
+        """Make what was given exact, and check it; raises `ValueError` for a zero axis or a radius not positive."""
+        super().settle(axis, point, **numbers)
+        positive(self.radius, "radius")
+
+    @cached_property
+    def contact(self) -> Contact:
+        """The surface and its clip plane as polynomials."""
+        radius = (self.along - self.end) * self.slope + self.radius
+        return self.ended(self.square - self.along**2 * dot(self.axis, self.axis) - radius * radius)
+
+    def width(self, clip: float) -> float:
+        """The radius of the circle at a clip."""
+        return to_float(self.radius) + to_float(self.slope) * (clip - to_float(self._known_at))
+
+    @property
+    def _known_at(self) -> fmpq:
+        """The clip to which `radius` belongs: that of the point without one."""
+        return self.end if self.ends else fmpq(0)
+
+    def _changes(self, clip: fmpq) -> dict[str, Any]:
+        return {"clip": clip, "radius": self.radius + self.slope * (clip - self._known_at)}

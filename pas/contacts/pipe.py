@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 from flint import fmpq
 
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain
-from pas.contacts.circular import Circular
+from pas.contacts.endless import Circular
 
 
 @dataclass(frozen=True)

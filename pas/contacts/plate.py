@@ -14,6 +14,8 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational
 from pas.contacts.axial import Axial, listed, perpendicular, positive
 from pas.contacts.contact import Contact
+from pas.contacts.parallels import root
+from pas.contacts.principal_axes import ORIGIN, slope_at
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,15 @@ class Plate(Axial):
         else:
             cylinder = self.squares(self.semiaxes or ()) - 1
         return Contact(Polynomial.from_raw(along * length2), Polynomial.from_raw(cylinder))
+
+    @staticmethod
+    def inner_surface(contact: Contact, thickness: fmpq) -> Polynomial | None:
+        """The plane inside a plane; None for other surfaces."""
+        f = contact.surface
+        if f.degree != 1:
+            return None
+        slope = slope_at(f, ORIGIN)
+        return f + Polynomial(thickness * root(dot(slope, slope)))
 
     def __str__(self) -> str:
         semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes or ())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -9,10 +10,12 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, plain, vector
 from pas.contacts.axial import Axial, listed, positive
 from pas.contacts.contact import Contact
+from pas.contacts.parallels import shrunk
+from pas.contacts.principal_axes import principal_axes_of
 from pas.errors import GeometryError
 
 
@@ -56,16 +59,46 @@ class Torus(Axial):
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
-        major2, along = dot(self.arm, self.arm), self.along
-        tube = self.square + (major2 - self.radius**2)
-        surface = tube * tube - (self.square - along * along * dot(self.axis, self.axis)) * (4 * major2)
+        surface = torus_polynomial(self.point, self.axis, dot(self.arm, self.arm), self.radius**2)
         tip = [p + a for p, a in zip(self.point, self.arm, strict=True)]
-        return Contact(
-            Polynomial.from_raw(surface), Polynomial.from_raw(self.part(cross(self.axis, self.arm))), near=tip
-        )
+        return Contact(surface, Polynomial.from_raw(self.part(cross(self.axis, self.arm))), near=tip)
+
+    @staticmethod
+    def inner_surface(contact: Contact, thickness: fmpq) -> Polynomial | None:
+        """The parallel surface of a torus; None for another surface."""
+        f = contact.surface
+        lead = f.raw.to_dict().get((4, 0, 0), fmpq(0)) if f.degree == 4 else fmpq(0)
+        if lead <= 0:
+            return None
+        terms = f.raw.to_dict()
+        center = tuple(-terms.get(tuple(3 * (i == j) for j in range(3)), fmpq(0)) / (4 * lead) for i in range(3))
+        x, y, z = (g - c for g, c in zip(GENERATORS, center, strict=True))
+        square = x * x + y * y + z * z
+        rest = Polynomial.from_raw(f.raw / lead - square * square)
+        if rest.degree != 2:
+            return None
+        axes = principal_axes_of(rest, contact)
+        if axes is None:
+            return None
+        axis, most = max(axes, key=lambda pair: pair[1])
+        major2 = (most - min(value for _, value in axes)) / 4
+        minor2 = major2 - most / 2
+
+        def whole(square: fmpq) -> Polynomial:
+            return torus_polynomial(center, axis, major2, square) * Polynomial.from_raw(GENERATORS[0] * 0 + lead)
+
+        return whole(shrunk(minor2, thickness)) if minor2 > 0 and whole(minor2) == f else None
 
     def __str__(self) -> str:
         return (
             f"torus of radius {plain(self.radius)} about ({listed(self.axis)}) through ({listed(self.point)}), "
             f"clipped at the arm ({listed(self.arm)})"
         )
+
+
+def torus_polynomial(center: Sequence[fmpq], axis: Vector, major2: fmpq, minor2: fmpq) -> Polynomial:
+    """`(|w|^2 + R^2 - r^2)^2 - 4 R^2 (|w|^2 - (w . a)^2 / |a|^2)`, w from the centre, by the squares of its radii."""
+    x, y, z = (g - c for g, c in zip(GENERATORS, center, strict=True))
+    square, along = x * x + y * y + z * z, x * axis[0] + y * axis[1] + z * axis[2]
+    tube = square + (major2 - minor2)
+    return Polynomial.from_raw(tube * tube - (square - along * along / dot(axis, axis)) * (4 * major2))

@@ -17,6 +17,7 @@ from pas.designs.spout import PaperSpout, Spout, SpoutShape
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.solid import Solid
@@ -69,6 +70,11 @@ class Teapot(Shape):
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The mesh of the closed solid by settings."""
+        mesh: Mesh = self.solid.meshed(settings)
+        return mesh
 
     @property
     def description(self) -> str:

@@ -19,12 +19,6 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, VectorLike, dot, rational, to_float, to_floats, vector
 from pas.parametric.patches import RationalPatch
 
-QUARTER = ((1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 2.0))
-"""Control points and weights of a quarter of the unit circle."""
-
-QUARTER_TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
-"""Cosines and sines of multiples of 90 degrees."""
-
 
 def ball_patches(center: VectorLike, radius: Exact) -> list[RationalPatch]:
     """The sphere: eight biquadratic octants; the poles are on the z axis.  Lengths are in the model's units.
@@ -88,12 +82,18 @@ def _positive(value: Any, name: str) -> float:
     return number
 
 
+def _quarter(start: int) -> tuple[Floats, Floats, Floats]:
+    """Control points (x, y) and weights of a quarter of the unit circle, from `start` right angles on."""
+    x, y, weights = np.array([(1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 2.0)]).T
+    for _ in range(start % 4):
+        x, y = 0.0 - y, x
+    return x, y, weights
+
+
 def _arc(middle: float, radius: float, start: int) -> Floats:
     """Control points (3, 3) as (distance from the axis, height, weight) of a quarter from `start` right angles on."""
-    quarter = np.array(QUARTER)
-    c, s = QUARTER_TURNS[start % 4]
-    x, y = quarter[:, 0] * radius, quarter[:, 1] * radius
-    return np.stack([middle + c * x - s * y, s * x + c * y, quarter[:, 2]], axis=1)
+    x, y, weights = _quarter(start)
+    return np.stack([middle + x * radius, y * radius, weights], axis=1)
 
 
 def _line(start: tuple[float, float], end: tuple[float, float]) -> Floats:
@@ -103,15 +103,14 @@ def _line(start: tuple[float, float], end: tuple[float, float]) -> Floats:
 def _revolved(profile: Floats, frame: tuple[Floats, Floats]) -> list[RationalPatch]:
     """The quarters of the surface that a profile (distance, height, weight) sweeps about the frame's third axis."""
     origin, axes = frame
-    around = np.array(QUARTER)
     result = []
-    for c, s in QUARTER_TURNS:
-        x, y = c * around[:, 0] - s * around[:, 1], s * around[:, 0] + c * around[:, 1]
+    for k in range(4):
+        x, y, weights = _quarter(k)
         flat = np.stack([np.outer(x, profile[:, 0]), np.outer(y, profile[:, 0])], axis=-1)
         heights = np.broadcast_to(profile[:, 1], flat.shape[:2])
         local = np.concatenate([flat, heights[..., None]], axis=-1)
         points = origin + sum(local[..., i, None] * axes[i] for i in range(3))
-        result.append(RationalPatch(points, np.outer(around[:, 2], profile[:, 2])))
+        result.append(RationalPatch(points, np.outer(weights, profile[:, 2])))
     return result
 
 

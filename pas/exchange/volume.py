@@ -49,9 +49,6 @@ fTetWild 1e-4, and rounding leaves 1e-16."""
 MOST_TETRAHEDRA = 2e7
 """An edge length that would give more is a slip: they would not fit into memory."""
 
-OUTWARD = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
-"""The triangles of a tetrahedron of positive volume, counterclockwise seen from outside."""
-
 
 @dataclass(frozen=True)
 class VolumeSettings:
@@ -189,21 +186,14 @@ def is_filled(thing: Any) -> bool:
 TETRAHEDRA: Content[VolumeMesh] = Content("tetrahedra", tetrahedra_of, ("tolerance",), is_filled)
 
 
-@dataclass(frozen=True)
-class _Filled:
-    points: Floats
-    tetrahedra: Integers
-    boundary: Integers
-    faces: Integers
-
-
-def _together(parts: Sequence[Piece], filled: Sequence[_Filled]) -> VolumeMesh:
+def _together(parts: Sequence[Piece], filled: Sequence[VolumeMesh]) -> VolumeMesh:
+    """The tetrahedra of all parts, with no point shared between parts."""
     points = np.cumsum([0, *(len(f.points) for f in filled)])
-    faces = np.cumsum([0, *(len(p.mesh.names) for p in parts)])
+    faces = np.cumsum([0, *(len(f.names) for f in filled)])
     return VolumeMesh(
         np.concatenate([f.points for f in filled]),
         np.concatenate([f.tetrahedra + start for f, start in zip(filled, points, strict=False)]),
-        np.repeat(np.arange(len(parts)), [len(f.tetrahedra) for f in filled]),
+        np.repeat(np.arange(len(filled)), [len(f.tetrahedra) for f in filled]),
         tuple(p.name for p in parts),
         np.concatenate([f.boundary + start for f, start in zip(filled, points, strict=False)]),
         np.concatenate([f.faces + start for f, start in zip(filled, faces, strict=False)]),
@@ -229,7 +219,8 @@ def _require_fillable(part: Piece, edge_length: float | None) -> None:
 
 def _filled(
     part: Piece, edge_length: float | None, tolerance: float | None, volume_tolerance: float, settings: VolumeSettings
-) -> _Filled:
+) -> VolumeMesh:
+    """The tetrahedra of one part; raises `GeometryError` where they are not what they should be."""
     mesh = part.mesh
     used, triangles = np.unique(mesh.triangles, return_inverse=True)
     points, triangles = mesh.points[used], triangles.reshape(-1, 3)
@@ -248,7 +239,9 @@ def _filled(
             "thin or finely curved for the tolerance; set a smaller tolerance, or a larger volume_tolerance"
         )
     boundary = _boundary(tetrahedra, name)
-    return _Filled(found + middle, tetrahedra, boundary, _nearest_faces(mesh, found[boundary].mean(axis=1) + middle))
+    regions = np.zeros(len(tetrahedra), dtype=int)
+    nearest = _nearest_faces(mesh, found[boundary].mean(axis=1) + middle)
+    return VolumeMesh(found + middle, tetrahedra, regions, (part.name,), boundary, nearest, mesh.names)
 
 
 def _tetrahedra(
@@ -306,7 +299,8 @@ def signed_volumes(points: Floats, tetrahedra: Integers) -> Floats:
 
 def _boundary(tetrahedra: Integers, name: str) -> Integers:
     """The triangles of one tetrahedron only, turned outwards; `GeometryError` where they are no closed manifold."""
-    triangles = np.concatenate([tetrahedra[:, corners] for corners in OUTWARD])
+    outward = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))  # counterclockwise seen from outside
+    triangles = np.concatenate([tetrahedra[:, corners] for corners in outward])
     _, first, times = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True, return_counts=True)
     boundary = triangles[first[times == 1]]
     if times.max() > 2 or not is_closed_manifold(boundary):

@@ -23,7 +23,7 @@ from pas.fairing.prepared import PreparedSpace
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
-from pas.surface.geometry import Geometry, jets
+from pas.surface.geometry import Geometry, derivative_batch
 
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 """Rays, at the least."""
@@ -182,8 +182,7 @@ class SurfaceObjective:
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
         rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
         local = rays.directions * rays.distances[:, None]
-        found = np.concatenate([jets(local[here], columns[p], self.basis.degree) for p, here in rays.slices])
-        principal = Geometry(found).principal / self.basis.scale
+        principal = Geometry(derivative_batch(columns, range(4))(local, rays.pieces)).principal / self.basis.scale
         shape = np.stack([principal[:, 0], np.zeros(len(principal)), principal[:, 1]], axis=1)
         over = np.max([values for values, _, _ in self.curvature.over(shape)], axis=0)
         least = max(-CLOSE, float(np.sort(over)[-MOST_CLOSE]) + TIE if len(over) > MOST_CLOSE else -CLOSE)

@@ -37,6 +37,7 @@ from pas.parametric.series import Components
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
+from pas.settings import MeshSettings
 from pas.shape import Shape
 
 
@@ -112,6 +113,11 @@ class ParametricBlend(Shape):
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return mesh_surface(self.surface, tolerance, domain, quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The surface's mesh by settings."""
+        mesh: Mesh = self.surface.meshed(settings)
+        return mesh
 
     def __str__(self) -> str:
         kind = "" if self.weights is None else "weighted "

@@ -21,9 +21,9 @@ from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.limits import Report, limited
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
-from pas.pipeline.repeated import KEPT, key_of
 from pas.pipeline.result import Attempt, Blend
 from pas.pipeline.search import CHOSEN, CORNER, GIVEN, Remembered, Search
+from pas.pipeline.session import key_of, open_session
 from pas.pipeline.stages import OnStage, Stages
 from pas.surface.placed import PlacedContacts
 
@@ -52,7 +52,7 @@ def blend(
     and says where, when a few degrees with regular surfaces have failed, at twice the order at the earliest and at
     degree 12 at the latest.
 
-    Contacts that were blended before, up to a similarity, get the same blend moved exactly (see `pas.keep_blends`).
+    In a session (see `pas.Session`) contacts that were blended before, up to a similarity, get the same blend moved.
 
     What shapes the surface is in `wishes` (see `pas.Wishes`), or said by keywords, which go before
     these: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
@@ -83,9 +83,10 @@ def blend(
     stages = Stages(on_stage)
     contacts = ended(contacts, order, partition)
     key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
-    if key is not None and KEPT.most:
+    session = None if key is None else open_session()
+    if session is not None:
         with stages.stage("repeated"):
-            known = KEPT.find([as_contact(item, f"contacts[{i}]") for i, item in enumerate(contacts)], key)
+            known = session.find([as_contact(item, f"contacts[{i}]") for i, item in enumerate(contacts)], key)
         if known is not None:
             return known.blend(stages.seconds)
     with stages.stage("partition"):
@@ -110,8 +111,8 @@ def blend(
         here = Remembered(regions)
         found = next(filter(None, (search.on_layout(here, settings) for settings in ways)), None)
         if found is not None:
-            if key is not None:
-                KEPT.keep(found, key)
+            if session is not None:
+                session.keep(found, key)
             return found
     if search.failure is None and given is not None:
         raise _too_low(search.attempts[-1], _lowest(placed, given), order)

@@ -28,6 +28,7 @@ from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.summary import summary
 from pas.registry import loaded
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.surface.fairness import Fairness
@@ -241,6 +242,11 @@ class Blend(Shape):
     ) -> Mesh:
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
         return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The surface's mesh by settings."""
+        mesh: Mesh = self.surface.meshed(settings)
+        return mesh
 
     @property
     def description(self) -> str:

@@ -68,7 +68,7 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
 def geometry_at(surface: PiecewiseSurface, points: Floats) -> tuple[Floats, Geometry]:
     """The jets (N, 20) at points (N, 3) and what they say, all in local coordinates; the nearest cell's outside."""
     local = surface.partition.frame.local_points(points)
-    found = surface.evaluator.local_derivatives(local, surface.local.location.pieces(local.T, np.inf), range(4))
+    found = surface.evaluator.batch(0, 1, 2, 3)(local, surface.local.location.pieces(local.T, np.inf))
     return found, Geometry(found)
 
 

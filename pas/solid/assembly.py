@@ -17,6 +17,7 @@ from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
@@ -62,6 +63,11 @@ class Part(Shape):
             return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
 
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """The part's mesh by settings."""
+        mesh: Mesh = self.shape.meshed(settings)
+        return mesh
+
 
 @dataclass(frozen=True, eq=False)
 class Assembly(Shape):
@@ -91,6 +97,10 @@ class Assembly(Shape):
     ) -> Mesh:
         """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
         return Mesh.together(self.meshes(tolerance, quality=quality))
+
+    def meshed(self, settings: MeshSettings) -> Mesh:
+        """All parts as one mesh by settings."""
+        return Mesh.together({name: part.meshed(settings) for name, part in self.parts.items()})
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(

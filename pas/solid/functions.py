@@ -142,7 +142,7 @@ class Pieces:
         """Values and gradients (N, 4) of the scaled pieces at points (N, 3); outside all cells, of one that is near."""
         frame = self.partition.frame
         local = frame.local_points(points)
-        jets = self.surface.local_jets(local, self.partition.local.location.pieces(local.T, np.inf))
+        jets = self.surface.evaluator.batch(0, 1)(local, self.partition.local.location.pieces(local.T, np.inf))
         return jets * np.array([1.0, *[1 / to_float(frame.scale)] * 3])
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:

@@ -22,6 +22,8 @@ from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import Distance
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Node, Tree, combined, complement
+from pas.surface.evaluator import symmetric
+from pas.surface.geometry import derivative_batch
 
 LIMITS = Limits(depth=13, cells=20_000)
 """How often cubes are cut, and how many may be left on the way."""
@@ -144,13 +146,11 @@ def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
     """
     if max(p.degree, q.degree) < 2:
         return None  # planes
-    slopes = [[f.diff(i) for i in range(3)] for f in (p, q)]
-    jets = TaylorForms([f for f, g in zip((p, q), slopes, strict=True) for f in (f, *g)])
-    bends = TaylorForms([g.diff(i) for own in slopes for g in own for i in range(3)])
+    functions = derivative_batch([f.dense(f.degree) for f in (p, q)], (0, 1, 2))
     point, factor = start.copy(), None
     for _ in range(STEPS):
-        values = jets.values(point[None])[:, 0].reshape(2, 4)
-        hessians = bends.values(point[None])[:, 0].reshape(2, 3, 3)
+        jets = functions(np.tile(point, (2, 1)), np.arange(2))
+        values, hessians = jets[:, :4], symmetric(jets[:, 4:], 2)
         (_, *a), (_, *b) = values
         across = np.array(a), np.array(b)
         factor = across[0] @ across[1] / max(across[1] @ across[1], 1e-300) if factor is None else factor

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
 from pas.algebra.brief import listed
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, rational, to_float
@@ -225,7 +225,7 @@ class Solid(Shape):
 
         Points on a face count as inside, on one that a difference left as outside.
         """
-        array = _points(points)
+        array = points_of(points)
         flat = array.reshape(-1, 3)
         near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
@@ -241,7 +241,7 @@ class Solid(Shape):
         The polynomials of the faces combined by minimum and maximum; not a distance, and not continuous
         across walls between patches.
         """
-        array = _points(points)
+        array = points_of(points)
         evaluator = self.field.evaluator
         return evaluator.field(evaluator.local(array.reshape(-1, 3))).reshape(array.shape[:-1])
 
@@ -340,10 +340,3 @@ def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
 
 def _same_zeros(a: Polynomial, b: Polynomial) -> bool:
     return a.primitive() == b.primitive()
-
-
-def _points(points: ArrayLike) -> Floats:
-    array = np.asarray(points, dtype=float)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
-    return array

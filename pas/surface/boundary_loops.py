@@ -13,7 +13,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from pas.algebra.evaluation import PolynomialBatch, evaluate
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.cones import first_met, nappe_rays
@@ -21,6 +20,7 @@ from pas.contacts.joins import Join
 from pas.kernels.library import compiled
 from pas.mesh.field import Integers
 from pas.mesh.rows import dots
+from pas.surface.geometry import derivative_batch
 
 STEPS = 40
 """Of Newton's method along rays towards a loop, none by more than a factor of two."""
@@ -108,12 +108,12 @@ class ConeLoop:
 class PlaneLoop:
     """A closed curve around `middle` (3,), in the plane through it with the unit `normal` (3,) pointing outwards.
 
-    `columns` (C(n+3, 3), 4) are the coefficients of its function and of the derivatives; `size` its largest radius.
+    `column` (C(n+3, 3),) are the coefficients of its function; `size` is its largest radius.
     """
 
     middle: Floats
     normal: Floats
-    columns: Floats
+    column: Floats
     size: float
     fixed: ClassVar[bool] = False
     opening: ClassVar[bool] = False
@@ -121,6 +121,10 @@ class PlaneLoop:
     @cached_property
     def _alone(self) -> Loops:
         return Loops([self])
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) of its function at points (N, 3)."""
+        return self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
 
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
@@ -137,7 +141,7 @@ class PlaneLoop:
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points in the plane from the curve, to first order."""
-        jets = self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
+        jets = self.jets(points)
         slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
         return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-300))
 
@@ -168,7 +172,7 @@ class Loops:
         self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves]) - 1
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
-        self._batch = PolynomialBatch.of([[*loop.columns.T] for loop in loops], 4)
+        self._batch = derivative_batch([loop.column for loop in loops], (0, 1))
 
     def jets(self, points: Floats, numbers: Integers) -> Floats:
         """Values and gradients (N, 4) of the functions of curves of given numbers (N,) at points (N, 3)."""
@@ -209,33 +213,28 @@ def boundary_loops(joins: Sequence[Join]) -> list[BoundaryLoop]:
             continue
         if not join.faces:
             continue
-        columns = _columns(join.contact.surface)
+        column = join.contact.surface.dense(join.contact.surface.degree)
         curves = [points for points, _ in join.measured_curves()]
         for plane in join.planes:
             curve = np.concatenate([c for c, face in zip(curves, join.faces, strict=True) if face in plane.faces])
             if len(curve):
-                found.append(_plane_loop(curve, plane.plane, columns))
+                found.append(_plane_loop(curve, plane.plane, column))
     return found
 
 
-def _columns(function: Polynomial) -> Floats:
-    """The coefficients of a function and its derivatives."""
-    return np.stack([p.dense(function.degree) for p in (function, *map(function.diff, range(3)))], axis=1)
-
-
-def _plane_loop(curve: Floats, plane: Polynomial, columns: Floats) -> PlaneLoop:
+def _plane_loop(curve: Floats, plane: Polynomial, column: Floats) -> PlaneLoop:
     normal = plane.dense(1)[1:4]
     offset = -plane.dense(1)[0] / np.sqrt(normal @ normal)
     normal = normal / np.sqrt(normal @ normal)
     middle = (curve.min(axis=0) + curve.max(axis=0)) / 2
     middle = middle + (offset - middle @ normal) * normal
     size = float(np.sqrt(((curve - middle) ** 2).sum(axis=1).max()))
-    loop = PlaneLoop(middle, normal, columns, size)
+    loop = PlaneLoop(middle, normal, column, size)
     with np.errstate(all="ignore"):
         ends = loop.at(np.concatenate([curve, loop.round(64)]))
-        off = evaluate(ends, columns)
+        off = loop.jets(ends)
         lost = np.abs(off[:, 0]) > OFF * size * np.sqrt((off[:, 1:] ** 2).sum(axis=1))
         apart = np.sqrt(((ends[: len(curve)] - curve) ** 2).sum(axis=1)) > OFF * size
-    if not np.isfinite(ends).all() or lost.any() or apart.any() or evaluate(middle[None], columns)[0, 0] >= 0:
+    if not np.isfinite(ends).all() or lost.any() or apart.any() or loop.jets(middle[None])[0, 0] >= 0:
         raise ArithmeticError("a contact curve is not one graph over the angle about its middle")
     return loop

@@ -6,13 +6,15 @@ its exact solid angle (van Oosterom and Strackee 1983).  Rays that leave through
 dropped: what is left is the domain over which the surface is a graph, and it is the same for all members.
 
 The symmetries of the partition and of the member are those of the rays, to rounding.
+
+Plane sections are looked at along rays from the centre, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import log
 from typing import Any
 
@@ -213,3 +215,35 @@ def _horner(profiles: Floats, shares: Floats) -> Floats:
     for row in profiles[::-1]:
         values = values * shares + row
     return values
+
+
+AROUND = 720
+"""Directions of a plane section."""
+
+
+def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
+    """Orthonormal pairs that span the planes of two neighbours' directions each."""
+    for a, b in combinations(means, 2):
+        first = a / np.linalg.norm(a)
+        rest = b - (b @ first) * first
+        if np.linalg.norm(rest) > 1e-6 * np.linalg.norm(b):
+            yield first, rest / np.linalg.norm(rest)
+
+
+def circle(first: Floats, second: Floats) -> Floats:
+    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is looked at."""
+    angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
+    return np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
+
+
+def runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Runs of True round a circle (n,), as index arrays."""
+    if there.all():
+        return [np.arange(len(there))]
+    if not there.any():
+        return []
+    start = int(np.flatnonzero(~there)[0])
+    order = (np.arange(len(there)) + start) % len(there)
+    breaks = np.flatnonzero(np.diff(there[order].astype(int)))
+    parts = np.split(order, breaks + 1)
+    return [part for part in parts if there[part[0]]]

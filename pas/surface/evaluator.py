@@ -159,10 +159,6 @@ class Evaluator:
         shape = np.shape(points)[:-1]
         return result.reshape(*shape, result.shape[1]), inside.reshape(shape)
 
-    def local_derivatives(self, points: Floats, pieces: NDArray[np.intp], orders: Sequence[int]) -> Floats:
-        """Those of the scaled patches in local coordinates, at points (N, 3) of given pieces (N,); NaN for piece -1."""
-        return self.batch(*orders)(points, pieces)
-
     def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
         first = 0
         for order in orders:

@@ -20,7 +20,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.surface.directions import Directions
+from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness_limits import (
     FairnessLimits,
     Neighbour,
@@ -32,7 +32,6 @@ from pas.surface.fairness_limits import (
 )
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import FIRST, SECOND, Geometry
-from pas.surface.sections import AROUND, circle, planes, runs
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""

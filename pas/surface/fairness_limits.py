@@ -15,7 +15,7 @@ from pas.algebra.inputs import check_order, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, to_float
 from pas.contacts.joins import Join
-from pas.surface.geometry import Geometry, jets
+from pas.surface.geometry import Geometry, derivative_batch
 
 CURVE = 96
 """Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
@@ -108,7 +108,8 @@ def neighbour(join: Join, scale: float) -> Neighbour:
     parts = [(points, weights * size) for size, (points, weights) in measured]
     curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
     contact = join.contact.surface
-    found = Geometry(jets(curve, contact.dense(contact.degree), contact.degree))
+    jets = derivative_batch([contact.dense(contact.degree)], range(4))
+    found = Geometry(jets(curve, np.zeros(len(curve), dtype=np.intp)))
     mean = weights @ curve / weights.sum()
     return Neighbour(
         mean * scale,

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.inputs import check_surface_degree
+from pas.algebra.inputs import check_surface_degree, points_of
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
@@ -94,19 +94,19 @@ class PiecewisePolynomial(InPlace):
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Values at `points` (..., 3), shape (...); NaN outside the region."""
-        return self.evaluator.derivatives(_shaped(points), (0,))[..., 0]
+        return self.evaluator.derivatives(points_of(points), (0,))[..., 0]
 
     def gradient(self, points: ArrayLike) -> Floats:
         """Gradients at `points` (..., 3), shape (..., 3); NaN outside the region."""
-        return self.evaluator.derivatives(_shaped(points), (1,))
+        return self.evaluator.derivatives(points_of(points), (1,))
 
     def jets(self, points: ArrayLike) -> Floats:
         """Values and gradients at `points` (..., 3), shape (..., 4); NaN outside the region."""
-        return self.evaluator.derivatives(_shaped(points), (0, 1))
+        return self.evaluator.derivatives(points_of(points), (0, 1))
 
     def hessian(self, points: ArrayLike) -> Floats:
         """Second derivatives at `points` (..., 3), shape (..., 3, 3); NaN outside the region."""
-        return symmetric(self.evaluator.derivatives(_shaped(points), (2,)), 2)
+        return symmetric(self.evaluator.derivatives(points_of(points), (2,)), 2)
 
     @cached_property
     def evaluator(self) -> Evaluator:
@@ -120,17 +120,13 @@ class PiecewisePolynomial(InPlace):
         cells = [self.local.corners(cell) for cell in self.local.cells]
         return nearby_forms([self.patches[p].raw for p in self.local.piece_of], cells, max(self.degree, 1))
 
-    def local_jets(self, points: Floats, pieces: np.ndarray) -> Floats:
-        """Values and gradients (N, 4) of the scaled patches of given pieces at local points (N, 3)."""
-        return self.evaluator.local_derivatives(points, pieces, (0, 1))
-
     def curvatures(self, points: ArrayLike) -> Floats:
         """Mean and Gauss curvature at surface points (..., 3): shape (..., 2).
 
         The mean curvature is positive where the surface bends like a ball that is inside
         (Goldman 2005: `(|g|^2 tr H - g^T H g) / (2 |g|^3)` and `g^T adj(H) g / |g|^4`).
         """
-        jets = self.evaluator.scaled_derivatives(_shaped(points), (1, 2))
+        jets = self.evaluator.scaled_derivatives(points_of(points), (1, 2))
         g, h = jets[..., :3], symmetric(jets[..., 3:], 2)
         length = np.linalg.norm(g, axis=-1)
         quadratic = np.einsum("...i,...ij,...j", g, h, g)
@@ -158,11 +154,3 @@ class PiecewisePolynomial(InPlace):
         """
         shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))
         return self.evaluator.first(origins, directions) if np.prod(shape) else np.empty(shape[:-1])
-
-
-def _shaped(points: ArrayLike) -> Floats:
-    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
-    array = np.asarray(points, dtype=float)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
-    return array

@@ -38,11 +38,6 @@ THIRD = np.array([[[_place(i, j, k) for k in range(3)] for j in range(3)] for i 
 """Where the entries of gradient, Hessian and third derivatives stand in a jet."""
 
 
-def jets(points: Floats, column: Floats, degree: int) -> Floats:
-    """The jets (N, 20) at points (N, 3) of the polynomial with coefficients (C(n+3, 3),)."""
-    return derivative_batch([column], range(4))(points, np.zeros(len(points), dtype=np.intp))
-
-
 def derivative_batch(columns: Sequence[Floats], orders: Sequence[int]) -> PolynomialBatch:
     """The partial derivatives of some orders up to 3 of polynomials, one on each piece, in the order of `JETS`.
 

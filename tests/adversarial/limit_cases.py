@@ -154,7 +154,6 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
     "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
     "write": (_saved_blend, ("write", "{}", "OUT/x.obj", *COARSE)),
     "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
-    "bench": (lambda _: CORNER, ("bench", "--suite", "parametric", "--quick", "--readme", "OUT/x.md")),
     "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
 }
 """The commands by name, what they read, and their arguments, of which {} is what they read."""

@@ -1,9 +1,9 @@
-"""Blends that were found before: the same contacts up to a similarity are not solved again.
+"""Sessions: blends that were found before, so that the same contacts up to a similarity are not solved again.
 
-Of the last blends that were found and proved, the contacts, the pieces and their polynomials are kept.  Contacts that
-an exact similarity (a rotation or reflection with rational entries, a rational scale, a translation) takes to those of
-such a blend, in whatever order, get its surface moved by that map.  The map is found from points and normals of the
-contacts' curves, and then every polynomial is compared exactly.
+Of the last blends that were found in a session and proved, the contacts, the pieces and their polynomials are kept.
+Contacts that an exact similarity (a rotation or reflection with rational entries, a rational scale, a translation)
+takes to those of such a blend, in whatever order, get its surface moved by that map.  The map is found from points and
+normals of the contacts' curves, and then every polynomial is compared exactly.
 
 Guaranteed: verdicts are carried over soundly.  An exact similarity takes cells to cells, planes to planes, the centre
 to the centre and rays to rays; divisibility of polynomials, and signs on cells, do not change under an affine map, nor
@@ -20,9 +20,11 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache
 from threading import Lock
+from typing import Self
 
 from flint import fmpq
 
@@ -100,7 +102,7 @@ class Match:
         images = [_linear(row, offset) for row, offset in zip(shares, shift, strict=True)]
         patches = [p.compose(*images) * Polynomial.from_raw(RING.constant(self.scale)) for p in old.patches]
         surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
-        vars(surface)["certificate"] = self.certificate
+        surface.certificate = self.certificate  # carried over, see above
 
         @cache
         def space() -> SolutionSpace:
@@ -145,25 +147,32 @@ def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
     return factor if one.raw == other.raw * factor else None
 
 
-class Repeated:
-    """The last blends that were found, at most so many; may be used from several threads."""
+class Session:
+    """Blends that are kept while it is open, at most so many of the last ones.
+
+        with pas.Session():
+            nodes = [pas.blend(contacts, 1) for contacts in lattice]  # the same node elsewhere is moved, not solved
+
+    What is recognised is exact, see `pas.pipeline.session`, and takes some ten milliseconds in place of seconds.  The
+    last session that was opened in a thread serves its blends; one session may be open in several threads.  Raises
+    `ValueError` and `TypeError` for a wrong number.
+    """
 
     def __init__(self, most: int = USUAL) -> None:
-        self._most = most
+        self.most = whole(most, "most", 0, MOST)
         self._kept: OrderedDict[tuple[Hashable, int], Found] = OrderedDict()
         self._counter = 0
         self._lock = Lock()
 
-    @property
-    def most(self) -> int:
-        """How many are kept at most."""
-        return self._most
+    def __enter__(self) -> Self:
+        _OPEN.set((*_OPEN.get(), self))
+        return self
 
-    @most.setter
-    def most(self, number: int) -> None:
-        with self._lock:
-            self._most = number
-            self._shorten()
+    def __exit__(self, *_: object) -> None:
+        _OPEN.set(_OPEN.get()[:-1])
+
+    def __repr__(self) -> str:
+        return f"<Session with {len(self)} of {self.most} blends>"
 
     def __len__(self) -> int:
         return len(self._kept)
@@ -189,7 +198,7 @@ class Repeated:
 
     def keep(self, blend: Blend, key: Hashable) -> None:
         """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
-        if not self._most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
+        if not self.most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
             return
         try:
             found = Found.of(blend)
@@ -198,11 +207,8 @@ class Repeated:
         with self._lock:
             self._counter += 1
             self._kept[key, self._counter] = found
-            self._shorten()
-
-    def _shorten(self) -> None:
-        while len(self._kept) > self._most:
-            self._kept.popitem(last=False)
+            while len(self._kept) > self.most:
+                self._kept.popitem(last=False)
 
 
 def _usual(blend: Blend) -> bool:
@@ -223,14 +229,18 @@ def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
     return (energy, wishes.limits, *others)
 
 
-KEPT = Repeated()
-"""The blends of this process."""
+_OPEN: ContextVar[tuple[Session, ...]] = ContextVar("sessions", default=())
+"""Those that are open in a thread, the last one last."""
+
+
+def open_session() -> Session | None:
+    """The session that is open, if any."""
+    return next(reversed(_OPEN.get()), None)
 
 
 def keep_blends(most: int = USUAL) -> None:
-    """Keep at most so many of the last blends, from which the same contacts elsewhere get theirs; 0 keeps none.
+    """Open a session without end, or with 0 none: the name of `pas.Session` up to now, kept for one version.
 
-    See `pas.pipeline.repeated` for what is recognised: it is exact, and takes some ten milliseconds in place of
-    seconds.  Raises `ValueError` and `TypeError` for a wrong number.
+    Raises `ValueError` and `TypeError` for a wrong number.
     """
-    KEPT.most = whole(most, "most", 0, MOST)
+    _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())

@@ -12,15 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from measured import Prepare, Work
 
-from pas.algebra.monomials import Floats
-from pas.bench.case import Prepare, Work
-from pas.piecewise import PiecewiseSurface
-from pas.surface.evaluator import Evaluator
+import pas
 
 FINEST_GRID, FIRST_GRID = 400, 12
 
-Contour = Callable[[Floats, float], tuple[Floats, np.ndarray]]
+Contour = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray]]
 """From values on a grid and its step to points, with the grid's first point at 0, and triangles."""
 
 
@@ -28,17 +26,17 @@ Contour = Callable[[Floats, float], tuple[Floats, np.ndarray]]
 class Grids:
     """Values of a surface on grids of its region's box."""
 
-    evaluator: Evaluator
-    low: Floats
-    high: Floats
+    evaluator: pas.Evaluator
+    low: np.ndarray
+    high: np.ndarray
 
     @classmethod
-    def of(cls, surface: PiecewiseSurface) -> Grids:
+    def of(cls, surface: pas.PiecewiseSurface) -> Grids:
         """Around the region of a surface."""
         points = surface.partition.points
-        return cls(Evaluator(surface), points.min(axis=0), points.max(axis=0))
+        return cls(pas.Evaluator(surface), points.min(axis=0), points.max(axis=0))
 
-    def values(self, number: int) -> tuple[Floats, float]:
+    def values(self, number: int) -> tuple[np.ndarray, float]:
         """Values, NaN outside of the region, with so many points on the longest side, and the step."""
         step = float((self.high - self.low).max()) / (number - 1)
         counts = np.ceil((self.high - self.low) / step - 1e-9).astype(int) + 1
@@ -46,7 +44,7 @@ class Grids:
         points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
         return self.evaluator.values(points).reshape(counts), step
 
-    def error(self, points: Floats, triangles: np.ndarray) -> float:
+    def error(self, points: np.ndarray, triangles: np.ndarray) -> float:
         """The largest |f| / |grad f| where the surface is."""
         finite = np.asarray(np.isfinite(points).all(axis=1))  # outside there is nothing
         corners = points[triangles[finite[triangles].all(axis=1)]]
@@ -70,7 +68,7 @@ class Grids:
         return number
 
 
-def flying_edges(values: Floats, step: float) -> tuple[Floats, np.ndarray]:
+def flying_edges(values: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """By VTK (Schroeder, Maynard and Geveci 2015)."""
     import pyvista
 
@@ -80,7 +78,7 @@ def flying_edges(values: Floats, step: float) -> tuple[Floats, np.ndarray]:
     return np.asarray(found.points, dtype=float), found.regular_faces
 
 
-def marching_cubes(values: Floats, step: float) -> tuple[Floats, np.ndarray]:
+def marching_cubes(values: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """By scikit-image (Lewiner and others 2003)."""
     from skimage.measure import marching_cubes as marched
 
@@ -88,7 +86,7 @@ def marching_cubes(values: Floats, step: float) -> tuple[Floats, np.ndarray]:
     return points, triangles
 
 
-def as_near(surface: Callable[[], PiecewiseSurface], share: float, contour: Contour) -> Prepare:
+def as_near(surface: Callable[[], pas.PiecewiseSurface], share: float, contour: Contour) -> Prepare:
     """The work of a peer whose contour is as near as our mesh with a tolerance of that share of the longest side."""
 
     def prepare() -> Work:

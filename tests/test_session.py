@@ -9,11 +9,11 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 from flint import fmpq_mat
-from pas.pipeline.ladder import Ladder
 
 import pas
 from pas.fairing.wishes import Wishes
-from pas.pipeline.repeated import KEPT, USUAL, key_of
+from pas.pipeline.search import Search
+from pas.pipeline.session import USUAL, key_of, open_session
 from pas.pipeline.similarities import Anchor, similarities
 
 CORNER = [pas.Pipe((1, 0, 0), "1/2", 1), pas.Pipe((0, 1, 0), "1/3", 1), pas.Pipe((0, 0, 1), "1/4", 1)]
@@ -21,15 +21,19 @@ ELBOW = [pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((0, 1, 0), "3/4", 2)]
 
 
 @pytest.fixture(autouse=True)
-def kept(monkeypatch):
-    """An empty memory of the usual size, and the number of times that something was solved."""
-    solved = []
-    climb = Ladder.climb
-    monkeypatch.setattr(Ladder, "climb", lambda self, *args: solved.append(1) or climb(self, *args))
-    pas.keep_blends(0)
-    pas.keep_blends()
-    yield solved
-    pas.keep_blends(0)
+def session():
+    """A session of the usual size."""
+    with pas.Session() as session:
+        yield session
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """The number of times that something was solved."""
+    times = []
+    on_layout = Search.on_layout
+    monkeypatch.setattr(Search, "on_layout", lambda self, *args: times.append(1) or on_layout(self, *args))
+    return times
 
 
 def rotations():
@@ -61,17 +65,17 @@ def same(one, other, map_):
     return np.allclose(first[inside], second[inside], rtol=1e-9, atol=1e-12)
 
 
-def test_a_lattice_of_turned_nodes_is_solved_once(kept):
+def test_a_lattice_of_turned_nodes_is_solved_once(solved, session):
     first = blended(CORNER)
-    assert len(kept) == 1
+    assert len(solved) == 1
     for number, matrix in enumerate(rotations()):
         offset = (10 * number, -number, 3)
         contacts = [turned(pipe, matrix, offset) for pipe in CORNER]
         again = blended(contacts[number % 3 :] + contacts[: number % 3])
-        assert len(kept) == 1, number
+        assert len(solved) == 1, number
         assert again.certificate.proved
         assert same(first, again, lambda p, m=matrix, o=offset: p @ m.T + o)
-    assert len(KEPT) == 1
+    assert len(session) == 1
 
 
 @pytest.mark.parametrize(
@@ -85,12 +89,12 @@ def test_a_lattice_of_turned_nodes_is_solved_once(kept):
     ids=["turned", "scaled", "reflected", "multiplied"],
 )
 @pytest.mark.parametrize("nodes", [CORNER, ELBOW], ids=["corner", "elbow"])
-def test_what_was_carried_over_holds(nodes, change, kept):
+def test_what_was_carried_over_holds(nodes, change, solved):
     blended(nodes)
-    solved = len(kept)
+    times = len(solved)
     contacts = [change(pipe) for pipe in reversed(nodes)]
     again = blended(contacts)
-    assert len(kept) == solved
+    assert len(solved) == times
     anew = again.surface.certify()
     assert anew.proved
     assert [v.claim for v in anew.verdicts] == [v.claim for v in again.certificate.verdicts]
@@ -121,27 +125,27 @@ def test_a_saved_one_is_read_again(tmp_path):
         ([pas.Pipe((1, 0, 0), "3/4", 2), pas.Pipe((1, 5, 0), 1, 2)], {}),
     ],
 )
-def test_what_differs_is_not_found(contacts, options):
+def test_what_differs_is_not_found(contacts, options, session):
     blended(ELBOW)
     options = dict(options)
     order, partition = options.pop("order", 1), options.pop("partition", None)
     key = key_of(Wishes(**options), order, "lowest", partition)
-    assert key is None or KEPT.find([c.contact for c in contacts], key) is None
-    assert KEPT.find([c.contact for c in ELBOW], key_of(Wishes(), 1, "lowest", None)) is not None
+    assert key is None or session.find([c.contact for c in contacts], key) is None
+    assert session.find([c.contact for c in ELBOW], key_of(Wishes(), 1, "lowest", None)) is not None
 
 
-def test_a_contact_turned_inside_out_is_another_one():
+def test_a_contact_turned_inside_out_is_another_one(session):
     contacts = [pipe.contact for pipe in CORNER]
     blended(contacts)
     key = key_of(Wishes(), 1, "lowest", None)
-    assert KEPT.find(contacts, key) is not None
-    assert KEPT.find([pas.Contact(-contacts[0].surface, contacts[0].clip), *contacts[1:]], key) is None
+    assert session.find(contacts, key) is not None
+    assert session.find([pas.Contact(-contacts[0].surface, contacts[0].clip), *contacts[1:]], key) is None
 
 
-def test_verdicts_on_contacts_follow_them():
+def test_verdicts_on_contacts_follow_them(session):
     contacts = [pipe.contact for pipe in CORNER]
     blended(contacts)
-    match = KEPT.find([contacts[2], contacts[0], contacts[1]], key_of(Wishes(), 1, "lowest", None))
+    match = session.find([contacts[2], contacts[0], contacts[1]], key_of(Wishes(), 1, "lowest", None))
     assert match.numbers == (2, 0, 1)
     certificate = match.found.certificate
     marked = tuple(replace(v, reason=f"reason {i}") for i, v in enumerate(certificate.contacts))
@@ -168,30 +172,52 @@ def test_nothing_that_is_handed_out_can_harm_what_is_kept():
     assert again.surface.certify().proved
 
 
-def test_what_is_not_proved_or_unwanted_is_not_kept():
+def test_what_is_not_proved_or_unwanted_is_not_kept(session):
     blended(ELBOW, prove=False)
-    assert len(KEPT) == 0
-    pas.keep_blends(0)
-    blended(ELBOW)
-    assert len(KEPT) == 0
-    pas.keep_blends(1)
-    blended(ELBOW)
-    blended(CORNER)
-    assert len(KEPT) == 1
+    assert len(session) == 0
+    with pas.Session(1) as other:
+        blended(ELBOW)
+        blended(CORNER)
+        assert len(other) == 1 and open_session() is other
+    assert len(session) == 0 and open_session() is session
     for wrong, error in ((-1, ValueError), (1.5, TypeError), ("many", TypeError)):
         with pytest.raises(error, match="most"):
-            pas.keep_blends(wrong)
-    assert KEPT.most == 1
-    pas.keep_blends()
-    assert KEPT.most == USUAL
+            pas.Session(wrong)
 
 
-def test_several_threads_may_ask():
+def test_nothing_is_kept_without_a_session(solved, session):
+    def twice():
+        assert open_session() is None
+        blended(ELBOW)
+        blended(ELBOW)
+
+    with ThreadPoolExecutor(1) as pool:  # where none is open
+        pool.submit(twice).result()
+    assert len(solved) == 2 and len(session) == 0
+
+
+def test_the_former_name_opens_a_session_without_end():
+    def kept():
+        pas.keep_blends()
+        most = open_session().most
+        pas.keep_blends(0)
+        return most, open_session()
+
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(kept).result() == (USUAL, None)
+
+
+def test_several_threads_may_ask(session):
     blended(ELBOW)
+
+    def moved(i):
+        with session:
+            return blended([p.translate((i, 0, 0)) for p in ELBOW])
+
     with ThreadPoolExecutor(4) as pool:
-        made = list(pool.map(lambda i: blended([p.translate((i, 0, 0)) for p in ELBOW]), range(12)))
-    assert all(blend.certificate.proved for blend in made)
-    assert len(KEPT) == 1
+        made = list(pool.map(moved, range(12)))
+    assert all(blend.certificate.proved and set(blend.timings) == {"repeated"} for blend in made)
+    assert len(session) == 1
 
 
 @pytest.mark.parametrize("contacts", [CORNER, ELBOW, [pas.Pipe((0, 0, 1), 1, 2), pas.Pipe((0, 0, -1), 2, 2)]])

@@ -1,1 +1,0 @@
-"""Speed, measured: what `pas bench` runs, beside other programs where these are installed."""

@@ -1,1 +1,0 @@
-"""What is measured, a suite a file."""
