@@ -68,7 +68,7 @@ class Cells:
         return replace(self, **{n: np.concatenate([a, *(getattr(o, n) for o in others)]) for n, a in arrays.items()})
 
 
-C = TypeVar("C", bound=Cells)
+Batch = TypeVar("Batch", bound=Cells)
 
 
 @dataclass(frozen=True)
@@ -110,15 +110,15 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Searched(Generic[C]):
+class Searched(Generic[Batch]):
     """What came of a search: the cells that were `kept`, those in which the claim fails, and those left `open`.
 
     `examined` counts all cells.  What holds for all of a batch is as it was in the end.
     """
 
-    kept: C
-    refuted: C
-    open: C
+    kept: Batch
+    refuted: Batch
+    open: Batch
     examined: int
 
     @property
@@ -128,10 +128,10 @@ class Searched(Generic[C]):
 
 
 def search(
-    cells: C, judge: Callable[[C, int], Fates], split: Callable[[C], C], limits: Limits, task: str
-) -> Searched[C]:
+    cells: Batch, judge: Callable[[Batch, int], Fates], split: Callable[[Batch], Batch], limits: Limits, task: str
+) -> Searched[Batch]:
     """Judge cells and split those that are open, until none is, the claim is refuted, or the limits are met."""
-    kept: list[C] = []
+    kept: list[Batch] = []
     examined, nothing = 0, cells.select(np.arange(0))
     waiting = nothing
     for depth in range(limits.depth + 1):

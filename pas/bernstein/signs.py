@@ -35,9 +35,6 @@ from pas.bernstein.simplices import Simplices, at_vertices, degree_of
 from pas.bernstein.subdivision import halves
 from pas.verdicts import Status
 
-BISECTIONS = 53
-"""Of an edge on which a witness is sought: as many as a double has binary digits."""
-
 
 @dataclass(frozen=True)
 class SignResult:
@@ -235,7 +232,7 @@ def _witness(batch: _Claim) -> Floats:
     pairs = zip(homogeneous_exponents(degree, vertices), batch.zeros[0][0], strict=True)
     edge = np.array([c for _, c in sorted((a[high], c) for a, c in pairs if a[low] + a[high] == degree)])
     share = 0.0
-    for step in range(1, BISECTIONS + 1):
+    for step in range(1, 54):  # as many bisections as a double has binary digits
         first, second = halves(edge, 0)
         edge = second if first[-1] < 0 else first
         share += 2.0**-step * (first[-1] < 0)

@@ -26,9 +26,6 @@ from pas.bernstein.search import Cells, Fates
 from pas.bernstein.subdivision import bisection, edges, raised
 from pas.kernels.library import compiled
 
-ROUNDINGS = 16
-"""Of derivatives, over the largest coefficient, beyond what halvings make of it."""
-
 Integers = NDArray[np.intp]
 
 
@@ -81,7 +78,8 @@ class Simplices(Cells):
         """
         (count, size), vertices, fates = self.table.shape, self.corners.shape[1], np.empty(len(self), dtype=np.intp)
         up = _raised(self.degrees[0], vertices)
-        given, bounds = (count, size, vertices - 1, len(up), up, self.table), (self.bound, ROUNDINGS * UNIT_ROUNDOFF)
+        given, roundings = (count, size, vertices - 1, len(up), up, self.table), 16  # of derivatives, over the largest
+        bounds = self.bound, roundings * UNIT_ROUNDOFF
         compiled().call("pas_judged", *given, self.corners, *bounds, fates)
         return fates
 

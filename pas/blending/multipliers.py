@@ -269,7 +269,7 @@ class Consistency:
         return tuple(result)
 
     def _normal(self, unknowns: list[fmpq_mpoly]) -> list[fmpq_mpoly]:
-        """The same patches with every gamma reduced modulo its h^(k+1)."""
+        """Multipliers of equal patches with every gamma reduced modulo its h^(k+1), which makes them unique."""
         for s in range(len(self.sites)):
             beta, gamma = self._site(s)
             quotient, unknowns[gamma] = divmod(unknowns[gamma], self._factors[beta])

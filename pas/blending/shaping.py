@@ -210,7 +210,7 @@ def orientation(surface: PiecewiseSurface) -> int:
 def _refined(
     space: Space, points: Sequence[Any], weights: list[fmpq], change: fmpq_mat, start: Floats, *, by_gradient: bool
 ) -> tuple[list[float], float] | None:
-    """The same without the rounding of doubles, and the quotient; None where the least one is not the only one."""
+    """The least member to the last digit of a double, and its quotient; None where several are least."""
     scales = [arb(w) for w in weights]
     if by_gradient:
         below, doubled = _gradients(space, points), [w for w in scales for _ in range(3)]

@@ -101,7 +101,7 @@ class Space(InPlace):
         return all(member in other for member in self.basis)
 
     def change_basis(self, members: Sequence[Sequence[Exact]]) -> Self:
-        """The same space, or a subspace, with the given members (coefficient rows) as its basis."""
+        """The space that the given members (rows of coefficients) span, with these as its basis."""
         rows = [[rational(a, f"members[{i}]") for a in row] for i, row in enumerate(members)]
         if any(len(row) != self.dimension for row in rows):
             raise ValueError(f"members must be rows of {self.dimension} coefficients")

@@ -39,7 +39,7 @@ def solve(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
 def _solved(
     contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
 ) -> Products:
-    """The same by what it depends on: regions of one layout differ in their walls alone."""
+    """The patches of all members, kept by what they depend on: regions of one layout differ in their walls alone."""
     parts = [splines(layout, order, d) for d in range(degree + 1)]
     total = sum(part[0].nrows() for part in parts)
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))

@@ -8,7 +8,7 @@ polynomial itself has and the simplex is free of what must not be in it; any oth
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,10 +17,8 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
 
-HALVINGS, MOST = 150, 6000
-"""Halvings of a simplex, and simplices still open, at which the search ends."""
-
-TASK = "looking for critical points"
+LIMITS = Limits(depth=150, cells=6000)
+"""Of what is critical on more simplices than these, such as along a curve, nothing can be counted."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ def isolated(forms: Floats, corners: Floats, error: float = UNIT_ROUNDOFF) -> Se
     """Critical points on simplices (N, d + 1, 3) of B-coefficients (N, m), at most 1 in size, each off by `error`: the
     simplices that are kept have coefficients of one sign."""
     cells = Simplices.of([forms], corners, error)
-    return search(cells, lambda some, _: some.rising(), Simplices.halved, _limits(cells), TASK)
+    return search(cells, lambda some, _: some.rising(), Simplices.halved, _limits(cells), "looking for critical points")
 
 
 def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
@@ -58,11 +56,11 @@ def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
         fates[rows[sure]], fates[rows[~sure & (fates[rows] == Fate.KEEP)]] = Fate.KEEP, Fate.SPLIT
         return fates
 
-    result = search(found.kept, judge, Simplices.halved, _limits(found.kept), TASK)
+    result = search(found.kept, judge, Simplices.halved, _limits(found.kept), "looking for critical points")
     signs, middles = np.sign(result.kept.table[:, 0]), result.open.corners.mean(axis=1)
     return CriticalParts(result.kept.corners, signs, middles, found.examined + result.examined)
 
 
 def _limits(cells: Simplices) -> Limits:
     """A point is not halved."""
-    return Limits(HALVINGS - cells.halvings if cells.corners.shape[1] > 1 else 0, MOST)
+    return replace(LIMITS, depth=LIMITS.depth - cells.halvings if cells.corners.shape[1] > 1 else 0)

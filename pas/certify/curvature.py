@@ -28,7 +28,7 @@ from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, plain
+from pas.algebra.rational import Vector, cross, plain
 from pas.bernstein.forms import b_form, on_simplex, rounded
 from pas.bernstein.signs import prove_positive
 from pas.certify.certificate import Proposition
@@ -40,7 +40,7 @@ from pas.verdicts import Verdict
 
 ZERO = RING.constant(0)
 
-Matrix = list[list[fmpq_mpoly]]
+Matrix = Sequence[Sequence[fmpq_mpoly]]
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
         cubed = contact_ideal(met, 2).normal_form(second)
     return CurvatureContact(
         value=Polynomial.from_raw(curve.reduce(second.raw)),
-        tangent=_owned([curve.reduce(c) for c in _cross(grad, starred)]),
+        tangent=_owned([curve.reduce(c) for c in cross(grad, starred)]),
         curvature=Polynomial.from_raw(difference),
         gradient=_owned(starred),
         membership=cubed,
@@ -147,14 +147,16 @@ def _gradient(raw: fmpq_mpoly, curve: NormalForm) -> list[fmpq_mpoly]:
 def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: NormalForm) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     """`|grad|^2` and `grad^T adj(Hess) grad` modulo the ideal of the curve."""
     rows = [[curve.reduce(raw.derivative(i).derivative(j)) for j in range(3)] for i in range(3)]
-    # The rows of the adjugate of a symmetric matrix are the cross products of its rows.
-    adjugate = [_cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)]
-    bend = sum((grad[i] * adjugate[i][j] * grad[j] for i in range(3) for j in range(3)), ZERO)
-    return curve.reduce(sum((c * c for c in grad), ZERO)), curve.reduce(bend)
+    return curve.reduce(sum((c * c for c in grad), ZERO)), curve.reduce(_form(grad, _adjugate(rows)))
 
 
-def _cross(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+def _adjugate(rows: Matrix) -> Matrix:
+    """That of a symmetric matrix: its rows are the cross products of the matrix's rows."""
+    return [cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)]
+
+
+def _form(g: Sequence[fmpq_mpoly], matrix: Matrix) -> fmpq_mpoly:
+    return sum((g[i] * matrix[i][j] * g[j] for i in range(3) for j in range(3)), ZERO)
 
 
 def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
@@ -199,18 +201,7 @@ def _difference(patch: fmpq_mpoly, corners: Sequence[Vector], square: fmpq) -> f
     slopes = [patch.derivative(i) for i in range(3)]
     g = [on_simplex(slope, corners) for slope in slopes]
     upper = {(i, j): on_simplex(slopes[i].derivative(j), corners) for i in range(3) for j in range(i, 3)}
-    h: Matrix = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    length = sum((a * a for a in g), RING.constant(0))
+    h = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    length = sum((a * a for a in g), ZERO)
     bent = length * (h[0][0] + h[1][1] + h[2][2]) - _form(g, h)
-    adjugate: Matrix = [[_cofactor(h, i, j) for j in range(3)] for i in range(3)]
-    return length * length * length * square - bent * bent + length * _form(g, adjugate) * 2
-
-
-def _form(g: Sequence[fmpq_mpoly], matrix: Matrix) -> fmpq_mpoly:
-    return sum((g[i] * g[j] * matrix[i][j] for i in range(3) for j in range(3)), RING.constant(0))
-
-
-def _cofactor(h: Matrix, i: int, j: int) -> fmpq_mpoly:
-    (a, b), (c, d) = ([x for x in range(3) if x != k] for k in (i, j))
-    minor = h[a][c] * h[b][d] - h[a][d] * h[b][c]
-    return minor if (i + j) % 2 == 0 else -minor
+    return length * length * length * square - bent * bent + length * _form(g, _adjugate(h)) * 2

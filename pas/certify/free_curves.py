@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, cross, dot, exact_vector, to_floats
 from pas.algebra.scaling import scaled
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
@@ -40,25 +40,6 @@ from pas.certify.certificate import Proposition
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.verdicts import Status, Verdict
-
-START_LATTICE = 4
-"""Subdivisions of a cell's edge for the points at which Newton's method starts."""
-
-REACHES = (1.0, 8.0, 64.0)
-"""Half sizes of the cubes in which points of the curve are looked for where there is no region."""
-
-NEWTON_STEPS, ARRIVED = 24, 1e-10
-"""Steps of Newton's method, and the last one's length at which it has arrived (local units)."""
-
-HALF_SIDES = (2.0**-20, 2.0**-28, 2.0**-12)
-"""Half sides of the parallelograms, tried in turn: small, since signs must not change on them, and
-large against the 1e-15 that the middle is off the curve."""
-
-PARALLEL = 1e-12
-"""The squared sine of the angle between gradients from which on they count as parallel."""
-
-MOST_TRIED = 12
-"""Points that are tried for one proof, those that promise most first."""
 
 
 def free_verdict(claim: Proposition, join: Join) -> Verdict:
@@ -122,26 +103,18 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
 
 def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
-    first, second = _cross(_gradient(g), _gradient(d)), _cross(_gradient(f), _gradient(d))
-    return Polynomial.from_raw(_dot(first, second))
+    first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
+    return Polynomial.from_raw(dot(first, second))
 
 
 def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = _cross(_cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(_dot(along, _gradient(g)))
+    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
+    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
     return [polynomial.raw.derivative(i) for i in range(3)]
-
-
-def _cross(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
-    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
-
-
-def _dot(a: Sequence[fmpq_mpoly], b: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
-    return sum((x * y for x, y in zip(a, b, strict=True)), RING.constant(0))
 
 
 @dataclass(frozen=True)
@@ -185,8 +158,9 @@ class RegionCurve:
         if size is not None:
             values = scaled(size)(points)
             points = points[np.argsort(-values)][: np.count_nonzero(values > 0)]
-        for point in points[:MOST_TRIED]:
-            for half in HALF_SIDES:
+        # signs must not change on the parallelograms, which are large against the 1e-15 that their middles are off
+        for point in points[:12]:
+            for half in (2.0**-20, 2.0**-28, 2.0**-12):
                 enclosure = self.enclosure(point, half)
                 if enclosure is not None:
                     yield enclosure
@@ -207,19 +181,20 @@ class RegionCurve:
         f, d = scaled(self.f), scaled(self.d)
         points = self._starts()
         reach = 4 * float(np.abs(points).max())
-        for _ in range(NEWTON_STEPS):
+        for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = _dual(f.gradient(points), d.gradient(points))
             step = f(points)[:, None] * along_f + d(points)[:, None] * along_d
             kept = regular & (np.abs(points - step).max(axis=1) < reach)
             points, step = (points - step)[kept], step[kept]
-        points = points[np.linalg.norm(step, axis=1) < ARRIVED]
+        points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
 
     def _starts(self) -> Floats:
         corners = self.partition.points[np.array(self.partition.cells)] if self.partition.cells else _cubes()
         vertices = corners.shape[1]
-        weights = np.array(homogeneous_exponents(START_LATTICE, vertices)) / START_LATTICE
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, vertices)) / parts
         return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
@@ -251,7 +226,7 @@ def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """
     ff, fd, dd = ((a * b).sum(axis=1, keepdims=True) for a, b in ((f, f), (f, d), (d, d)))
     determinant = ff * dd - fd * fd
-    regular = determinant > PARALLEL * ff * dd
+    regular = determinant > 1e-12 * ff * dd  # the squared sine of the angle between them
     scale = np.where(regular, determinant, 1.0)
     return (dd * f - fd * d) / scale, (ff * d - fd * f) / scale, regular[:, 0]
 
@@ -259,7 +234,7 @@ def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
 def _cubes() -> Floats:
     """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
     corners = np.array(list(product((-1.0, 1.0), repeat=3)))
-    return np.array([reach * corners for reach in REACHES])
+    return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])
 
 
 def _moved(p: Vector, u: Vector, s: int, w: Vector, t: int) -> Vector:

@@ -21,7 +21,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
-from pas.certify.local_mesh import FramedMesh
+from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
 from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
@@ -30,12 +30,6 @@ from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 
 CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the contacts' curves"
-
-OFF = 1e-9
-"""How far, in local units, vertices of the boundary may be from the curves."""
-
-BEYOND = 2.0
-"""Over the distance of the vertex that is furthest from the centre: how far rays into discs are followed."""
 
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
@@ -79,7 +73,8 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
     if reason:
         return chain, _open(reason)
     ways = np.array([-ring.middle if ring.opening else ring.middle for ring in rings])
-    ends = ways * (BEYOND * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
+    beyond = 2.0  # times the distance of the vertex that is furthest from the centre
+    ends = ways * (beyond * np.sqrt(dots(points, points).max() / dots(ways, ways)))[:, None]
     times, known = crossed(points, mesh.triangles, np.zeros(3), ends)
     for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
         which = "away from the opening" if rings[number].opening else "out through one of the ends"

@@ -39,11 +39,11 @@ ROUNDINGS = 64
 SCALED = 1e-9
 """Relative error of sizes of B-coefficients that are known but for a factor."""
 
+OFF = 1e-9
+"""In local units: how far vertices may be from the surface, and those of the boundary from the contacts' curves."""
+
 LARGER = 2.0
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
-
-BLOCK = 2048
-"""Triangles whose places in all cells are held at once."""
 
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
@@ -171,8 +171,9 @@ class FramedSurface:
             assert self.center is not None
             corners = self.center + (corners - self.center) / larger
         found: list[list[Integers]] = [[] for _ in self.patches]
-        for start in range(0, len(corners), BLOCK):
-            block = corners[start : start + BLOCK]
+        size = 2048  # triangles whose places in all cells are held at once
+        for start in range(0, len(corners), size):
+            block = corners[start : start + size]
             outside = [self.cells.barycentric(block[:, i]) < -BESIDE for i in range(3)]
             apart = np.logical_and.reduce(outside).any(axis=1)
             for piece, cells in enumerate(self.cells.pieces):

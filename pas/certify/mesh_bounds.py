@@ -13,26 +13,18 @@ from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
-from pas.certify.triangle_forms import TriangleForms, on_corners
+from pas.certify.triangle_forms import on_corners
 from pas.mesh.field import Integers
 from pas.mesh.rows import any_of, cross, dots
 
-CUTS, MANY, MOST = 6, 4096, 1 << 22
-"""How often triangles are cut into four where bounds on them do not do, how many are cut for their distance, and how
-many at all, for bounds that some 100 bytes each are needed for."""
+CUTS = 6
+"""How often triangles are cut into four where bounds on them do not do."""
+
+ALL = Limits(CUTS, 1 << 22)
+"""Of triangles that are bounded: some 100 bytes are needed for each."""
 
 CLEAR = 1e-9
 """In local units: how far what is apart from a triangle is from a plane of it."""
-
-TIMES = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)
-"""How far triangles are moved for a change of sign, over what |f| by the least slope on them asks for, at most and for
-the share `USUAL` of them."""
-
-TASK = "bounding the function on triangles"
-
-USUAL, ENOUGH, HARDEST = 0.98, 1.2, 64
-"""That share; how many times as far triangles in several pieces are moved, before they are cut; and how many triangles,
-on which |f| by the least slope is largest, are moved first."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +96,7 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
     """
     normals, loose = mesh.normals, mesh.loose
     if len(mesh.local.makers) == 1:
-        return _bounded_by_one(mesh.local.makers[0], mesh.corners, normals, loose)
+        return TriangleBounds(*_bounded(mesh.local, mesh.corners, normals, loose)[:2])
     most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
 
     def judge(parts: Parts, depth: int) -> Fates:
@@ -117,19 +109,9 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
         np.minimum.at(least, parts.owner[~again], small[~again])
         return np.where(again, Fate.SPLIT, Fate.SETTLED)
 
-    left = search(Parts.of(mesh.corners), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open.owner
+    left = search(Parts.of(mesh.corners), judge, Parts.quarters, ALL, "bounding f on triangles").open.owner
     most[left], least[left] = np.inf, -np.inf
     return TriangleBounds(most, least)
-
-
-def _bounded_by_one(maker: TriangleForms, corners: Floats, normals: Floats, loose: Floats) -> TriangleBounds:
-    """Of triangles (T, 3, 3) of one piece upper bounds of |f| and lower ones of derivatives along normals that are off
-    by `loose`, (T,)."""
-    most = _largest(maker.ranges(corners)) + maker.value_error
-    along, size = maker.slopes(corners, normals)
-    large = np.flatnonzero(most > most.max() / 2)  # bounded more closely
-    most[large] = _largest(maker.ranges(corners[large], closer=True)) + maker.value_error
-    return TriangleBounds(most, along - _slack(size, maker.gradient_error, loose))
 
 
 def _bounded(
@@ -141,8 +123,9 @@ def _bounded(
     touched = local.touched(corners)
     several = _times(touched, len(corners)) > 1
     for maker, rows in zip(local.makers, touched, strict=True):
-        most[rows] = np.maximum(most[rows], _largest(maker.ranges(corners[rows])) + maker.value_error)
-        along, size = maker.slopes(corners[rows], normals[rows])
+        some = (corners, normals) if len(rows) == len(corners) else (corners[rows], normals[rows])
+        most[rows] = np.maximum(most[rows], _largest(maker.ranges(some[0])) + maker.value_error)
+        along, size = maker.slopes(*some)
         least[rows] = np.minimum(least[rows], along - _slack(size, maker.gradient_error, loose[rows]))
     large = most > most.max(initial=0.0, where=~several if not several.all() else several) / 2  # bounded more closely
     closer = np.zeros(len(most))
@@ -193,7 +176,9 @@ def along_walls(mesh: FramedMesh, rims: list[tuple[Floats, np.ndarray]]) -> tupl
         found.append((least[~again], parts.owner[~again]))
         return np.where(again, Fate.SPLIT, Fate.SETTLED)
 
-    left = search(Parts(corners, np.arange(len(owner)), marks), judge, Parts.quarters, Limits(CUTS, MOST), TASK).open
+    left = search(
+        Parts(corners, np.arange(len(owner)), marks), judge, Parts.quarters, ALL, "bounding f on triangles"
+    ).open
     found.append((np.full(len(left), -np.inf), left.owner))
     least, part = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(rim[part], kind="stable")
@@ -227,18 +212,21 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     if local.center is None:
         return None
     longest = local.beyond
+    usual_share, hardest = 0.98, 64  # triangles that need much more than others, and how many are moved first
+    factors = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)  # over what |f| by the least slope asks for, as that is a bound
+    enough_if_cut = 1.2  # times as far triangles in several pieces are moved, before they are cut
     with np.errstate(all="ignore"):
         need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
     known = np.sort(need[need <= longest])
-    usual, most = known[[int(USUAL * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
-    tried = sorted({min(some * times, longest) for some in (usual, most) for times in TIMES})
-    enough = _moves(mesh, bounds, min(TIMES[-1] * usual, longest))
-    hard = need >= np.partition(need, max(len(need) - HARDEST, 0))[max(len(need) - HARDEST, 0)]
+    usual, most = known[[int(usual_share * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
+    tried = sorted({min(some * times, longest) for some in (usual, most) for times in factors})
+    enough = _moves(mesh, bounds, min(factors[-1] * usual, longest))
+    hard = need >= np.partition(need, max(len(need) - hardest, 0))[max(len(need) - hardest, 0)]
     way, least = np.zeros(len(need)), 0.0
     for group in (hard, ~hard):  # the hardest say what is worth trying with others
         rows = np.flatnonzero(group & (enough > least))
         here = [away for away in tried if away >= least]
-        way[rows] = _reached(mesh, rows, enough[rows], here, max(ENOUGH * usual, least))
+        way[rows] = _reached(mesh, rows, enough[rows], here, max(enough_if_cut * usual, least))
         least = min(float(way.max(initial=0.0)), tried[-1])
     return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
 
@@ -266,7 +254,7 @@ def _reached(mesh: FramedMesh, chosen: Integers, enough: Floats, tried: list[flo
         return fates
 
     cells = Parts.of(mesh.corners[chosen])
-    way[search(cells, judge, Parts.quarters, Limits(CUTS, MANY), "bounding distances").open.owner] = np.inf
+    way[search(cells, judge, Parts.quarters, Limits(CUTS, 4096), "bounding distances").open.owner] = np.inf
     return way
 
 

@@ -30,24 +30,15 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
-from pas.certify.graph_proofs import certify_graph, crossed
-from pas.certify.local_mesh import ON_WALL, SCALED, FramedMesh, FramedSurface
+from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
+from pas.certify.local_mesh import OFF, ON_WALL, SCALED, FramedMesh, FramedSurface
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
 from pas.mesh.edges import Edges
 from pas.mesh.field import Integers
 from pas.mesh.topology import same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
-CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the walls"
-
-OFF = 1e-9
-"""Over the region's size: how far vertices may be from the surface."""
-
-BOXES = 4_000_000
-"""Pairs of simplices and triangles whose boxes are compared on one level at most."""
-
-TRIES = 6
-"""Points of a simplex that are tried for one from which crossings can be counted for sure."""
+BORDER = "a manifold that ends on the walls"
 
 
 @dataclass(frozen=True)
@@ -198,7 +189,7 @@ def _critical(mesh: FramedMesh, most: Floats) -> list[CriticalParts]:
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
-        if len(near) * len(mesh.corners) <= BOXES:
+        if len(near) * len(mesh.corners) <= 4_000_000:  # a second's work; others are cut first
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
             met = [boxes.meeting(*ends) for ends in zip(low, high, strict=True)]
             rows, triangles = np.repeat(near, [len(some) for some in met]), np.concatenate([*met, near[:0]])
@@ -246,7 +237,7 @@ def _counted(mesh: FramedMesh, parts: list[CriticalParts]) -> tuple[Verdict, tup
     known, inside = np.zeros(len(groups), dtype=bool), signs[[group[0] for group in groups]] < 0
     assert local.center is not None
     origin = local.center + local.room * np.array([0.213, 0.127, -0.171])
-    for attempt in range(TRIES):
+    for attempt in range(6):  # other points, where a segment grazes an edge
         rows = np.flatnonzero(~known)
         for row in rows.tolist():
             simplex = simplices[groups[row][attempt % len(groups[row])]]

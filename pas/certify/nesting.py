@@ -3,8 +3,7 @@
 Each surface is seen from a centre, and no ray from there changes cells (see `pas.partition.cells`).  So the directions
 in which rays from the outer centre leave the outer region through a face make a cone in which the outer surface is one
 polynomial f; and between the inner centre and an outer face of the inner region, in a tetrahedron, the inner surface is
-one polynomial g.  What such a cone and such a tetrahedron have in common is cut into tetrahedra exactly: mostly both
-have one centre, and then the directions are cut into triangles.  Claims:
+one polynomial g.  What such a cone and such a tetrahedron have in common is cut into tetrahedra exactly.  Claims:
 
 Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
 direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
@@ -25,7 +24,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq_mpoly
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot
@@ -37,10 +36,7 @@ from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
-INSIDE = "inside"
-"""The claim that the inner surface is inside the outer one."""
-
-HALVINGS = Limits(depth=30)
+LIMITS = Limits(depth=30)
 """Fewer than other proofs have: where the surfaces cross there is a refutation, and where they touch no end."""
 
 TOGETHER = 256
@@ -50,8 +46,6 @@ fewer, around two some thousand."""
 
 Triangle: TypeAlias = "tuple[Vector, Vector, Vector]"
 Tetrahedron: TypeAlias = "tuple[Vector, Vector, Vector, Vector]"
-
-ORIGIN: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
 
 @dataclass(frozen=True)
@@ -76,7 +70,7 @@ def nesting(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Ver
 
 def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     """Where the inner surface's function is not positive, the outer one's is negative, all over the inner region."""
-    claim = Proposition(outer, INSIDE)
+    claim = Proposition(outer, "inside")
     if not inner.partition.cells or not outer.partition.cells:
         return claim.undecided("one of the surfaces has no region")
     if inner.partition.center is None or outer.partition.center is None:
@@ -180,7 +174,7 @@ def prove_inside(simplices: Sequence[Sequence[Vector]], values: Exact, inside: S
     for start in range(0, max(1, len(simplices)), TOGETHER):
         some = slice(start, start + TOGETHER)
         value, *others = ((raws[some], degree) for raws, degree in (values, *inside))
-        found = positive_on(simplices[some], value, others, inside=True, near=True, limits=HALVINGS)
+        found = positive_on(simplices[some], value, others, inside=True, near=True, limits=LIMITS)
         examined += found.examined
         if found.status is Status.REFUTED or worst is None or worst.status is Status.PROVED:
             worst = found
@@ -205,20 +199,9 @@ def common_parts(inner: Partition, outer: Partition) -> list[Common]:
         triangle = _turned(inner, face)
         for other, window in theirs:
             wall = None if other.plane == face.plane else other.plane
-            cut = (
-                _over_directions(triangle, window, face.plane) if not any(center) else _cut((center, *triangle), window)
-            )
+            cut = _cut((center, *triangle), window)
             parts += [Common(corners, face.piece, other.piece, wall) for corners in cut]
     return parts
-
-
-def _over_directions(triangle: Triangle, window: Triangle, plane: Polynomial) -> Iterator[Tetrahedron]:
-    """The part of a tetrahedron between 0 and a triangle, which lies in a plane, in the cone over another triangle."""
-    shared = _clipped(triangle, window)
-    for i in range(1, len(shared) - 1):
-        a, b, c = (_on_plane(ray, plane) for ray in (shared[0], shared[i], shared[i + 1]))
-        if dot(a, cross(b, c)) != 0:
-            yield ORIGIN, a, b, c
 
 
 def _cut(tetrahedron: Tetrahedron, window: Triangle) -> list[Tetrahedron]:
@@ -271,33 +254,3 @@ def _turned(partition: Partition, face: OuterFace) -> Triangle:
     """The corners of an outer face, counterclockwise seen from outside."""
     a, b, c = partition.corners(face.vertices)
     return (a, b, c) if dot(a, cross(b, c)) > 0 else (a, c, b)
-
-
-def _on_plane(ray: Vector, plane: Polynomial) -> Vector:
-    """Where a ray from the origin meets a plane."""
-    constant = plane.raw(0, 0, 0)
-    share = -constant / (plane.raw(*ray) - constant)
-    return ray[0] * share, ray[1] * share, ray[2] * share
-
-
-def _clipped(triangle: Sequence[Vector], window: Sequence[Vector]) -> list[Vector]:
-    """The rays of the cone that two triangles of directions have in common; empty without an inside.
-
-    Sutherland and Hodgman (1974), in exact numbers.
-    """
-    rays = list(triangle)
-    for i in range(3):
-        normal = cross(window[i], window[(i + 1) % 3])
-        sides = [dot(normal, ray) for ray in rays]
-        if not any(side > 0 for side in sides):
-            return []
-        kept: list[Vector] = []
-        for j, (ray, side) in enumerate(zip(rays, sides, strict=True)):
-            before, last = rays[j - 1], sides[j - 1]
-            if side * last < 0:
-                x, y, z = (abs(last) * a + abs(side) * b for a, b in zip(ray, before, strict=True))
-                kept.append((x, y, z))
-            if side >= 0:
-                kept.append(ray)
-        rays = kept
-    return rays

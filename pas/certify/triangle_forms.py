@@ -27,15 +27,6 @@ from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 
-BLOCK = 4096
-"""Triangles worked on at once: what is needed of them stays in the caches."""
-
-SAFETY = 2.0
-"""By which bounds on rounding are multiplied, for products of roundings that are left out."""
-
-SAFE = 1e-9
-"""Over a bound in doubles: more than its rounding."""
-
 ELEVATED = 3
 """Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""
 
@@ -81,7 +72,7 @@ class TriangleForms:
         sizes, total = np.abs(self._value[0]), 0.0
         for times, factors, left in _second_derivatives(self.degree):
             total += times * float((sizes * factors) @ np.prod(reach**left, axis=1)) ** 2
-        return (1 + SAFE) * float(np.sqrt(total))
+        return (1 + 1e-9) * float(np.sqrt(total))  # more than the rounding of the sum
 
     def gradients(self, corners: Floats) -> Floats:
         """The B-coefficients (3, k, T) of its gradient on triangles (T, 3, 3)."""
@@ -89,9 +80,10 @@ class TriangleForms:
 
 
 def _blocks(number: int) -> Iterator[slice]:
-    for start in range(0, number, BLOCK):
+    size = 4096  # what is needed of so many triangles stays in the caches
+    for start in range(0, number, size):
         checkpoint(f"bounding the function on triangles ({start} of {number})")
-        yield slice(start, start + BLOCK)
+        yield slice(start, start + size)
 
 
 def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
@@ -110,7 +102,7 @@ def _rounding(tables: Floats, degree: int, reach: float) -> float:
     slope = float((np.abs(tables) * powers * reach ** np.maximum(powers - 1, 0)).sum(axis=1).max())
     places, _, norm = lattice(degree)
     each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 16 * reach * slope
-    return SAFETY * norm * UNIT_ROUNDOFF * each
+    return 2 * norm * UNIT_ROUNDOFF * each  # twice, for products of roundings, which are left out
 
 
 @cache

@@ -19,10 +19,6 @@ CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (
 """Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs."""
 
 
-OPEN = "open region"
-"""The kind of partitions whose cells fill a cone with the centre as its apex."""
-
-
 class Face(NamedTuple):
     """A triangle as a face of a cell: its corners, the cell's fourth one, and the numbers of the cell and its patch."""
 
@@ -69,7 +65,7 @@ class Surface:
         self.faces = list(faces.values())
         self.inner = [two for sides in self.faces for two in combinations(sides, 2)]
         bound = [sides[0] for sides in self.faces if len(sides) == 1]
-        self.open = record["partition"]["kind"] == OPEN
+        self.open = record["partition"]["kind"] == "open region"  # whose cells fill a cone with the centre as its apex
         self.sides = [face for face in bound if self.open and self.centre in face.corners]
         self.outer = [face for face in bound if face not in self.sides]
         self.clipped = [

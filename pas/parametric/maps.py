@@ -261,7 +261,7 @@ class ParametricMap:
         return self.from_parts(values, made, self.parameters, self.ends, self.inexact, text)
 
     def with_domain(self, domain: DomainLike) -> Self:
-        """The same surface on another domain."""
+        """This surface on another domain."""
         return self.from_parts(self.values, self.source, self.parameters, domain, self.inexact, self.text)
 
     def contains(self, value: fmpq, axis: int) -> bool:

@@ -49,7 +49,7 @@ class ShapeFunction:
 
     @classmethod
     def constant(cls, value: Exact) -> ShapeFunction:
-        """The same value everywhere."""
+        """The constant function of a value."""
         return cls((to_fraction(rational(value, "the shape value")),))
 
     @classmethod
