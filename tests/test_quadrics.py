@@ -244,6 +244,7 @@ BRANCHES = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("first", "second", "count"), BRANCHES)
 @pytest.mark.parametrize("motion", [(0, 0, 0, 0, 0, 0), (1, -2, 3, 2, -1, 1), (-1, 1, 1, -30, 20, 7)])
 def test_closed_branches(first, second, count, motion):

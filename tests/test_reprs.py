@@ -192,6 +192,7 @@ def test_every_public_class_has_a_sample():
     assert not set(SAMPLES) - names, "these classes are no longer public"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "kind"), [c for c in public_classes() if c[0] in SAMPLES])
 def test_reprs_are_short(name, kind):
     sample = SAMPLES[name]()
