@@ -150,6 +150,7 @@ from .partition.splits import AlfeldSplit as AlfeldSplit
 from .partition.splits import WorseyFarinSplit as WorseyFarinSplit
 from .piecewise import PiecewiseSurface as PiecewiseSurface
 from .pipeline.blend import blend as blend
+from .pipeline.convex_problem import ConvexProblem as ConvexProblem
 from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.node import node as node
 from .pipeline.node import struts as struts

@@ -69,6 +69,8 @@ def existence():
 
 
 SAMPLES = {
+    "ConvexProblem": lambda: pas.solutions(pipes(), 1, 4).problem(),
+    "Session": pas.Session,
     "Alignment": lambda: generatrix().alignment,
     "BasePoint": lambda: pas.BasePoint("x", 0.25, 0.5),
     "Blend": corner,
