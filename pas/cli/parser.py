@@ -127,7 +127,8 @@ COMMANDS = (
         "  [[pipes]]            # three of them, perpendicular, through one point\n"
         '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
-        "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
+        "[points] (inside, outside, through, near), [normalize], prove, guard, basis,\n"
+        "[mesh] (quality, max_triangles), [picture] (style, view, combs).",
     ),
     Command(
         "parametric",
