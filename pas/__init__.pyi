@@ -91,8 +91,6 @@ from .parametric.blends import PolynomialCriterion as PolynomialCriterion
 from .parametric.blends import has_polynomial_solution as has_polynomial_solution
 from .parametric.blends import hermite_blend as hermite_blend
 from .parametric.blends import weighted_blend as weighted_blend
-from .parametric.conversion import bezier_patch as bezier_patch
-from .parametric.conversion import bezier_patches as bezier_patches
 from .parametric.curves import SurfaceCurve as SurfaceCurve
 from .parametric.curves import iso_curve as iso_curve
 from .parametric.data import BlendingData as BlendingData
@@ -119,6 +117,8 @@ from .parametric.hermite import hermite_basis as hermite_basis
 from .parametric.hermite import hermite_determinant as hermite_determinant
 from .parametric.meshing import ParametricMesh as ParametricMesh
 from .parametric.patches import RationalPatch as RationalPatch
+from .parametric.patches import bezier_patch as bezier_patch
+from .parametric.patches import bezier_patches as bezier_patches
 from .parametric.proofs import ParametricCertificate as ParametricCertificate
 from .parametric.regularity import BasePoint as BasePoint
 from .parametric.regularity import base_points as base_points
@@ -150,6 +150,7 @@ from .partition.splits import AlfeldSplit as AlfeldSplit
 from .partition.splits import WorseyFarinSplit as WorseyFarinSplit
 from .piecewise import PiecewiseSurface as PiecewiseSurface
 from .pipeline.blend import blend as blend
+from .pipeline.convex_problem import ConvexProblem as ConvexProblem
 from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.node import node as node
 from .pipeline.node import struts as struts

@@ -486,7 +486,7 @@ def test_measured_contact_sees_a_wrong_one(monkeypatch, first):
 
 
 def test_exact_contact_sees_a_wrong_one():
-    from pas.parametric.generatrix.exact import ExactCurve
+    from pas.parametric.generatrix.paths import ExactCurve
 
     one, zero, s = (pas.RationalFunction(e, ("s", "t")) for e in ("1", "0", "s"))
     assert ExactCurve((s, zero, zero), (zero, one, s), True).lies_in_plane

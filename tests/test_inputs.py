@@ -41,6 +41,7 @@ ORDER_DOORS = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("door", ORDER_DOORS)
 @pytest.mark.parametrize("order", WRONG_ORDERS, ids=lambda k: inputs.shown(k)[:9])
 def test_orders_are_checked_at_every_door(door, order):

@@ -95,9 +95,10 @@ def test_least_squares_have_the_same_digits_under_four_kernels():
     ("names", "threads"),
     [
         pytest.param(FEW, THREADS, id="few"),
-        pytest.param(ALL, THREADS | {"Prescott": 2}, id="all", marks=pytest.mark.slow),
+        pytest.param(ALL, THREADS | {"Prescott": 2}, id="all"),
     ],
 )
+@pytest.mark.slow
 def test_the_corner_files_come_to_the_same_under_four_kernels(names, threads):
     first, *others = under_all(SOLVED, names, threads)
     assert tuple(first) == names

@@ -138,7 +138,7 @@ def test_no_surface_is_said():
         empty.triangulate(1e-2)
 
 
-@pytest.mark.parametrize("degree", [5, 6])
+@pytest.mark.parametrize("degree", [5, pytest.param(6, marks=pytest.mark.slow)])
 def test_a_long_thin_arm_beside_the_centre(degree):
     """Some rays from the centre leave through its end without having met the surface, and meet it at distances that
     are very different on both sides of its axis."""
@@ -173,6 +173,7 @@ def test_arms_that_pass_the_centre_by(order, given):
     assert mesh.smallest_angles.min() > 15
 
 
+@pytest.mark.slow
 def test_a_surface_that_is_too_sharp_for_a_mesh_is_said_to_be():
     given = (((0, 1, 0), "1/2", "3/2"), ((-1, 1, 0), "3/5", 1))
     cones = [pas.Cone(axis=a, radius=r, slope="1/8", clip=c) for a, r, c in given]

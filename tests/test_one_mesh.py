@@ -14,8 +14,8 @@ import pas
 from pas import solid
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import smallest_angles
-from pas.parametric.framed import extent
 from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.nets import extent
 
 PIPES = [pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
 

@@ -15,8 +15,7 @@ import pas
 from pas.bernstein.subdivision import halved
 from pas.mesh.mesh import Mesh
 from pas.parametric.bounds import bounded
-from pas.parametric.framed import exact_rectangle
-from pas.parametric.nets import exact_net
+from pas.parametric.nets import exact_net, exact_rectangle
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
@@ -138,7 +137,7 @@ def test_bounds_are_not_far_off():
 def test_nets_are_the_surface():
     surface = pas.torus(2, 1).with_domain(((-1, 2), ("1/4", 1)))
     net = exact_net(surface, exact_rectangle(surface))
-    m, n = len(net.below) - 1, len(net.below[0]) - 1
+    m, n = (size - 1 for size in net.weights.shape)
     u, v = Fraction(2, 7), Fraction(3, 5)
 
     def value(table):
@@ -148,7 +147,7 @@ def test_nets_are_the_surface():
             for i in range(m + 1) for j in range(n + 1)
         )  # fmt: skip
 
-    point = tuple(value(table) / value(net.below) for table in net.tops)
+    point = tuple(value(net.table[..., axis]) / value(net.weights) for axis in range(3))
     assert point == surface.at(-1 + 3 * u, Fraction(1, 4) + Fraction(3, 4) * v)
     left, right = halved(net.rounded().table, 0)
     assert np.array_equal(left[:, -1], right[:, 0])

@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 import pas
 from pas import Polynomial, plane_section, quadric_intersection
 from pas.errors import GeometryError
-from pas.parametric.generatrix.pencil import members, planes_of
-from pas.parametric.generatrix.quadric import Quadric, QuadricKind, inertia, to_array
+from pas.parametric.generatrix.quadric import Quadric, QuadricKind, inertia, members, planes_of, to_array
 from pas.parametric.generatrix.sections import conic_section, ellipse_bounds
 
 S = np.linspace(0, 1, 201)
@@ -245,6 +244,7 @@ BRANCHES = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("first", "second", "count"), BRANCHES)
 @pytest.mark.parametrize("motion", [(0, 0, 0, 0, 0, 0), (1, -2, 3, 2, -1, 1), (-1, 1, 1, -30, 20, 7)])
 def test_closed_branches(first, second, count, motion):

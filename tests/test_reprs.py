@@ -69,6 +69,8 @@ def existence():
 
 
 SAMPLES = {
+    "ConvexProblem": lambda: pas.solutions(pipes(), 1, 4).problem(),
+    "Session": pas.Session,
     "Alignment": lambda: generatrix().alignment,
     "BasePoint": lambda: pas.BasePoint("x", 0.25, 0.5),
     "Blend": corner,
@@ -192,6 +194,7 @@ def test_every_public_class_has_a_sample():
     assert not set(SAMPLES) - names, "these classes are no longer public"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "kind"), [c for c in public_classes() if c[0] in SAMPLES])
 def test_reprs_are_short(name, kind):
     sample = SAMPLES[name]()

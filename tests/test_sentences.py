@@ -85,6 +85,7 @@ CALLS = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("number", range(len(CALLS)))
 def test_a_call_is_answered_with_a_sentence(number, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -20,6 +20,10 @@ UNSAID = "a type could say more, and is to say it when its room is worked on"
 
 MAY_BE_ANY = {
     "AlfeldSplit.to_record": TABLE,
+    **dict.fromkeys(
+        ("ConvexProblem.missed", "ConvexProblem.solve", "ConvexProblem.values"),
+        "expressions of cvxpy, which has no types",
+    ),
     "Region.to_record": TABLE,
     "Layout.dimensions": BELOW,
     "Layout.mesh": BELOW,

@@ -34,7 +34,7 @@ def bent():
     return pas.blend(contacts, 1)
 
 
-@pytest.mark.parametrize("length", ["1/2", 1])
+@pytest.mark.parametrize("length", ["1/2", pytest.param(1, marks=pytest.mark.slow)])
 def test_the_far_side_of_a_torus_is_no_part_of_a_body(bent, length):
     body = bent.solid(length)
     assert body.proved and not body.contains([(-4, 2.1, 0), (-4, 2.4, 0.1)]).any()
@@ -58,7 +58,7 @@ def test_the_other_nappe_of_a_cone_is_no_part_of_a_body(bent):
     assert pas.blend(tapering(), 1).solid(5).proved
 
 
-@pytest.mark.parametrize("length", ["1/2", 1])
+@pytest.mark.parametrize("length", ["1/2", pytest.param(1, marks=pytest.mark.slow)])
 def test_a_hollow_body_asks_no_more_of_its_cavity_than_of_its_outside(bent, length):
     """The cavity's tube is narrower, and goes on little beyond the caps."""
     wall = bent.hollow("1/8").solid(length)

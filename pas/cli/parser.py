@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, NoReturn
 
-from pas.cli import commands, problems
+from pas.cli import commands
 from pas.cli.common import EXIT_CODES, CommandResult, add_settings
 from pas.errors import meant
 from pas.exchange.formats import Request
@@ -118,7 +118,7 @@ OUTPUT = (
 COMMANDS = (
     Command(
         "blend",
-        problems.run_problem,
+        commands.run_problem,
         "find, prove, mesh and draw the blend of a problem file",
         PROBLEM,
         "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
@@ -127,11 +127,12 @@ COMMANDS = (
         "  [[pipes]]            # three of them, perpendicular, through one point\n"
         '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
         "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
-        "[points] (inside, outside, through, near), [normalize], prove, guard, basis.",
+        "[points] (inside, outside, through, near), [normalize], prove, guard, basis,\n"
+        "[mesh] (quality, max_triangles), [picture] (style, view, combs).",
     ),
     Command(
         "parametric",
-        problems.run_problem,
+        commands.run_problem,
         "find, prove, mesh and draw the parametric blend of a problem file",
         PROBLEM,
         "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
@@ -215,7 +216,7 @@ COMMANDS = (
     ),
     Command(
         "teapot",
-        problems.run_teapot,
+        commands.run_teapot,
         "build, prove, mesh and draw the teapot",
         (
             value("--style", "STYLE", "better (12 patches, all joined) or paper (8 patches)", default="better"),

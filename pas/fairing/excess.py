@@ -19,11 +19,10 @@ from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.evaluation import AREA, Evaluation
 from pas.fairing.surface_points import SurfacePoints
-from pas.surface.directions import Directions
+from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
-from pas.surface.directions import AROUND, circle, planes, runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""

@@ -61,7 +61,7 @@ class MemberProgramme:
             return None
         if not self.quadratic:
             return self._unit_optimum(rows)
-        return self._solved(self._programme(self.equations, self._points + rows))
+        return self._solved(self._programme(self.equations, self.points + rows))
 
     def possible(self, rows: Inequalities) -> bool:
         """Whether all constraints can hold together."""
@@ -69,11 +69,11 @@ class MemberProgramme:
             return False
         if not self.quadratic:
             return self.optimum(rows) is not None
-        return feasible(self._programme(self.equations, self._points + rows))
+        return feasible(self._programme(self.equations, self.points + rows))
 
     def holds(self, member: Floats) -> bool:
         """Whether the user's points and the normalisation hold for a member already."""
-        points, equations = self._points, self.equations
+        points, equations = self.points, self.equations
         slack = ROUNDING * self._radius
         left = equations[:, :-1] @ member - equations[:, -1]
         return bool((points.rows @ member >= points.at_least - slack).all() and (np.abs(left) <= slack).all())
@@ -102,7 +102,7 @@ class MemberProgramme:
 
     def step(self, hessian: Floats, linear: Floats, rows: Inequalities) -> Floats | None:
         """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
-        return self._solved(self._programme(self.equations, self._points + rows, hessian, linear))
+        return self._solved(self._programme(self.equations, self.points + rows, hessian, linear))
 
     @property
     def quadratic(self) -> bool:
@@ -215,7 +215,7 @@ class MemberProgramme:
         if not free.shape[1]:
             return None
         vector = free @ eigh(free.T @ self._hessian @ free, free.T @ gram @ free, subset_by_index=[0, 0])[1][:, 0]
-        inequalities = self._points + self._homogeneous(rows)
+        inequalities = self.points + self._homogeneous(rows)
         starts = sorted((vector, -vector), key=lambda q: self._missed(inequalities, q))
         if self._missed(inequalities, starts[0]) <= 0:
             return starts[0]
@@ -267,7 +267,8 @@ class MemberProgramme:
         return total
 
     @cached_property
-    def _points(self) -> Inequalities:
+    def points(self) -> Inequalities:
+        """The inequalities of the points wished to be inside and outside."""
         rows = Inequalities.none(self.basis.size)
         for kind, sign in SIDES:
             for values in self._values(kind):

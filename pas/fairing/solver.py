@@ -257,7 +257,7 @@ class FitSolver:
                 return None
             value = at.seen(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
-                damping *= s.slower
+                rows, damping = at.rows, damping * s.slower
                 continue
             missed = conditions.missed(new)
             if not len(missed):

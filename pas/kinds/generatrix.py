@@ -30,13 +30,13 @@ from pas.exchange.schema import (
 )
 from pas.kinds.parametric import exact_patches
 from pas.mesh.mesh import Mesh
-from pas.parametric.framed import extent
 from pas.parametric.generatrix.align import Alignment, alignment
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.meshing import RELATIVE
+from pas.parametric.nets import extent
 from pas.render.generatrix import layers, sphere_layers
 from pas.settings import MeshSettings
 from pas.shape import Kind

@@ -22,9 +22,8 @@ from pas.algebra.rational_function import RING, RationalFunction
 from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
 from pas.exchange.schema import ANYTHING, NUMBER, POINT, REAL, TEXT, WHOLE, Table, choice, list_of, maybe, row, table_of
 from pas.parametric.blends import ParametricBlend, blend_by, method_of
-from pas.parametric.conversion import bezier_patches
 from pas.parametric.data import BlendingData
-from pas.parametric.patches import ExactControl, RationalPatch
+from pas.parametric.patches import ExactControl, RationalPatch, bezier_patches
 from pas.parametric.surface import ParametricSurface
 from pas.render.parametric import blend_layers, surface_layers
 from pas.shape import Kind

@@ -19,9 +19,8 @@ from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
-from pas.parametric.framed import Framed
 from pas.parametric.maps import ParametricMap
-from pas.parametric.nets import SMALLEST, Nets, bernstein_at
+from pas.parametric.nets import SMALLEST, Framed, Nets, bernstein_at
 from pas.parametric.tiling import GRID, Placing
 
 PRODUCT = 32 * UNIT_ROUNDOFF

@@ -15,7 +15,7 @@ afresh: exact, scaled anew and rounded once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -138,16 +138,16 @@ class _Rectangles(Cells):
         """Both halves of all, across the parameter along which the coefficients change more."""
         changes = [np.abs(np.diff(self.table, axis=a)).max(axis=(1, 2, 3), initial=0.0) for a in (1, 2)]
         across = np.where(changes[0] == changes[1], self.steps.sum(axis=1) % 2, changes[0] < changes[1])
-        parts = []
-        for axis in sorted(set(across.tolist())):
-            cells = self.select(across == axis)
-            nets = Nets(cells.table, cells.off).halves(axis)
-            both = cells.joined([cells])
-            both.steps[:, axis] += 1
-            both.start[:, axis] *= 2
-            both.start[len(cells) :, axis] += 1
-            parts.append(replace(both, table=nets.table, off=nets.off))
-        return parts[0].joined(parts[1:])
+        if across.min() == across.max():
+            return self._halved(int(across[0]))
+        return self.select(across == 0)._halved(0).joined([self.select(across == 1)._halved(1)])
+
+    def _halved(self, axis: int) -> _Rectangles:
+        nets = Nets(self.table, self.off).halves(axis)
+        step = np.arange(2) == axis
+        start = self.start * (1 + step)
+        starts, steps = np.concatenate([start, start + step]), np.concatenate([self.steps + step] * 2)
+        return _Rectangles(self.chart, nets.table, nets.off, starts, steps)
 
 
 def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart, effort: int) -> ZeroSearch:
@@ -162,11 +162,14 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
     degrees = [max(int(p.degrees()[a]) for p in polynomials if not p.is_zero()) for a in (0, 1)]
     seeker, pending = _Seeker(polynomials, degrees, effort), [(chart, 0)]
     while pending:
-        part, depth = pending.pop()
+        part, depth = pending.pop(0)
         if depth >= DEPTH or len(pending) > RENEWALS:
             return ZeroSearch(Status.UNDECIDED, part.place(HALF, HALF), False, seeker.cells)
-        limits, work = Limits(HALVINGS, effort), "looking for common zeros"
-        found = search(seeker.whole(part), seeker.judge, _Rectangles.halves, limits, work)
+        whole = seeker.whole(part)
+        if avoids_origin(whole.table, whole.off)[0]:  # mostly, and then sooner than by a search
+            seeker.cells += 1
+            continue
+        found = search(whole, seeker.judge, _Rectangles.halves, Limits(HALVINGS, effort), "looking for common zeros")
         if len(found.refuted):
             return ZeroSearch(Status.REFUTED, seeker.zero, seeker.exact, seeker.cells)
         if len(found.open):
@@ -202,9 +205,11 @@ class _Seeker:
     def judge(self, cells: _Rectangles, depth: int) -> Fates:
         """Settled where there is no zero; kept where coefficients are to be worked out afresh."""
         if self.cells + len(cells) > self.effort:
-            return np.full(len(cells), Fate.WAIT)
+            return np.full(len(cells), int(Fate.WAIT))
         self.cells += len(cells)
-        fates = np.where(avoids_origin(cells.table, cells.off), Fate.SETTLED, Fate.SPLIT)
+        fates = np.where(avoids_origin(cells.table, cells.off), int(Fate.SETTLED), int(Fate.SPLIT))
+        if not fates.any():
+            return fates
         greatest, off = np.abs(cells.table).max(axis=(1, 2)), cells.off[:, None]
         worn = ((greatest > 0) & (off > WORN * greatest)).any(axis=1) | (depth == HALVINGS)
         fates[worn & (fates == Fate.SPLIT)] = Fate.KEEP
@@ -224,8 +229,10 @@ class _Seeker:
             if place is not None and self._vanish(place):
                 self.zero = place
                 return int(number)
-        changing = (values < -off).any(axis=1) & (values > off).any(axis=1) & (len(self.polynomials) == 1)
-        for number in np.flatnonzero(changing).tolist():
+        signs = np.zeros(0, dtype=np.intp)
+        if len(self.polynomials) == 1:
+            signs = np.flatnonzero((values < -off).any(axis=1) & (values > off).any(axis=1))
+        for number in signs.tolist():
             corners = [divmod(int(i), 2) for i in (values[number].argmin(), values[number].argmax())]
             if all(cells.place(number, corner) is not None for corner in corners):
                 self._bisect(cells.chart, *(cells.point(number, corner) for corner in corners))

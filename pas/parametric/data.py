@@ -161,7 +161,7 @@ class BlendingData:
             raise GeometryError(f"{name}: its domain there is [{low:.6g}, {high:.6g}]")
         if surface.is_exact:
             for axis, component in zip(AXES, surface.components, strict=True):
-                if not component.is_polynomial and taylor(component.denominator, value, 0)[0].is_zero():
+                if taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
             return
         low, high = surface.domain[0]
@@ -209,8 +209,7 @@ def _isolated(
     found = []
     for factor, _ in below.factor()[1] if below.degree() > 0 else ():
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
-        for root in rounded_roots(factor):
-            if domain[0] <= root <= domain[1]:
-                text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
-                found.append(IsolatedPoint(number, axis, root, value, text, kind))
+        text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
+        roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]
+        found += [IsolatedPoint(number, axis, root, value, text, kind) for root in roots]
     return sorted(found, key=lambda p: p.t)

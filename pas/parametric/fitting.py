@@ -25,10 +25,9 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
-from pas.parametric.framed import Framed, exact_rectangle
 from pas.parametric.maps import ParametricMap
 from pas.parametric.meshing import RELATIVE
-from pas.parametric.nets import Nets, exact_net
+from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 

@@ -34,9 +34,8 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.bounds import Examination, NetPoints, bounded, measured, surface_points
 from pas.parametric.domain import DomainLike
-from pas.parametric.framed import Framed, Rectangle, exact_rectangle
 from pas.parametric.maps import ParametricMap
-from pas.parametric.nets import Nets, exact_net
+from pas.parametric.nets import Framed, Nets, Rectangle, exact_net, exact_rectangle
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
 
 RELATIVE = 1e-3
@@ -122,7 +121,7 @@ def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
         (low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides
     )
     exact = exact_net(framed.bounded, (first, second))
-    size = len(exact.below), len(exact.below[0])
+    size = exact.weights.shape
     return exact.rounded(framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
 

@@ -1,49 +1,194 @@
-"""Bernstein nets of exact surfaces over rectangles, exact, and halved in doubles with bounds on rounding.
+"""Finite rectangles of parameters, surfaces in a frame of their own, and their Bernstein nets.
+
+In its frame a surface is over the unit square, and about as large as 1.  Bounds and meshes are made there, so that they
+do not depend on the units of space or parameters: squares of distances neither vanish nor overflow, and the parameters
+of halved rectangles are exact.  Space is scaled by a power of two, which rounds nothing.
 
 A rational surface over one denominator is a net in four coordinates, weight times point and weight (Farin 2002,
-chapter 13).
+chapter 13): exact, and halved in doubles with bounds on rounding.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
 from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
+from numpy.typing import NDArray
 
+from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_float
+from pas.algebra.rational import rational, to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
-from pas.bernstein.boxes import Table, box_form
+from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
-from pas.bernstein.subdivision import halved
-from pas.parametric.framed import Rectangle
+from pas.bernstein.subdivision import halved, halves
+from pas.errors import GeometryError
+from pas.parametric.domain import Domain, DomainLike, Interval
 from pas.parametric.maps import ParametricMap
+
+Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
+
+
+def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:
+    """The finite rectangle to mesh, exact as its ends are given: `domain`, completed by the surface's own.
+
+    An interval None, or an end None, is that of the surface.  Raises `ValueError` naming a parameter that has no
+    finite interval or one outside the surface's domain.
+    """
+    given, result = surface.with_domain(domain), []
+    for axis, name in enumerate(surface.parameters):
+        own = surface.domain[axis]
+        low, high = (e if math.isfinite(e) else o for e, o in zip(given.domain[axis], own, strict=True))
+        if not math.isfinite(high - low):
+            sides = ["(-1, 1)" if not np.isfinite(side).all() else "None" for side in surface.domain]
+            raise ValueError(
+                f"the domain of {name} is infinite ({low:g} to {high:g}); "
+                f"give a finite one, such as domain=({', '.join(sides)})"
+            )
+        if not own[0] <= low < high <= own[1]:
+            raise ValueError(
+                f"the interval [{low:g}, {high:g}] of {name} is not within the surface's domain "
+                f"[{own[0]:g}, {own[1]:g}]"
+            )
+        lows, highs = zip(surface.ends[axis], given.ends[axis], strict=True)
+        ends = max(rational(e) for e in lows if e is not None), min(rational(e) for e in highs if e is not None)
+        result.append(ends)  # a double given for an end may lie outside by its rounding
+    return result[0], result[1]
+
+
+def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
+    """The finite rectangle to mesh in doubles; raises as `exact_rectangle` does."""
+    first, second = ((to_float(low), to_float(high)) for low, high in exact_rectangle(surface, domain))
+    return first, second
+
+
+@dataclass(frozen=True)
+class Framed:
+    """`surface` is P(low + (high - low) u, ...) / 2^exponent over [0, 1]^2, with `bounded` P and its finite domain."""
+
+    bounded: ParametricMap
+    surface: ParametricMap
+    exponent: int
+    size: float
+
+    @classmethod
+    def of(cls, bounded: ParametricMap) -> Framed:
+        """Of a surface with a finite domain; raises as `extent` does."""
+        size = extent(bounded)
+        exponent = math.frexp(size)[1] - 1
+        first, second = bounded.domain
+
+        def values(u: Any, v: Any) -> tuple[Any, ...]:
+            parts = bounded.values(_moved(u, first), _moved(v, second))
+            return tuple(_scaled(part, -exponent) for part in parts)
+
+        made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
+        return cls(bounded, made, exponent, math.ldexp(size, -exponent))
+
+    @property
+    def unit(self) -> fmpq:
+        """2^exponent."""
+        return fmpq(2) ** self.exponent if self.exponent >= 0 else 1 / fmpq(2) ** -self.exponent
+
+    def inside(self, length: float) -> float:
+        """A length of the model's in this frame; at most 1e300."""
+        return min(_ldexp(length, -self.exponent), 1e300)
+
+    def outside(self, length: float) -> float:
+        """A bound of this frame in the model's lengths, rounded upwards, points being rounded to doubles."""
+        return math.nextafter(_ldexp(length, self.exponent), math.inf) + 2 * math.ulp(0.0)
+
+    def points_outside(self, points: Floats) -> Floats:
+        """Points of this frame in space."""
+        return np.asarray(np.ldexp(points, self.exponent))
+
+    def exact_parameters(self, shares: Sequence[fmpq]) -> list[fmpq]:
+        """Exact parameters of the surface from those of the unit square; the domain must be finite."""
+        found = []
+        for share, (low, high) in zip(shares, self.bounded.ends, strict=True):
+            assert low is not None and high is not None
+            found.append(rational(low) + rational(high - low) * share)
+        return found
+
+    def parameters_outside(self, shares: Floats) -> Floats:
+        """Parameters (..., 2) of the surface from those of the unit square."""
+        parts = [_moved(shares[..., axis], interval) for axis, interval in enumerate(self.bounded.domain)]
+        return np.stack(parts, axis=-1)
+
+
+def extent(surface: ParametricMap) -> float:
+    """The longest side of the box around a few points of a surface on a finite domain.
+
+    Raises `GeometryError` where that is zero or infinite.
+    """
+    t, h = (_moved(np.linspace(0.0, 1.0, 17), interval) for interval in surface.domain)
+    points = surface.on_grid(t, h).reshape(-1, 3)
+    points = points[np.isfinite(points).all(axis=1)]
+    with np.errstate(over="ignore"):
+        size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    if not 0 < size < math.inf:
+        raise GeometryError("the surface is a single point, or has no finite points, on this domain")
+    return size
+
+
+def _moved(u: Any, interval: Interval) -> Any:
+    """low + (high - low) u, at arrays or series, such that ends go to ends and nothing outside."""
+    low, high = interval
+    width = high - low
+    share = u.value if isinstance(u, Jet) else np.asarray(u, dtype=float)
+    place = np.clip(np.where(share <= 0.5, low + width * share, high - width * (1.0 - share)), low, high)
+    if not isinstance(u, Jet):
+        return place
+    coefficients = u.coefficients * width
+    coefficients[0, 0] = place
+    return Jet(coefficients)
+
+
+def _scaled(part: Any, exponent: int) -> Any:
+    return Jet(np.ldexp(part.coefficients, exponent)) if isinstance(part, Jet) else np.ldexp(part, exponent)
+
+
+def _ldexp(number: float, exponent: int) -> float:
+    return float(np.ldexp(number, exponent))
+
 
 SMALLEST = math.ulp(0.0)
 """By which the smallest numbers err that doubles hold."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactNet:
-    """An exact surface over a rectangle: tables of the three numerators and of the common denominator.
+    """An exact surface over a rectangle: an array (m+1, n+1, 4) of rationals, three numerators and their denominator.
 
-    All have the shape (m+1, n+1), m and n at least 1; the denominator is positive in the middle, if not zero there.
+    m and n are at least 1; the denominator is positive in the middle, if not zero there.
     """
 
-    tops: tuple[Table, Table, Table]
-    below: Table
+    table: NDArray[np.object_]
     rectangle: Rectangle
+
+    @property
+    def weights(self) -> NDArray[np.object_]:
+        """The coefficients (m+1, n+1) of the denominator."""
+        return self.table[..., 3]
+
+    def halves(self, axis: int) -> tuple[ExactNet, ExactNet]:
+        """Both halves along a parameter."""
+        low, high = self.rectangle[axis]
+        sides, (first, second) = list(self.rectangle), halves(self.table, axis)
+        sides[axis] = low, (low + high) / 2
+        lower = ExactNet(first, (sides[0], sides[1]))
+        sides[axis] = (low + high) / 2, high
+        return lower, ExactNet(second, (sides[0], sides[1]))
 
     def rounded(self, unit: fmpq | int = 1) -> Nets:
         """The net in doubles, scaled exactly to weights of at most 1, lengths over `unit`, as one cell."""
-        scale = max(abs(w) for row in self.below for w in row)
-        scales = (*(scale * unit,) * 3, scale)
-        pairs = zip((*self.tops, self.below), scales, strict=True)
-        net = np.stack([np.array([[to_float(c / s) for c in row] for row in table]) for table, s in pairs], axis=-1)
+        scale = np.abs(self.weights).max()
+        net = np.vectorize(to_float, otypes=[float])(self.table / np.array([*(scale * unit,) * 3, scale]))
         return Nets(net[None], np.array([UNIT_ROUNDOFF * np.abs(net).max() + SMALLEST]))
 
 
@@ -79,20 +224,13 @@ def exact_net(surface: ParametricMap, rectangle: Rectangle) -> ExactNet:
     below = ONE
     for c in surface.components:
         below = lcm(below, c.denominator)
-    parts = [
-        _moved(p, rectangle) for p in (*(c.numerator * (below / c.denominator) for c in surface.components), below)
-    ]
+    moved = [low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True)]
+    whole = [*(c.numerator * (below / c.denominator) for c in surface.components), below]
+    parts = [p.compose(*moved, ctx=RING) for p in whole]
     sizes = [p.degrees() for p in parts if not p.is_zero()]
     degrees = [max(1, *(int(d[axis]) for d in sizes)) for axis in (0, 1)]
     sign = -1 if parts[3](fmpq(1, 2), fmpq(1, 2)) < 0 else 1
-    x, y, z, w = (box_form(p * sign, degrees) for p in parts)
-    return ExactNet((x, y, z), w, rectangle)
-
-
-def _moved(polynomial: fmpq_mpoly, rectangle: Rectangle) -> fmpq_mpoly:
-    """The polynomial as one on [0, 1]^2."""
-    first, second = (low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True))
-    return polynomial.compose(first, second, ctx=RING)
+    return ExactNet(np.stack([np.array(box_form(p * sign, degrees)) for p in parts], axis=-1), rectangle)
 
 
 def bernstein_at(degree: int, t: Floats, order: int = 0) -> Floats:

@@ -1,9 +1,11 @@
-"""Rational tensor-product patches: Bezier and B-spline, with control points, weights and knots.
+"""Rational tensor-product patches, Bezier and B-spline, and exact surfaces as such.
 
     x(u, v) = sum w_ij N_i(u) N_j(v) p_ij / sum w_ij N_i(u) N_j(v)
 
-N_i are the B-splines of clamped knots, each end as often as the degree and once more (Piegl and Tiller 1997,
-chapters 3 and 4); with no other knots they are the Bernstein polynomials of the interval.
+N_i are the B-splines of clamped knots, each end as often as the degree and once more; with no other knots they are the
+Bernstein polynomials of the interval.  Over a rectangle an exact surface is a rational Bezier patch over its least
+common denominator; weights are the denominator's Bernstein coefficients.  Where these are not all positive the
+rectangle is halved: if the denominator has no zero they become positive.
 
 Guaranteed: a patch of an exact surface keeps its control points and weights as fractions, and `surface` gives back the
 same rational functions; that of any Bezier patch is exact for the doubles that it has.  Weights are positive, so the
@@ -17,18 +19,22 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.expressions import Names
+from pas.algebra.inputs import short
 from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
+from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
-from pas.limits import Report, limited
+from pas.errors import GeometryError
+from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.nets import bernstein_at, bernstein_polynomials
+from pas.parametric.domain import DomainLike
+from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 from pas.settings import MeshSettings
@@ -49,7 +55,7 @@ class ExactControl:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RationalPatch(Shape):
-    """A rational patch with control points (r, s, 3) and positive weights (r, s).
+    """A rational patch with control points (r, s, 3) and positive weights (r, s) (Piegl and Tiller 1997, 3 and 4).
 
     `knots` are two clamped knot vectors, of lengths r + m + 1 and s + n + 1 for the degrees (m, n); without them the
     patch is a Bezier patch on [0, 1]^2.  `exact` is what the doubles stand for, where that is known.
@@ -202,3 +208,82 @@ def _checked(knots: Any, size: int, name: str) -> Floats:
     if not (np.isfinite(array).all() and (np.diff(array) >= 0).all() and clamped and array[0] < array[-1]):
         raise ValueError(f"the knots of {name} must not fall, with each end {degree + 1} times")
     return array
+
+
+def bezier_patch(surface: ParametricSurface, domain: DomainLike = None) -> RationalPatch:
+    """The exact rational Bezier patch of an exact surface over a rectangle of rational numbers.
+
+    `domain` is by default the surface's own, None for an interval or an end that is its own.  Raises `ValueError` for a
+    surface that is not exact or an infinite domain, `GeometryError` where a weight is not positive: then
+    `bezier_patches` gives several patches, if there is no pole (Farouki and Rajan 1988).
+    """
+    net = exact_net(surface, exact_rectangle(surface, domain))
+    least = net.weights.min()
+    if least <= 0:
+        raise GeometryError(
+            f"a weight of this patch is not positive ({short(plain(least))}); bezier_patches splits it into several"
+        )
+    return _patch(net)
+
+
+@limited("splitting a surface into patches", "a smaller domain")
+def bezier_patches(
+    surface: ParametricSurface,
+    domain: DomainLike = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+) -> tuple[RationalPatch, ...]:
+    """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
+
+    The rectangle is halved until all weights are positive (Farouki and Rajan 1988).
+
+    Raises what `bezier_patch` raises, but `GeometryError` only for a pole.
+    """
+    pending = [(exact_net(surface, exact_rectangle(surface, domain)), 0)]
+    found: list[RationalPatch] = []
+    while pending:
+        net, depth = pending.pop()
+        checkpoint("splitting a surface into patches")
+        if net.weights.min() > 0:
+            found.append(_patch(net))
+            continue
+        if depth >= 16 or net.weights[[0, 0, -1, -1], [0, -1, 0, -1]].min() <= 0:  # by then there is a zero
+            place = ", ".join(
+                f"{name} = {to_float((a + b) / 2):.6g}"
+                for name, (a, b) in zip(surface.parameters, net.rectangle, strict=True)
+            )
+            raise GeometryError(
+                f"the surface has, or nearly has, a pole or base point near {place}; give a domain that avoids it"
+            )
+        pairs = [
+            net.halves(axis) for axis in (0, 1)
+        ]  # that is taken in which the least weight over the greatest is most
+        best = max(pairs, key=lambda pair: min(half.weights.min() / np.abs(half.weights).max() for half in pair))
+        pending += [(half, depth + 1) for half in reversed(best)]
+    return tuple(found)
+
+
+def _patch(net: ExactNet) -> RationalPatch:
+    """The patch of a net; weights are as they are unless doubles would not hold them, then over the greatest."""
+    least, greatest, lightest = net.weights.min(), net.weights.max(), fmpq(1, 10**100)
+    if least / greatest < lightest:
+        raise GeometryError(
+            "the weights of this patch differ by more than a factor of 1e+100; convert a part of the domain where the "
+            "denominators vary less"
+        )
+    scale = fmpq(1) if least > lightest and greatest < 1 / lightest else greatest
+    fractions = np.vectorize(to_fraction, otypes=[object])
+    points, weights = fractions(net.table[..., :3] / net.weights[..., None]), fractions(net.weights / scale)
+    ends = fractions(np.array(net.rectangle))
+    knots = tuple(np.repeat(e, size) for e, size in zip(_doubles(ends), weights.shape, strict=True))
+    exact = ExactControl(points, weights, ends)
+    return RationalPatch(_doubles(points), _doubles(weights), (knots[0], knots[1]), exact)
+
+
+def _doubles(numbers: Any) -> Floats:
+    """An array of fractions in doubles; raises `GeometryError` where one is beyond their range."""
+    found = np.vectorize(lambda x: to_float(rational(x)), otypes=[float])(numbers)
+    if not np.isfinite(found).all():
+        raise GeometryError("a control point is beyond the range of doubles (1.8e308); scale the surface")
+    return np.asarray(found)

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq_mpoly, fmpq_poly
-
 from pas.algebra.brief import brief
 from pas.algebra.callables import ComponentLike, component
 from pas.algebra.inputs import short
@@ -45,7 +43,8 @@ class ParametricSolutions:
     def multiplier(self) -> RationalFunction:
         """W = prod (h - s_i)^(k+1)."""
         names = self.particular.parameters
-        return RationalFunction.from_lowest_terms(univariate(self._blending, 1), ONE, names)
+        whole = blending_polynomial(self.data.values, self.order)
+        return RationalFunction.from_lowest_terms(univariate(whole, 1), ONE, names)
 
     def member(self, x: ComponentLike, y: ComponentLike, z: ComponentLike) -> ParametricSurface:
         """The blend for chosen R1, R2, R3: strings, sympy expressions, numbers (or callables).
@@ -71,18 +70,13 @@ class ParametricSolutions:
             return tuple(p + factor * r.formula(t, h) for p, r in zip(start, parts, strict=True))
 
         def source() -> Components:
-            made = [
-                t + self.multiplier * r.exact
-                for t, r in zip(self.particular.components, parts, strict=True)
-                if r.exact is not None
-            ]
-            return made[0], made[1], made[2]
+            exact = [part.exact for part in parts if part.exact is not None]
+            x, y, z = (t + self.multiplier * r for t, r in zip(self.particular.components, exact, strict=True))
+            return x, y, z
 
-        reason = next((p.reason for p in parts if p.exact is None), "")
-        exact = self.particular.is_exact and not reason
-        return ParametricSurface.from_parts(
-            values, source if exact else None, names, self.particular.ends, reason or self.particular.inexact
-        )
+        reason = next((p.reason for p in parts if p.exact is None), "") or self.particular.inexact
+        made = source if self.particular.is_exact and not reason else None
+        return ParametricSurface.from_parts(values, made, names, self.particular.ends, reason)
 
     def coordinates(self, surface: ParametricSurface) -> Components | None:
         """The R of an exact surface, None where it is not among these blends."""
@@ -102,13 +96,9 @@ class ParametricSolutions:
         kind = "polynomial" if self.polynomial else "rational"
         return f"T + W (R1, R2, R3) with W = {self.multiplier} and {kind} R"
 
-    @cached_property
-    def _blending(self) -> fmpq_poly:
-        return blending_polynomial(self.data.values, self.order)
-
     def _pole(self, r: RationalFunction) -> str | None:
         """The value at which a denominator vanishes for every t."""
-        return next((short(plain(s)) for s in self.data.values if _vanishes(r.denominator, s)), None)
+        return next((short(plain(s)) for s in self.data.values if taylor(r.denominator, s, 0)[0].is_zero()), None)
 
     def _require_allowed(self, r: RationalFunction, axis: int) -> None:
         if self.polynomial and not r.is_polynomial:
@@ -119,7 +109,3 @@ class ParametricSolutions:
                 f"R{axis + 1} has a pole along {r.names[1]} = {pole}, where the blend's {AXES[axis]} is prescribed; "
                 "its denominator must not vanish there"
             )
-
-
-def _vanishes(denominator: fmpq_mpoly, value: Any) -> bool:
-    return not denominator.is_constant() and bool(taylor(denominator, value, 0)[0].is_zero())

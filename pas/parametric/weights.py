@@ -15,9 +15,10 @@ normalised weights f_i / sum f_j do, keep the order of contact, and commute with
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from math import prod
 from typing import Any
 
@@ -72,22 +73,20 @@ class Weights:
             raise TypeError(f"normalized must be true or false, not {shown(normalized)}")
         if exponent is None:
             exponent = k + 1 if len(at) == 2 or k % 2 else k + 2
-        power = whole(exponent, "exponent", k + 1, HIGHEST_EXPONENT, f"for contact of order {k}")
-        for name, value in (("values", at), ("balance", _balance(balance, len(at)))):
+        m = whole(exponent, "exponent", k + 1, HIGHEST_EXPONENT, f"for contact of order {k}")
+        fields = {"values": at, "balance": _balance(balance, len(at)), "exponent": m, "normalized": normalized}
+        for name, value in fields.items():
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "exponent", power)
-        object.__setattr__(self, "normalized", normalized)
 
     @cached_property
     def functions(self) -> tuple[RationalFunction, ...]:
         """The weights as exact functions of h."""
-        sums = [above + rest for above, rest in self._parts]
+        pairs = self._pairs([fmpq_poly([-s, 1]) for s in self.values], self.balance)
         if not self.normalized:
-            return tuple(_quotient(above, whole) for (above, _), whole in zip(self._parts, sums, strict=True))
-        everything = prod(sums, start=fmpq_poly([1]))
-        tops = [above * (everything / whole) for (above, _), whole in zip(self._parts, sums, strict=True)]
-        total = sum(tops, fmpq_poly([0]))
-        return tuple(_quotient(top, total) for top in tops)
+            return tuple(_quotient(above, above + rest) for above, rest in pairs)
+        everything = prod((above + rest for above, rest in pairs), start=fmpq_poly([1]))
+        tops = [above * (everything / (above + rest)) for above, rest in pairs]
+        return tuple(_quotient(top, sum(tops, fmpq_poly([0]))) for top in tops)
 
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
@@ -103,40 +102,23 @@ class Weights:
     def __call__(self, h: ArrayLike) -> list[Any]:
         """Values of all weights at an array, or jets at a jet, from the factors as they stand."""
         at: Any = h if isinstance(h, Jet) else np.asarray(h, dtype=float)
-        steps = [at - to_float(s) for s in self.values]
         with np.errstate(all="ignore"):
-            result = [self._weight(steps, i) for i in range(len(steps))]
-            if not self.normalized:
-                return result
+            pairs = self._pairs([at - to_float(s) for s in self.values], [to_float(u) for u in self.balance])
+            result = [above / (above + rest) for above, rest in pairs]
             everything: Any = sum(result[1:], result[0])
-            return [f / everything for f in result]
+            return [f / everything for f in result] if self.normalized else result
 
-    def _weight(self, steps: Sequence[Any], number: int) -> Any:
-        others: Any = None
-        for i, step in enumerate(steps):
-            if i != number:
-                others = step if others is None else others * step
-        u = to_float(self.balance[number])
-        above = u * power(others * self._sign, self.exponent)
-        return above / (above + (1.0 - u) * power(steps[number], self.exponent))
+    def _pairs(self, steps: Sequence[Any], shares: Sequence[Any]) -> list[tuple[Any, Any]]:
+        """N_i and (1 - u_i) (h - s_i)^m from the steps h - s_i: polynomials, arrays or jets.
 
-    @property
-    def _sign(self) -> int:
-        """For two surfaces and an odd exponent (s_j - h)^m in place of (h - s_j)^m."""
-        return -1 if len(self.values) == 2 and self.exponent % 2 else 1
-
-    @cached_property
-    def _parts(self) -> list[tuple[fmpq_poly, fmpq_poly]]:
-        """N_i and (1 - u_i) (h - s_i)^m."""
-        factors = [fmpq_poly([-s, 1]) for s in self.values]
-        parts = []
-        for i, u in enumerate(self.balance):
-            others = fmpq_poly([self._sign])
-            for j, factor in enumerate(factors):
-                if j != i:
-                    others = others * factor
-            parts.append((others**self.exponent * u, factors[i] ** self.exponent * (1 - u)))
-        return parts
+        For two surfaces and an odd exponent (s_j - h)^m stands in place of (h - s_j)^m.
+        """
+        sign = -1 if len(steps) == 2 and self.exponent % 2 else 1
+        pairs = []
+        for i, (step, u) in enumerate(zip(steps, shares, strict=True)):
+            others = reduce(operator.mul, [s for j, s in enumerate(steps) if j != i])
+            pairs.append((power(others * sign, self.exponent) * u, power(step, self.exponent) * (1 - u)))
+        return pairs
 
 
 def _balance(balance: Any, size: int) -> tuple[fmpq, ...]:

@@ -171,6 +171,9 @@ class Session:
     def __exit__(self, *_: object) -> None:
         _OPEN.set(_OPEN.get()[:-1])
 
+    def __repr__(self) -> str:
+        return f"<Session with {len(self)} of {self.most} blends>"
+
     def __len__(self) -> int:
         return len(self._kept)
 
@@ -236,5 +239,8 @@ def open_session() -> Session | None:
 
 
 def keep_blends(most: int = USUAL) -> None:
-    """Open a session without end, or with 0 none: the name of `pas.Session` up to now, kept for one version."""
+    """Open a session without end, or with 0 none: the name of `pas.Session` up to now, kept for one version.
+
+    Raises `ValueError` and `TypeError` for a wrong number.
+    """
     _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())

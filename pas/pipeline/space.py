@@ -21,6 +21,7 @@ from pas.fairing.energy import Energy, as_energy
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.wishes import Handle, Options, PointOptions, PointsLike, Wishes, as_wishes, exact_points
 from pas.limits import Report, checkpoint, limited
+from pas.pipeline.convex_problem import ConvexProblem
 from pas.pipeline.fit import fit
 from pas.pipeline.result import Blend
 from pas.pipeline.stages import OnStage, Stages
@@ -102,6 +103,14 @@ class SolutionSpace(Space):
         `NotProvedError` where the choice does not pass the proofs that were wished for.
         """
         return fit(self, as_wishes(wishes).changed(**options), Stages(on_stage))
+
+    def problem(self, wishes: Wishes | None = None, **options: Unpack[Options]) -> ConvexProblem:
+        """The choice by a quadratic energy (`pas.ThinPlate()` by default) as a convex programme of cvxpy.
+
+        Constraints and terms of one's own are added to it; see `pas.ConvexProblem`.  Raises `NoSolutionError` for an
+        empty space, `InfeasibleError` for wishes that contradict, `ValueError` for an energy of the surface.
+        """
+        return ConvexProblem(self, as_wishes(wishes).changed(**options))
 
     @limited("finding the optimum", "a lower degree")
     def optimum(

@@ -16,7 +16,7 @@ from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.curves import Forms
 from pas.parametric.domain import Domain
-from pas.parametric.framed import extent, finite_domain
+from pas.parametric.nets import extent, finite_domain
 from pas.parametric.surface import ParametricSurface
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 

@@ -17,7 +17,7 @@ from pas.layouts.kinds import LAYOUTS
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML takes without quotes."""
 
-VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "picture"}
+VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "mesh", "picture"}
 """Keys of a problem of contacts that a call of `pas.blend` says, or that do not matter to the shape."""
 
 NONE: tuple[Any, ...] = ([], {})

@@ -227,6 +227,7 @@ def test_ten_thousand_changed_files(chunk, worker, tmp_path):
     assert not hunt(range(FEW + chunk, FEW + MANY, CHUNKS), worker, tmp_path)
 
 
+@pytest.mark.slow
 def test_the_files_are_good_before_they_are_changed(worker, tmp_path):
     for base in bases():
         for command in base.commands:

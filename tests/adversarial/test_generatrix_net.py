@@ -22,7 +22,7 @@ import pas
 from pas.parametric.generatrix.blend import generatrix_blend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.crossings import crossings
-from pas.parametric.generatrix.exact import ExactCurve
+from pas.parametric.generatrix.paths import ExactCurve
 from pas.parametric.generatrix.quadric import Quadric, read_plane
 from pas.parametric.generatrix.sections import conic_section, ellipse_bounds
 from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction

@@ -13,7 +13,7 @@ from parametric_cases import ONE, POWERS, Case, H, T, case, number
 from parametric_contacts import contact_case
 
 import pas
-from pas.parametric.framed import extent
+from pas.parametric.nets import extent
 from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import base_points, regularity
 from pas.parametric.surface import ParametricSurface

@@ -19,9 +19,8 @@ from pas.parametric.bounds import NetPoints, bounded
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
-from pas.parametric.framed import Framed, exact_rectangle
 from pas.parametric.generatrix.crossings import is_injective
-from pas.parametric.nets import Nets, exact_net
+from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import positive_on_unit_square, regularity
 from pas.parametric.series import roots_and_sides, roots_between

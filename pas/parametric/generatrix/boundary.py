@@ -27,12 +27,13 @@ from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.curves import SurfaceCurve
 from pas.parametric.generatrix.checks import CHECKED, closes, require_boundary, require_on
-from pas.parametric.generatrix.exact import ExactCurve, exact_cross
 from pas.parametric.generatrix.paths import (
     NAMES,
     Curve,
     CurveLike,
+    ExactCurve,
     by_length,
+    exact_cross,
     on_unit_interval,
     read_path,
     splined,

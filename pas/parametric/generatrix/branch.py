@@ -26,8 +26,7 @@ from pas.algebra.rational import Exact
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.paths import on_unit_interval
-from pas.parametric.generatrix.pencil import Rulings
-from pas.parametric.generatrix.quadric import Quadric, text, to_array
+from pas.parametric.generatrix.quadric import Quadric, Rulings, text, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind
 
 

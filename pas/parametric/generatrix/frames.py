@@ -132,17 +132,11 @@ class Frames:
         """Points and P_s x P_t over a common number on a grid: (n, m, 3) each."""
         s = self.grid(size[0])[0]
         controls, slopes = self.controls(shape, s, size[0])
-        value, slope = bernstein(self.degree, size[1])
+        t = np.linspace(0.0, 1.0, size[1])
+        value, slope = bernstein_at(self.degree, t), bernstein_at(self.degree, t, 1)
         points = _combined(value, controls)
         across, along = (_combined(b, np.ldexp(c, -exponent(c))) for b, c in ((value, slopes), (slope, controls)))
         return points, _crossed(across, along)
-
-
-@lru_cache(maxsize=64)
-def bernstein(degree: int, size: int) -> tuple[Floats, Floats]:
-    """Bernstein polynomials and their derivatives at `size` even t in [0, 1]: (size, degree + 1) each."""
-    t = np.linspace(0.0, 1.0, size)
-    return bernstein_at(degree, t), bernstein_at(degree, t, 1)
 
 
 def _combined(weights: Floats, controls: Floats) -> Floats:

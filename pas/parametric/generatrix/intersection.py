@@ -22,8 +22,17 @@ from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Vector, to_float
 from pas.errors import GeometryError
 from pas.parametric.generatrix.branch import QuadricBranch, QuadricPair, trigonometric
-from pas.parametric.generatrix.pencil import DEGREE, PLANES, Member, Rulings, members, planes_of, rulings
-from pas.parametric.generatrix.quadric import Quadric, text
+from pas.parametric.generatrix.quadric import (
+    DEGREE,
+    PLANES,
+    Member,
+    Quadric,
+    Rulings,
+    members,
+    planes_of,
+    rulings,
+    text,
+)
 from pas.parametric.generatrix.sections import ConicKind, conic_section
 
 SAMPLES = 2048

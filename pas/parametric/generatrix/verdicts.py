@@ -34,9 +34,8 @@ from pas.bernstein.subdivision import halves
 from pas.parametric.common_zeros import avoids_origin
 from pas.parametric.generatrix.align import alignment
 from pas.parametric.generatrix.crossings import crossings, double_point, is_injective
-from pas.parametric.generatrix.exact import exact_dot
 from pas.parametric.generatrix.form import GeneratrixForm
-from pas.parametric.generatrix.paths import NAMES
+from pas.parametric.generatrix.paths import NAMES, exact_dot
 from pas.parametric.regularity import regularity
 from pas.verdicts import Point, Status, Verdict, Verdicts
 
