@@ -144,6 +144,7 @@ ANGLED = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ANGLED)
 @pytest.mark.parametrize("quality", ["balanced", "angles"])
 def test_small_angles_are_at_curves_and_along_straight_lines(name, quality):
