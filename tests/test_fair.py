@@ -16,7 +16,7 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.objective import SurfaceObjective
-from pas.fairing.solver import Conditions, FitSolver
+from pas.fairing.solver import FitSolver, RayConditions
 from pas.fairing.surface_points import QUANTITIES, differences
 from pas.pipeline.search import SearchSettings
 from pas.surface.fairness import spiral
@@ -35,7 +35,7 @@ def space():
 def objective_of(space, energy, limits=STRICT):
     """The objective from the first clean member of a space, and that member."""
     solver = FitSolver(space.prepared, pas.Wishes(energy=energy, limits=limits))
-    first = solver.started(Conditions(space.prepared, 16, 1.0, 0.5))
+    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
     return first.objective, first.member
 
 

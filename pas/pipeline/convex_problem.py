@@ -14,7 +14,7 @@ from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
 from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import Conditions, FitSolver, Iterate
+from pas.fairing.solver import FitSolver, Iterate, RayConditions
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
 from pas.pipeline.result import Blend
@@ -50,7 +50,7 @@ class ConvexProblem:
         check_wishes(wishes, space.placed)
         self.space, self.wishes = space, wishes
         self._solver = FitSolver(space.prepared, wishes)
-        self._conditions = Conditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+        self._conditions = RayConditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
         cvxpy: Any = import_module("cvxpy")
         programme = self._solver.programme
         if programme.exact is None:
